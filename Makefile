@@ -1,0 +1,135 @@
+# KINDYNA. The two commands of a user are `make run` and `make test`; both set everything up by themselves.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -euo pipefail -c
+.ONESHELL:
+.DELETE_ON_ERROR:
+.SUFFIXES:
+MAKEFLAGS += --no-builtin-rules
+.DEFAULT_GOAL := help
+
+PYTHON ?= python3
+ARGS ?=
+
+# What the wheels of Qt expect of the system. `make run SYSTEM_PACKAGES=` leaves the system alone.
+SYSTEM_PACKAGES := \
+	libegl1 libgl1 libglib2.0-0 libdbus-1-3 libfontconfig1 libxkbcommon0 \
+	libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxkbcommon-x11-0 libxcb-shape0 \
+	fonts-dejavu-core fonts-nanum
+# What the tests of a real window need besides; without it they are skipped.
+TEST_PACKAGES := xvfb xauth
+
+# Nothing in the caller's environment may bend the interpreter, pip or pytest.
+unexport PYTHONPATH PYTHONHOME PYTHONSTARTUP PYTHONOPTIMIZE PYTHONWARNINGS PYTHONSAFEPATH PYTHONPLATLIBDIR
+unexport PYTHONINSPECT VIRTUAL_ENV __PYVENV_LAUNCHER__ PYTEST_ADDOPTS PYTEST_PLUGINS
+unexport PIP_TARGET PIP_PREFIX PIP_ROOT PIP_REQUIRE_VIRTUALENV PIP_PYTHON
+export PIP_USER := 0
+export PYTHONNOUSERSITE := 1
+
+# install_packages NAMES: install those that are missing, on a Debian-like system where we may; else name them.
+define INSTALL_PACKAGES
+install_packages() {
+    local package status missing=() as_root=() log
+    command -v dpkg-query >/dev/null || return 0
+    for package in "$$@"; do
+        status=$$(dpkg-query -W -f ' $${db:Status-Status} ' "$$package" "$${package}t64" 2>/dev/null) || true
+        [[ $$status == *' installed '* ]] || missing+=("$$package")
+    done
+    [ $${#missing[@]} -gt 0 ] || return 0
+    if [ "$$(id -u)" -ne 0 ]; then as_root=(sudo -n); fi
+    if ! command -v apt-get >/dev/null || ! "$${as_root[@]}" true 2>/dev/null; then
+        echo "Missing system packages (to be installed by an administrator): $${missing[*]}" >&2
+        return 0
+    fi
+    echo "Installing system packages: $${missing[*]}"
+    log=$$(mktemp)
+    as_root+=(env DEBIAN_FRONTEND=noninteractive apt-get -q -y -o DPkg::Lock::Timeout=120)
+    if ! { { [ -n "$${lists_updated:-}" ] || "$${as_root[@]}" update; } &&
+            lists_updated=yes &&
+            "$${as_root[@]}" install --no-install-recommends "$${missing[@]}"; } </dev/null >"$$log" 2>&1; then
+        grep -E '^(E:|Err:)' "$$log" >&2 || tail -n 5 "$$log" >&2
+        echo "Could not install these system packages, going on without: $${missing[*]}" >&2
+    fi
+    rm -f "$$log"
+}
+endef
+
+# A moved checkout, or a Python that has gone, makes an environment useless: then it is made anew.
+VENV_HOME := $(shell test -x .venv/bin/python && cat .venv/.ready 2>/dev/null)
+ifneq ($(VENV_HOME),$(CURDIR))
+.PHONY: .venv/.ready
+endif
+
+.PHONY: help run test check bench stress soak wheel clean
+
+help:
+	@cat <<-'END'
+	make run      start KINDYNA
+	make test     run the tests (make test ARGS="-k profile" selects some)
+	make check    lint, import contracts, types
+	make bench    measure speed against error
+	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
+	make soak     run the window for minutes and look for leaks
+	make wheel    build dist/kindyna-*.whl
+	make clean    remove the environment, caches and dist
+	END
+
+# The stamp is written last and removed first: whatever is interrupted starts from nothing the next time.
+.venv/.ready: pyproject.toml Makefile
+	@$(INSTALL_PACKAGES)
+	exec 9<Makefile
+	! command -v flock >/dev/null || flock 9
+	if [ -x .venv/bin/python ] && [ "$$(cat .venv/.ready 2>/dev/null)" = "$$(pwd -P)" ]; then
+	    if [ .venv/.ready -nt pyproject.toml ] && [ .venv/.ready -nt Makefile ]; then exit 0; fi
+	    usable=yes
+	else
+	    usable=no
+	fi
+	rm -f .venv/.ready
+	if ! $(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))'; then
+	    echo "KINDYNA needs Python 3.11 or newer; name one with make PYTHON=..." >&2
+	    exit 1
+	fi
+	$(PYTHON) -c 'import ensurepip' 2>/dev/null || install_packages python3-venv
+	install_packages $(SYSTEM_PACKAGES)
+	if [ $$usable = no ]; then
+	    echo "Creating the Python environment .venv"
+	    $(PYTHON) -m venv --clear .venv
+	fi
+	echo "Installing the Python packages (a few hundred megabytes the first time)"
+	.venv/bin/python -m pip install -qq --disable-pip-version-check --no-input -e '.[dev]'
+	pwd -P > .venv/.ready
+
+.venv/.test-packages: .venv/.ready
+	@$(INSTALL_PACKAGES)
+	install_packages $(TEST_PACKAGES)
+	touch .venv/.test-packages
+
+run: .venv/.ready
+	@.venv/bin/kindyna $(ARGS)
+
+test: .venv/.ready .venv/.test-packages
+	@.venv/bin/python -m pytest -q -n auto --maxprocesses 4 $(ARGS)
+
+check: .venv/.ready
+	@.venv/bin/ruff check
+	.venv/bin/lint-imports --no-logo
+	.venv/bin/mypy core
+
+bench: .venv/.ready
+	@.venv/bin/python tests/benchmarks/run.py $(ARGS)
+
+stress: export KINDYNA_STRESS_SECONDS ?= 600
+stress: .venv/.ready
+	@.venv/bin/python -m pytest -q -m stress $(ARGS)
+
+soak: .venv/.ready
+	@.venv/bin/python -m pytest -q -m soak $(ARGS)
+
+wheel: .venv/.ready
+	@.venv/bin/python -m pip wheel -qq --disable-pip-version-check --no-deps -w dist .
+	ls dist/kindyna-*.whl
+
+clean:
+	@rm -rf .venv dist build .pytest_cache .ruff_cache .mypy_cache .import_linter_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

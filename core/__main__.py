@@ -1,0 +1,165 @@
+"""The command line: ``python -m core COMMAND ...``, and the same behind ``kindyna --headless`` with pictures.
+
+Exit codes: 0 done; 1 done and all files written, but a finding is an error; 2 nothing done.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType
+from typing import NoReturn
+
+from core.errors import KindynaError
+from core.export import export, files
+from core.files import write_all
+from core.findings import ERROR
+from core.project import load
+from core.report import finding_line, report
+from core.study import SAMPLES, Study
+
+DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
+LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
+
+Painter = Callable[[Study], Mapping[str, bytes]]
+"""Paints a study: file name -> content."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the words in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+@dataclass(frozen=True)
+class Command:
+    """One row: its help, the words it takes, what it does; ``run`` returns the exit code."""
+
+    help: str
+    words: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace, Painter | None], int]
+
+
+def _samples(text: str) -> int:
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if not LEAST_SAMPLES <= value <= MOST_SAMPLES:
+        raise argparse.ArgumentTypeError(f"{text!r}: samples per turn; allowed: {LEAST_SAMPLES} ... {MOST_SAMPLES}")
+    return value
+
+
+def _design(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+
+
+def _design_and_samples(parser: argparse.ArgumentParser) -> None:
+    _design(parser)
+    parser.add_argument("--samples", type=_samples, default=SAMPLES, metavar="N", help="cam angles per turn")
+
+
+def _report_words(parser: argparse.ArgumentParser) -> None:
+    _design_and_samples(parser)
+    parser.add_argument("--out", type=Path, metavar="DIR", help="also write report, summary and pictures there")
+
+
+def _export_words(parser: argparse.ArgumentParser) -> None:
+    _design_and_samples(parser)
+    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
+    parser.add_argument("--only", nargs="+", default=[], metavar="STAGE", help="stages to compute and write")
+
+
+def _verdict(study: Study, stages: Sequence[str] = ()) -> int:
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
+
+
+def check(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Findings and certificate of a design."""
+    study = Study(load(words.design))
+    found, proof = study.findings(), study.certificate()
+    for finding in found:
+        print(finding_line(finding))
+    for name, residual in proof.items():
+        if not residual.kept:
+            print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
+    kept = sum(residual.kept for residual in proof.values())
+    print(f"{study.design.name}: {len(found)} findings, {kept} of {len(proof)} residuals within their bounds")
+    return _verdict(study)
+
+
+def full_report(words: argparse.Namespace, painter: Painter | None) -> int:
+    """The report on the terminal; with a folder, also as files."""
+    study = Study(load(words.design), words.samples)
+    text = report(study)
+    if words.out is not None:
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": files(study)["summary.json"]}
+        made.update(_pictures(study, painter))
+        write_all(words.out, made)
+    print(text, end="")
+    return _verdict(study)
+
+
+def export_tables(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Tables and summary into a folder."""
+    study = Study(load(words.design), words.samples)
+    for path in export(study, words.out, words.only):
+        print(path)
+    return _verdict(study, words.only)
+
+
+def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
+    if painter is None:
+        print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        return {}
+    return painter(study)
+
+
+COMMANDS: Mapping[str, Command] = MappingProxyType(
+    {
+        "check": Command("findings and proof of a design", _design, check),
+        "report": Command("the whole report of a design", _report_words, full_report),
+        "export": Command("tables as CSV and figures as JSON", _export_words, export_tables),
+    }
+)
+
+
+def parser(program: str) -> argparse.ArgumentParser:
+    """All commands with their words."""
+    made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
+    commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command")
+    for name, row in COMMANDS.items():
+        row.words(commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False))
+    return made
+
+
+def main(argv: Sequence[str] | None = None, painter: Painter | None = None, program: str = "python -m core") -> int:
+    """Run one command; returns the exit code. painter paints pictures, None leaves them out."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        words = parser(program).parse_args(argv)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        return COMMANDS[words.command].run(words, painter)
+    except KindynaError as error:
+        print(error, file=sys.stderr)
+        return NOTHING_DONE
+    except BrokenPipeError:
+        # the reader went away; nothing is left to tell it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return NOTHING_DONE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,146 @@
+"""What can be plotted, tabled and exported, one row each: column name, unit, equation, source.
+
+The quantity itself stands in ``core.study.quantities``; here is what a reader of it needs to know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from core.design import FOLLOWER_KINDS, Design, Unit, kind_of, split_unit
+from core.study import QUANTITIES, Study
+
+PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One row.
+
+    slug       column name; its ending tells the unit
+    quantity   row of ``QUANTITIES``
+    label, symbol
+    family     what sets its colour: displacement, velocity, acceleration, jerk, pressure-angle, curvature, force,
+               torque, angle, length
+    table      CSV file it stands in
+    equation   formula, with its source
+    """
+
+    slug: str
+    quantity: str
+    label: str
+    symbol: str
+    family: str
+    table: str
+    equation: str
+    source: str
+
+    @property
+    def unit(self) -> Unit:
+        return split_unit(self.slug)[1]
+
+    @property
+    def stage(self) -> str:
+        return QUANTITIES[self.quantity].stage
+
+    def values(self, study: Study) -> np.ndarray:
+        """The channel in its own unit (n,)."""
+        return QUANTITIES[self.quantity].value(study) / self.unit.factor + 0.0  # no minus zero in tables
+
+
+# {m} is the unit of the motion: mm where the output slides, deg where it swings
+_ROWS = (
+    Channel("x_mm", "profile_x", "Profile x", "x", "length", PROFILE, "(R + Rr n) e^{-idθ}", "Shin1995 (20), corrected"),
+    Channel("y_mm", "profile_y", "Profile y", "y", "length", PROFILE, "(R + Rr n) e^{-idθ}", "Shin1995 (20), corrected"),
+    Channel("pitch_x_mm", "pitch_x", "Pitch curve x", "x_p", "length", PROFILE, "R e^{-idθ}", "Shin1995 §3"),
+    Channel("pitch_y_mm", "pitch_y", "Pitch curve y", "y_p", "length", PROFILE, "R e^{-idθ}", "Shin1995 §3"),
+    Channel("pressure_angle_deg", "pressure_angle", "Pressure angle", "ψ", "pressure-angle", PROFILE,
+            "angle between normal n and travel of the roller centre", "Shin1995 (19), corrected"),
+    Channel("pitch_curvature_per_mm", "pitch_curvature", "Pitch curvature", "κ_p", "curvature", PROFILE,
+            "-d Im(t̄ w)/|t|³", "curvature of a plane curve"),
+    Channel("radius_mm", "radius", "Cam radius", "r", "length", PROFILE, "|R + Rr n|", "Shin1995 (20), corrected"),
+    Channel("polar_angle_deg", "polar_angle", "Polar angle", "ϑ", "angle", PROFILE, "arg((R + Rr n) e^{-idθ})",
+            "Shin1995 (20), corrected"),
+    Channel("profile_curvature_per_mm", "profile_curvature", "Profile curvature", "κ", "curvature", PROFILE,
+            "κ_p/(1 - Rr κ_p)", "parallel curve"),
+    Channel("displacement_{m}", "displacement", "Displacement", "y", "displacement", KINEMATICS, "law of the segment",
+            "Shin1995 (8)"),
+    Channel("velocity_{m}_s", "velocity", "Velocity", "ẏ", "velocity", KINEMATICS, "ω y'", "law of the segment"),
+    Channel("acceleration_{m}_s2", "acceleration", "Acceleration", "ÿ", "acceleration", KINEMATICS, "ω² y''",
+            "law of the segment"),
+    Channel("jerk_{m}_s3", "jerk", "Jerk", "y⃛", "jerk", KINEMATICS, "ω³ y'''", "law of the segment"),
+    Channel("slider_position_mm", "slider_position", "Slider position", "L", "displacement", KINEMATICS, "L0 + y",
+            "Shin1995 (8)"),
+    Channel("phi_deg", "phi", "Arm angle", "φ", "angle", KINEMATICS, "triangle r, L1, L2", "Shin1995 (9), corrected"),
+    Channel("phi_rad_s", "phi_velocity", "Arm velocity", "φ̇", "velocity", KINEMATICS, "L̇ cos β/(L1 sin(β-φ))",
+            "Shin1995 (12)"),
+    Channel("phi_rad_s2", "phi_acceleration", "Arm acceleration", "φ̈", "acceleration", KINEMATICS,
+            "(L̈ cos β + L1 φ̇² cos(φ-β) + L2 β̇²)/(L1 sin(β-φ))", "Shin1995 (14)"),
+    Channel("beta_deg", "beta", "Rod angle", "β", "angle", KINEMATICS, "triangle r, L1, L2", "Shin1995 (10), corrected"),
+    Channel("beta_rad_s", "beta_velocity", "Rod velocity", "β̇", "velocity", KINEMATICS, "L̇ cos φ/(L2 sin(φ-β))",
+            "Shin1995 (11)"),
+    Channel("beta_rad_s2", "beta_acceleration", "Rod acceleration", "β̈", "acceleration", KINEMATICS,
+            "(L̈ cos φ + L2 β̇² cos(φ-β) + L1 φ̇²)/(L2 sin(φ-β))", "Shin1995 (13)"),
+    Channel("contact_force_n", "contact_force", "Contact force", "F_c", "force", DYNAMICS,
+            "moment or force balance of the follower", "Shin1995 (24), (26), corrected"),
+    Channel("drive_torque_nm", "drive_torque", "Cam torque", "T_c", "torque", DYNAMICS, "-d (R × F_c n)",
+            "Shin1995 (27)"),
+    Channel("motor_torque_nm", "motor_torque", "Motor torque with flywheel", "T_m", "torque", DYNAMICS,
+            "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20"),
+    Channel("guide_force_n", "guide_force", "Guide force", "N", "force", DYNAMICS, "N0/(1 + τ)",
+            "Shin1995 (21), corrected"),
+    Channel("slider_pin_x_n", "slider_pin_x", "Slider pin, x", "A_x", "force", DYNAMICS, "by rod on slider", "Shin1995 (21)"),
+    Channel("slider_pin_y_n", "slider_pin_y", "Slider pin, y", "A_y", "force", DYNAMICS, "by rod on slider", "Shin1995 (21)"),
+    Channel("arm_pin_x_n", "arm_pin_x", "Arm pin, x", "-B_x", "force", DYNAMICS, "by rod on arm", "Shin1995 (23), corrected"),
+    Channel("arm_pin_y_n", "arm_pin_y", "Arm pin, y", "-B_y", "force", DYNAMICS, "by rod on arm", "Shin1995 (23), corrected"),
+    Channel("pivot_x_n", "pivot_x", "Pivot, x", "P_x", "force", DYNAMICS, "by frame on arm", "balance of the arm"),
+    Channel("pivot_y_n", "pivot_y", "Pivot, y", "P_y", "force", DYNAMICS, "by frame on arm", "balance of the arm"),
+    Channel("bearing_x_n", "bearing_x", "Camshaft bearing, x", "O_x", "force", DYNAMICS, "by frame on camshaft", "-F_c n"),
+    Channel("bearing_y_n", "bearing_y", "Camshaft bearing, y", "O_y", "force", DYNAMICS, "by frame on camshaft", "-F_c n"),
+    Channel("slider_torque_nm", "follower_torque", "Slider torque", "T_L", "torque", DYNAMICS, "-F_c (r_R × n)",
+            "Shin1995 (24), (25), corrected"),
+    Channel("slider_pin_n", "slider_pin", "Slider pin", "|A|", "force", DYNAMICS, "√(A_x² + A_y²)", "Shin1995 (21)"),
+    Channel("arm_pin_n", "arm_pin", "Arm pin", "|B|", "force", DYNAMICS, "√(B_x² + B_y²)", "Shin1995 (23), corrected"),
+    Channel("pivot_n", "pivot", "Pivot", "|P|", "force", DYNAMICS, "√(P_x² + P_y²)", "balance of the arm"),
+    Channel("bearing_n", "bearing", "Camshaft bearing", "|O|", "force", DYNAMICS, "|F_c|", "-F_c n"),
+    Channel("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", DYNAMICS,
+            "μ|tan β|; jams from 1", "friction in closed form"),
+)  # fmt: skip
+
+
+def _for_unit(row: Channel, unit: str) -> Channel:
+    return replace(row, slug=row.slug.format(m=unit))
+
+
+CHANNELS: Mapping[str, tuple[Channel, ...]] = MappingProxyType(
+    {
+        kind: tuple(_for_unit(row, of.motion_unit) for row in _ROWS if kind in QUANTITIES[row.quantity].kinds)
+        for kind, of in FOLLOWER_KINDS.items()
+    }
+)
+"""The rows of each kind of follower, in the order of the tables."""
+
+
+def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:
+    """The rows of this design, of the named stages or of all."""
+    rows, wanted = CHANNELS[kind_of(design.drive.follower)], tuple(stages)
+    return tuple(row for row in rows if not wanted or row.stage in wanted)
+
+
+@lru_cache(maxsize=64)
+def channel(kind: str, slug: str) -> Channel:
+    """One row by its slug. Raises KeyError."""
+    for row in CHANNELS[kind]:
+        if row.slug == slug:
+            return row
+    raise KeyError(f"{slug}: no such channel; allowed: {', '.join(row.slug for row in CHANNELS[kind])}")
+
+
+def existing(study: Study, rows: Iterable[Channel]) -> list[Channel]:
+    """Those rows that this very design has."""
+    return [row for row in rows if QUANTITIES[row.quantity].exists(study)]

@@ -1,0 +1,98 @@
+"""Field metadata: label, range and help of every number a user can type. Forms, validation and tables walk it."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from core.design.units import Unit, split_unit
+from core.errors import Fault
+
+_KEY = "kindyna"
+
+
+@dataclass(frozen=True)
+class Info:
+    """What is known of one field. ``low`` and ``high`` bound numbers (``open_low``: low itself is excluded);
+    ``choices`` bounds words; ``step`` is a sensible step of a spin box, 0 = by magnitude."""
+
+    label: str
+    help: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    choices: tuple[str, ...] = ()
+    step: float = 0.0
+
+    def allowed(self, unit: Unit) -> str:
+        """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
+        if self.choices:
+            return " | ".join(self.choices)
+        symbol = f" {unit.symbol}" if unit.symbol else ""
+        if self.low == -math.inf and self.high == math.inf:
+            return f"any finite number{' of' + symbol if symbol else ''}"
+        if self.high == math.inf:
+            return f"{'>' if self.open_low else '>='} {self.low:g}{symbol}"
+        return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
+
+    def admits(self, value: Any) -> bool:
+        if self.choices:
+            return value in self.choices
+        above = value > self.low if self.open_low else value >= self.low
+        return bool(math.isfinite(value) and above and value <= self.high)
+
+
+def number(
+    label: str,
+    low: float = -math.inf,
+    high: float = math.inf,
+    *,
+    open_low: bool = False,
+    default: Any = dataclasses.MISSING,
+    help: str = "",
+    step: float = 0.0,
+) -> Any:
+    """A dataclass field for a number; its unit is told by its name."""
+    info = Info(label, help, low, high, open_low, step=step)
+    return dataclasses.field(default=default, metadata={_KEY: info})
+
+
+LONGEST_MM = 1e9
+
+
+def length(label: str, *, help: str = "", default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field for a length that must be positive."""
+    return number(label, 0.0, LONGEST_MM, open_low=True, help=help, default=default)
+
+
+def coordinate(label: str, *, help: str = "", default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field for a signed distance."""
+    return number(label, -LONGEST_MM, LONGEST_MM, help=help, default=default)
+
+
+def choice(label: str, choices: tuple[str, ...], *, default: Any = dataclasses.MISSING, help: str = "") -> Any:
+    """A dataclass field for one word of several."""
+    return dataclasses.field(default=default, metadata={_KEY: Info(label, help, choices=choices)})
+
+
+def info_of(field: dataclasses.Field[Any]) -> Info | None:
+    """The metadata of a dataclass field, None where it holds no entry of its own (a part, a list)."""
+    return field.metadata.get(_KEY)
+
+
+def unit_of(field: dataclasses.Field[Any]) -> Unit:
+    return split_unit(field.name)[1]
+
+
+def field_faults(part: Any, path: str) -> list[Fault]:
+    """Every field of a part that is outside its range; ``path`` is the part's own."""
+    found = []
+    for field in dataclasses.fields(part):
+        info = info_of(field)
+        value = getattr(part, field.name)
+        if info is not None and not info.admits(value):
+            problem = "unknown word" if info.choices else "outside its range"
+            found.append(Fault(f"{path}.{field.name}", value, problem, info.allowed(unit_of(field))))
+    return found

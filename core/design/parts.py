@@ -1,0 +1,222 @@
+"""What the user typed: frozen parts in the user's own units, so that a file round-trips exactly.
+
+No part holds a result, a view setting or another kind's keys; a part that is None does not exist.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from core.design.fields import choice, coordinate, length, number
+from core.design.units import UNITS
+
+# -- motion ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Named:
+    """A curve known by its name in the table of laws."""
+
+    law: str
+
+
+Curve = Named
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One stretch of the motion: cam span, rise (end minus start, in the motion's unit), and the curve between."""
+
+    span_deg: float = number("Span", 0.0, 360.0, open_low=True, step=1.0, help="cam angle this segment takes")
+    rise: float = number("Rise", help="end minus start; negative for a return", step=1.0)
+    curve: Curve = Named("dwell")
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The follower's motion over one turn: where it stands at cam angle 0, and its segments in order.
+
+    ``unit`` is ``mm`` for a follower that slides and ``deg`` for one that swings.
+    """
+
+    start: float = number("Start", help="position at cam angle 0")
+    segments: tuple[Segment, ...] = ()
+    unit: str = "mm"
+
+    @property
+    def scale(self) -> float:
+        """From the motion's unit to SI."""
+        return UNITS[self.unit].factor
+
+
+# -- followers: lengths only ------------------------------------------------------------------------------
+
+LAYOUTS = tuple("abcdefgh")
+FACES = ("roller",)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CamSlider:
+    """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
+
+    layout: str = choice("Layout", LAYOUTS, help="a...h: cam left/right, roller above/below, slider right/left")
+    slider_arm_mm: float = length("Slider arm L1", help="pivot to the rod's pin")
+    rod_mm: float = length("Rod L2", help="arm's pin to slider pin")
+    guide_height_mm: float = coordinate(
+        "Guide height H", help="distance of the guide from the pivot, along guide + 90 deg"
+    )
+    guide_angle_deg: float = number("Guide angle", -360.0, 360.0, default=0.0, help="0 = horizontal, 90 = vertical")
+    roller_arm_mm: float = length("Roller arm Zl", help="pivot to roller centre")
+    fixed_angle_deg: float = number(
+        "Fixed angle", -360.0, 360.0, help="from slider arm to roller arm, counter-clockwise"
+    )
+    pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre; > 0 puts the cam left of the pivot")
+    pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Translating:
+    """Follower that slides on a straight guide, with a roller on the cam."""
+
+    face: str = choice("Face", FACES, default="roller")
+    offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
+    direction_deg: float = number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards")
+
+
+Follower = CamSlider | Translating
+
+
+# -- cam, shaft, loads ------------------------------------------------------------------------------------
+
+FORMS = ("open",)
+
+
+@dataclass(frozen=True)
+class RollerCam:
+    """Disk cam followed by a roller."""
+
+    base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
+    roller_radius_mm: float = length("Roller radius Rr")
+    form: str = choice("Form", FORMS, default="open")
+
+
+Cam = RollerCam
+
+SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """The camshaft: sense and speed of rotation, flywheel, motor."""
+
+    rotation: str = choice("Rotation", tuple(SENSES))
+    speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, step=1.0)
+    flywheel_inertia_kg_m2: float = number("Flywheel inertia", 0.0, default=0.0, help="at the camshaft")
+    speed_fluctuation: float = number(
+        "Speed fluctuation C_s", 0.0, 2.0, open_low=True, default=0.02, help="target for sizing: (max - min) / mean"
+    )
+    motor_slope_nm_s_per_rad: float = number(
+        "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
+    )
+
+    @property
+    def sense(self) -> float:
+        """d of the papers: +1 when the shaft turns counter-clockwise, -1 clockwise."""
+        return SENSES[self.rotation]
+
+
+def _mass(label: str, help: str = "") -> float:
+    field: float = number(label, 0.0, default=0.0, help=help)
+    return field
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loads:
+    """What every follower's loads share."""
+
+    friction: float = number(
+        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
+    )
+    gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
+    gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CamSliderLoads(Loads):
+    """Masses and forces of the cam-driven slider."""
+
+    slider_mass_kg: float = _mass("Slider mass")
+    rod_mass_kg: float = _mass("Rod mass")
+    rod_inertia_kg_m2: float = _mass("Rod inertia", "about its centre of mass")
+    rod_centre: float = number(
+        "Rod centre", 0.0, 1.0, default=0.5, step=0.05, help="fraction of the rod from the arm's pin"
+    )
+    arm_mass_kg: float = _mass("Arm mass")
+    arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
+    arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
+    arm_centre_angle_deg: float = number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the slider arm")
+    roller_mass_kg: float = _mass("Roller mass")
+    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
+    external_force_n: float = number("External force", default=0.0, help="on the slider, along +guide")
+    spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0, help="pulls the slider back by rate times y")
+
+
+@dataclass(frozen=True, kw_only=True)
+class TranslatingLoads(Loads):
+    """Masses and closing spring of a translating follower."""
+
+    follower_mass_kg: float = _mass("Follower mass", "with its roller")
+    spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
+    preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
+
+
+# -- the whole --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Motion, follower, cam and loads: one cam and what it moves. Speed and sense belong to the shaft."""
+
+    motion: Motion
+    follower: Follower
+    cam: Cam
+    loads: Loads
+
+
+@dataclass(frozen=True)
+class SingleCam:
+    """One cam on its shaft. ``assumed`` lists the field paths whose values are guesses."""
+
+    name: str
+    shaft: Shaft
+    drive: Drive
+    assumed: tuple[str, ...] = ()
+
+
+Design = SingleCam
+
+
+@dataclass(frozen=True)
+class FollowerKind:
+    """One row per follower: the classes its tables of the file are read into, and the unit of its motion."""
+
+    label: str
+    follower: type[Follower]
+    cam: type[Cam]
+    loads: type[Loads]
+    motion_unit: str
+
+
+FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
+    {
+        "cam-slider": FollowerKind("Cam-driven slider", CamSlider, RollerCam, CamSliderLoads, "mm"),
+        "translating": FollowerKind("Translating follower", Translating, RollerCam, TranslatingLoads, "mm"),
+    }
+)
+
+
+def kind_of(follower: Follower) -> str:
+    """The slug of a follower's kind."""
+    return next(slug for slug, row in FOLLOWER_KINDS.items() if row.follower is type(follower))

@@ -1,0 +1,119 @@
+"""Rules that tie fields together, as a table; ``faults`` walks a whole design and reports every one at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from core.design.fields import field_faults
+from core.design.parts import CamSlider, Motion, Segment, SingleCam
+from core.errors import Fault
+from core.laws import LAWS, find_law
+
+CLOSING = 1e-9  # spans and rises may miss their sums by this much, in their own units
+
+
+def _total(numbers: Iterable[float]) -> float:
+    """The sum; nan, on which no rule fires, where infinities meet."""
+    try:
+        return math.fsum(numbers)
+    except OverflowError:
+        return math.inf
+    except ValueError:
+        return math.nan
+
+
+def _spans_make_a_turn(motion: Motion, path: str) -> Iterator[Fault]:
+    if not motion.segments:
+        yield Fault(f"{path}.segments", [], "no segments", "at least one, spans adding up to 360 deg")
+        return
+    total = _total(s.span_deg for s in motion.segments)
+    if abs(total - 360.0) > CLOSING:
+        yield Fault(f"{path}.segments", f"spans add up to {total:.12g} deg", "must make one turn", "a sum of 360 deg")
+
+
+def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
+    total = _total(s.rise for s in motion.segments)
+    if abs(total) > CLOSING:
+        told = f"rises add up to {total:.12g} {motion.unit}"
+        yield Fault(
+            f"{path}.segments", told, "the follower must come back to where it started", f"a sum of 0 {motion.unit}"
+        )
+
+
+def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
+    law = find_law(segment.curve.law)
+    if law is None:
+        yield Fault(f"{path}.law", segment.curve.law, "unknown law", " | ".join(LAWS))
+    elif law.still and segment.rise != 0.0:
+        yield Fault(f"{path}.rise_{unit}", segment.rise, "a dwell does not rise", "0, or another law")
+
+
+def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
+    for i, segment in enumerate(motion.segments):
+        at = f"{path}.segments[{i}]"
+        for fault in field_faults(segment, at):
+            yield Fault(_with_unit(fault.path, motion.unit), fault.value, fault.problem, fault.allowed)
+        yield from _law_fits_rise(segment, at, motion.unit)
+
+
+def _with_unit(path: str, unit: str) -> str:
+    """The motion's own numbers carry its unit in the file: ``rise`` -> ``rise_mm``."""
+    return f"{path}_{unit}" if path.endswith((".rise", ".start")) else path
+
+
+def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]:
+    x, letter = follower.pivot_x_mm, follower.layout
+    if x == 0.0:
+        yield Fault(f"{path}.pivot_x_mm", x, "the cam must stand left or right of the pivot", "> 0 or < 0")
+    elif letter in "abef" and x < 0.0:
+        yield Fault(
+            f"{path}.layout",
+            letter,
+            f"has the cam left of the pivot, but pivot_x_mm = {x:g}",
+            "c | d | g | h, or pivot_x_mm > 0",
+        )
+    elif letter in "cdgh" and x > 0.0:
+        yield Fault(
+            f"{path}.layout",
+            letter,
+            f"has the cam right of the pivot, but pivot_x_mm = {x:g}",
+            "a | b | e | f, or pivot_x_mm < 0",
+        )
+
+
+RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
+    {
+        Motion: (_segment_faults, _spans_make_a_turn, _rises_return_to_start),
+        CamSlider: (_layout_agrees_with_pivot,),
+    }
+)
+
+
+def part_faults(part: Any, path: str) -> list[Fault]:
+    """Every fault of one part: its fields' ranges, then the rules that tie them together.
+
+    A rule is asked even where a range is not kept, so that it hides nothing: it must bear any number, nan included.
+    """
+    found = field_faults(part, path)
+    if isinstance(part, Motion):
+        found = [Fault(_with_unit(f.path, part.unit), f.value, f.problem, f.allowed) for f in found]
+    told = {f.path for f in found}
+    for rule in RULES.get(type(part), ()):
+        found.extend(f for f in rule(part, path) if f.path not in told)
+    return found
+
+
+def faults(design: SingleCam) -> list[Fault]:
+    """Every fault of a design, in the order of the file."""
+    drive = design.drive
+    parts = {
+        "motion": drive.motion,
+        "follower": drive.follower,
+        "cam": drive.cam,
+        "shaft": design.shaft,
+        "loads": drive.loads,
+    }
+    return [fault for path, part in parts.items() for fault in part_faults(part, path)]

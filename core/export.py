@@ -1,0 +1,50 @@
+"""Tables and figures of a study as files: written whole or not at all, the same design giving the same bytes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from core.channels import DYNAMICS, KINEMATICS, PROFILE, channels, existing
+from core.files import write_all
+from core.motion import degrees
+from core.study import Study
+from core.summary import summary, to_json
+
+TABLES = (PROFILE, KINEMATICS, DYNAMICS)
+
+
+def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
+    """A table with a header line; every number is the shortest text that reads back to the same bits."""
+    lines = [",".join(names)]
+    lines += [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
+    return "\n".join(lines) + "\n"
+
+
+def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
+    """One of ``TABLES`` with the columns of the named stages; None where no column is left."""
+    rows = existing(study, (row for row in channels(study.design, stages) if row.table == name))
+    if not rows:
+        return None
+    names = ["cam_angle_deg", *(row.slug for row in rows)]
+    return csv(names, [degrees(study.samples), *(row.values(study) for row in rows)])
+
+
+def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
+    """File name -> text of all that the named stages (all, where none is named) give."""
+    wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
+    for name in stages:
+        study.require_stage(name)
+    made = {name: table(study, name, wanted) for name in TABLES}
+    told = {name: text for name, text in made.items() if text is not None}
+    told["summary.json"] = to_json(summary(study, wanted))
+    return told
+
+
+def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
+    """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
+    told = files(study, stages)
+    write_all(folder, told)
+    return [folder / name for name in told]

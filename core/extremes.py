@@ -1,0 +1,163 @@
+"""True extremes of smooth-by-pieces quantities: refined, not read off samples, both sides of every jump seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from core.motion import EPS, Angles, Program
+
+STEP = np.deg2rad(1.0)  # first sampling within a piece
+LEAST, MOST = 9, 721  # points of a piece
+CANDIDATES = 3  # local extremes refined per quantity and side
+INNER = 7  # points a bracket is cut by
+PASSES = 24
+FINEST = 2e-5  # [rad] half width at which a parabola takes over where the quantity is smooth ...
+SHARPEST = 1e-13  # ... and where a kink is left to be narrowed down
+
+Quantities = Callable[[Angles], Mapping[str, np.ndarray]]
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """A value and the cam angle [rad] where it stands."""
+
+    value: float
+    theta: float
+
+
+@dataclass(frozen=True)
+class Range:
+    """The smallest and the largest value over the turn."""
+
+    low: Extreme
+    high: Extreme
+
+
+def piecewise_angles(program: Program) -> Angles:
+    """Cam angles that look at every piece from inside, its ends included: dense enough to bracket extremes."""
+    theta, piece = [], []
+    for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
+        count = int(np.clip(np.ceil((b - a) / STEP) + 1, LEAST, MOST))
+        theta.append(np.linspace(a, b, count))
+        piece.append(np.full(count, i))
+    return Angles(np.concatenate(theta), np.concatenate(piece))
+
+
+def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
+    """Lowest and highest value of each quantity over one turn.
+
+    quantities: gives the values (n,) by name at any cam angles; all are refined together, so that each pass costs one
+    evaluation. Values that are not finite count as they are (inf is the highest); NaN is left out.
+    Where several angles share an extreme the smallest is named.
+    """
+    angles = piecewise_angles(program)
+    sampled = quantities(angles)
+    searches = [
+        _Search(name, sign, sign * np.asarray(values, dtype=float), angles)
+        for name, values in sampled.items()
+        for sign in (-1.0, 1.0)
+    ]
+    for _ in range(PASSES):
+        open_ones = [s for s in searches if s.brackets]
+        if not open_ones:
+            break
+        asked = [bracket.points() for s in open_ones for bracket in s.brackets]
+        batch = Angles(
+            np.concatenate(asked),
+            np.concatenate(
+                [
+                    np.full(p.size, b.piece)
+                    for p, b in zip(asked, (b for s in open_ones for b in s.brackets), strict=True)
+                ]
+            ),
+        )
+        values = quantities(batch)
+        at = 0
+        for search in open_ones:
+            for bracket in search.brackets:
+                stop = at + INNER + 2
+                bracket.narrow(batch.theta[at:stop], search.sign * np.asarray(values[search.name])[at:stop])
+                at = stop
+            search.brackets = [b for b in search.brackets if b.wide()]
+    best = {(s.name, s.sign): s.best() for s in searches}
+    return {name: Range(best[name, -1.0], best[name, 1.0]) for name in sampled}
+
+
+class _Bracket:
+    """Three cam angles of one piece around a local maximum of a quantity (times its sign)."""
+
+    def __init__(self, left: float, right: float, piece: int, theta: float, value: float) -> None:
+        self.left, self.right, self.piece = left, right, piece
+        self.theta, self.value, self.finest = theta, value, FINEST
+
+    def wide(self) -> bool:
+        return self.right - self.left > 2.0 * self.finest
+
+    def points(self) -> np.ndarray:
+        return np.linspace(self.left, self.right, INNER + 2)
+
+    def narrow(self, theta: np.ndarray, value: np.ndarray) -> None:
+        value = np.where(np.isnan(value), -np.inf, value)
+        top = int(np.argmax(value))
+        if value[top] > self.value:
+            self.theta, self.value = float(theta[top]), float(value[top])
+        low, high = max(top - 1, 0), min(top + 1, theta.size - 1)
+        self.left, self.right = float(theta[low]), float(theta[high])
+        if not self.wide() and self.finest == FINEST and 2 <= top <= theta.size - 3:
+            self._polish(theta[top - 2 : top + 3], value[top - 2 : top + 3])
+
+    def _polish(self, theta: np.ndarray, value: np.ndarray) -> None:
+        """The vertex of the quartic through five equally spaced points, by one Newton step from the middle one."""
+        h = theta[3] - theta[2]
+        a, b, _, c, d = value - value[2]
+        slope = (a - 8.0 * b + 8.0 * c - d) / 12.0
+        bend = (-a + 16.0 * b + 16.0 * c - d) / 12.0
+        if abs(a - 4.0 * b - 4.0 * c + d) > 0.1 * abs(bend) and abs(bend) > 1e3 * EPS * abs(value[2]):
+            self.finest = SHARPEST  # the fourth difference is no smaller than the second: a kink
+        elif bend < 0.0 and abs(slope) < abs(bend):
+            self.theta = float(theta[2] - h * slope / bend)
+            self.value = max(self.value, float(value[2] - 0.5 * slope * slope / bend))
+
+
+class _Search:
+    """One quantity, one side: the local maxima of its samples that may hold the highest value."""
+
+    def __init__(self, name: str, sign: float, value: np.ndarray, angles: Angles) -> None:
+        self.name, self.sign = name, sign
+        value = np.where(np.isnan(value), -np.inf, value)
+        same = np.diff(angles.piece) == 0
+        left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
+        right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
+        peaks = np.flatnonzero((value >= left) & (value >= right))
+        # what a parabola through the neighbours could still add
+        room = np.where(np.isfinite(left) & np.isfinite(right), np.maximum(value - left, value - right), np.inf)
+        order = peaks[np.argsort(-value[peaks], kind="stable")]
+        top = order[0] if order.size else 0
+        self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
+        self.brackets = []
+        for i in order[:CANDIDATES]:
+            flat = value[i] == left[i] == right[i]
+            if np.isfinite(value[i]) and not flat and value[i] + room[i] >= value[top]:
+                lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
+                hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
+                self.brackets.append(
+                    _Bracket(float(lo), float(hi), int(angles.piece[i]), float(angles.theta[i]), float(value[i]))
+                )
+        self._all = list(self.brackets)
+        self._value, self._theta = value, angles.theta
+
+    def best(self) -> Extreme:
+        """The highest; among equals (to rounding) the smallest cam angle."""
+        top = max((b.value for b in self._all), default=-np.inf)
+        top = max(top, self.sign * self.found.value)
+        slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
+        equal = [(b.theta, b.value) for b in self._all if b.value >= top - slack]
+        equal += [
+            (float(self._theta[i]), float(self._value[i])) for i in np.flatnonzero(self._value >= top - slack)[:1]
+        ]
+        theta, value = min(equal)
+        return Extreme(self.sign * value, theta % (2.0 * pi))

@@ -1,0 +1,209 @@
+"""Reading and writing files: whole or not at all, and every refusal is one clear line."""
+
+from __future__ import annotations
+
+import errno
+import os
+import secrets
+import shutil
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from types import MappingProxyType
+from typing import NoReturn
+
+from core.errors import FileError
+
+AnyPath = str | os.PathLike[str]
+
+MOST_BYTES = 10_000_000  # no design is larger; a device or a film taken by mistake would fill the memory
+
+_REASONS: Mapping[int, str] = MappingProxyType(
+    {
+        errno.ENOENT: "no such file or folder; check the spelling",
+        errno.ENOTDIR: "a file stands where a folder should be; choose another folder",
+        errno.EEXIST: "a file stands where a folder should be; choose another folder",
+        errno.EISDIR: "it is a folder; name a file",
+        errno.EACCES: "permission denied; change its permissions or choose another place",
+        errno.EPERM: "permission denied; change its permissions or choose another place",
+        errno.EROFS: "the disk is read-only; choose another place",
+        errno.ENOSPC: "the disk is full; free some space or choose another place",
+        errno.EDQUOT: "your share of the disk is full; free some space or choose another place",
+        errno.EFBIG: "larger than the disk's limit for a file; choose another place",
+        errno.ENAMETOOLONG: "the name is too long; shorten it",
+        errno.ELOOP: "its symbolic links lead in a circle; mend them",
+        errno.EIO: "the disk does not answer; check it",
+    }
+)
+
+
+def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
+    """The text of a UTF-8 file, without its byte order mark.
+
+    Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.
+    """
+    with _told(path, "read"):
+        status = os.stat(path)
+        _ordinary(path, status, "read")
+        data = b""
+        if status.st_size <= most_bytes:
+            with open(path, "rb") as file:
+                data = file.read(most_bytes + 1)
+    if max(status.st_size, len(data)) > most_bytes:
+        _refuse(path, "read", f"larger than {most_bytes / 1e6:g} MB; name another file")
+    try:
+        return data.decode("utf-8").removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        _refuse(path, "read", f"not UTF-8 text (byte {error.start + 1}); save it as UTF-8 text", error)
+
+
+def write(path: AnyPath, data: bytes | str) -> None:
+    """Write one file, whole or not at all; permissions are kept, symbolic links followed to their target.
+
+    Raises FileError where it cannot be written; then nothing has changed.
+    """
+    _replace_all({Path(path): data}, create_folders=False)
+
+
+def write_all(folder: AnyPath, files: Mapping[str, bytes | str]) -> None:
+    """Write all files (name: content) or none; folders that are missing are created.
+
+    Raises FileError where one cannot be written; then nothing has changed.
+    """
+    _replace_all({Path(folder) / name: data for name, data in files.items()}, create_folders=True)
+
+
+def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> None:
+    """First everything that can fail for lack of space or permission, under other names; then the moves.
+
+    What is to be taken back or swept up is noted before it is made, so that an interrupt finds it noted.
+    The stacks unwind from right to left: old contents back, other names swept up, new folders removed.
+    """
+    with ExitStack() as folders, ExitStack() as leftovers, ExitStack() as undo:
+        targets = {path: _target(path) for path in files}
+        modes = {path: _permissions(path, target) for path, target in targets.items()}
+        made = {}
+        for path, data in files.items():
+            with _told(path, "written"):
+                if create_folders:
+                    _create_folders(targets[path].parent, folders)
+                made[path] = _other_name(targets[path], leftovers)
+                _write_new(made[path], data, modes[path])
+        kept = {}
+        if len(files) > 1:  # a single move needs no way back
+            for path in (p for p in files if modes[p] is not None):
+                with _told(path, "written"):
+                    kept[path] = _other_name(targets[path], leftovers)
+                    _keep(targets[path], kept[path])
+        for path, target in targets.items():
+            with _told(path, "written"):
+                if len(files) > 1:
+                    undo.callback(_take_back, target, kept.get(path))
+                os.replace(made[path], target)
+        undo.pop_all()
+        folders.pop_all()
+
+
+def _target(path: Path) -> Path:
+    """Where the links lead, so that a link stays a link."""
+    with _told(path, "written"):
+        return Path(os.path.realpath(path))
+
+
+def _permissions(path: Path, target: Path) -> int | None:
+    """Permission bits of the file to be replaced, None where there is none."""
+    with _told(path, "written"):
+        try:
+            status = os.stat(target)
+        except FileNotFoundError:
+            return None
+        _ordinary(path, status, "written")
+        if not os.access(target, os.W_OK):  # a move would not mind
+            _refuse(path, "written", "it is write-protected; change its permissions or choose another name")
+        return stat.S_IMODE(status.st_mode)
+
+
+def _other_name(target: Path, leftovers: ExitStack) -> Path:
+    """A free name beside the target, noted to be swept up."""
+    other = target.with_name(f".{secrets.token_hex(8)}.tmp")
+    leftovers.callback(_remove, other)
+    return other
+
+
+def _write_new(path: Path, data: bytes | str, mode: int | None) -> None:
+    rest = memoryview(data.encode() if isinstance(data, str) else data)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    handle = os.open(path, flags, 0o666 if mode is None else mode)
+    try:
+        while rest:
+            rest = rest[os.write(handle, rest) :]
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+    if mode is not None:
+        os.chmod(path, mode)
+
+
+def _keep(target: Path, other: Path) -> None:
+    """A second name for the old content; a copy where the disk knows no second names."""
+    try:
+        os.link(target, other)
+    except OSError:
+        shutil.copy2(target, other)
+
+
+def _take_back(target: Path, kept: Path | None) -> None:
+    if kept is None:
+        _remove(target)
+    else:
+        with suppress(OSError):
+            os.replace(kept, target)
+
+
+def _create_folders(folder: Path, undo: ExitStack) -> None:
+    missing = []
+    while not folder.exists():
+        missing.append(folder)
+        folder = folder.parent
+    for each in reversed(missing):
+        undo.callback(_remove_folder, each)
+        each.mkdir(exist_ok=True)
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink()
+
+
+def _remove_folder(path: Path) -> None:
+    with suppress(OSError):  # someone else may use it by now
+        path.rmdir()
+
+
+def _ordinary(path: AnyPath, status: os.stat_result, done: str) -> None:
+    if stat.S_ISDIR(status.st_mode):
+        _refuse(path, done, "it is a folder; name a file")
+    if not stat.S_ISREG(status.st_mode):
+        _refuse(path, done, "it is not an ordinary file; name one")
+
+
+@contextmanager
+def _told(path: AnyPath, done: str) -> Iterator[None]:
+    """Turn what the system says into one line."""
+    try:
+        yield
+    except OSError as error:
+        said = error.strerror or type(error).__name__
+        reason = _REASONS.get(error.errno or 0, f"{said}; choose another place")
+        _refuse(path, done, reason, error)
+    except UnicodeEncodeError as error:
+        _refuse(path, done, "it holds characters that UTF-8 does not have; remove them", error)
+    except ValueError as error:  # a null character
+        _refuse(path, done, "that is no file name; choose another", error)
+
+
+def _refuse(path: AnyPath, done: str, reason: str, cause: Exception | None = None) -> NoReturn:
+    text = os.fspath(path)
+    shown = text if text and text.isprintable() else repr(text)
+    raise FileError(f"{shown}: cannot be {done}: {reason}") from cause

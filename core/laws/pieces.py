@@ -1,0 +1,117 @@
+"""Curves as tables of coefficients: every piece is a polynomial plus sines, so one evaluator gives them all.
+
+A piece starting at u0 is  s(u) = sum_k c_k w**k + sum_j A_j sin(f_j w + p_j),  w = u - u0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+ORDERS = 4  # value, first, second and third derivative
+
+
+@dataclass(frozen=True)
+class Sine:
+    """A sin(f w + p)."""
+
+    amplitude: float
+    frequency: float
+    phase: float = 0.0
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One piece of a law: where it starts, its polynomial (ascending powers of w), its sines."""
+
+    start: float
+    polynomial: tuple[float, ...]
+    sines: tuple[Sine, ...] = ()
+
+
+@dataclass(frozen=True)
+class Acceleration:
+    """One row of a law given by its acceleration: ``level + amplitude sin(frequency w + phase)`` over ``width``."""
+
+    width: float
+    level: float = 0.0
+    amplitude: float = 0.0
+    frequency: float = 1.0
+    phase: float = 0.0
+
+
+def integrate(rows: Sequence[Acceleration]) -> tuple[Piece, ...]:
+    """The rise 0 -> 1 from rest whose acceleration is proportional to the rows; rows of no width are dropped.
+
+    Each row is integrated twice in closed form, with s and v carried over the joins.
+    """
+    pieces, start, s, v = [], 0.0, 0.0, 0.0
+    for row in rows:
+        if row.width <= 0.0:
+            continue
+        f, a = row.frequency, row.amplitude
+        speed, place = a / f, a / f**2
+        sin0, cos0 = math.sin(row.phase), math.cos(row.phase)
+        piece = Piece(
+            start,
+            (s + place * sin0, v + speed * cos0, row.level / 2.0),
+            (Sine(-place, f, row.phase),) if a else (),
+        )
+        pieces.append(piece)
+        w = row.width
+        sin1, cos1 = math.sin(f * w + row.phase), math.cos(f * w + row.phase)
+        s, v = (
+            s + w * (v + speed * cos0 + 0.5 * row.level * w) + place * (sin0 - sin1),
+            v + row.level * w + speed * (cos0 - cos1),
+        )
+        start += w
+    return tuple(_scaled(p, 1.0 / s) for p in pieces)
+
+
+def _scaled(piece: Piece, by: float) -> Piece:
+    sines = tuple(Sine(by * q.amplitude, q.frequency, q.phase) for q in piece.sines)
+    return Piece(piece.start, tuple(by * c for c in piece.polynomial), sines)
+
+
+class PieceTable:
+    """Pieces as arrays, ready for the evaluator: polynomial (order, power, m) and sines (3, j, m)."""
+
+    def __init__(self, pieces: Sequence[Piece]) -> None:
+        powers = max(len(p.polynomial) for p in pieces)
+        waves = max(len(p.sines) for p in pieces)
+        m = len(pieces)
+        polynomial = np.zeros((powers, m))
+        self.sines = np.zeros((3, waves, m))
+        for i, piece in enumerate(pieces):
+            polynomial[: len(piece.polynomial), i] = piece.polynomial
+            for j, q in enumerate(piece.sines):
+                self.sines[:, j, i] = q.amplitude, q.frequency, q.phase
+        self.derivatives = [polynomial]
+        for _ in range(1, ORDERS):
+            last = self.derivatives[-1]
+            falling = last[1:] * np.arange(1, last.shape[0])[:, None]
+            self.derivatives.append(falling if falling.shape[0] else np.zeros((1, m)))
+
+    def evaluate(self, index: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Value and three derivatives by w at ``w`` (n,) of the pieces ``index`` (n,): shape (4, n)."""
+        out = np.empty((ORDERS, w.size))
+        for order, rows in enumerate(self.derivatives):
+            taken = rows[:, index]
+            total = taken[-1].copy()
+            for row in taken[-2::-1]:
+                total *= w
+                total += row
+            out[order] = total
+        for amplitude, frequency, phase in zip(*self.sines, strict=True):
+            a, f = amplitude[index], frequency[index]
+            angle = f * w + phase[index]
+            sin, cos = a * np.sin(angle), a * np.cos(angle)
+            out[0] += sin
+            out[1] += f * cos
+            f2 = f * f
+            out[2] -= f2 * sin
+            out[3] -= f2 * f * cos
+        return out

@@ -1,0 +1,173 @@
+"""The motion stage: where the output is asked to be at every cam angle, with three exact derivatives."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import pi
+
+import numpy as np
+
+from core.design import Motion
+from core.errors import DesignError, Fault
+from core.findings import ERROR, WARNING, Finding
+from core.laws import PieceTable, find_law
+
+TURN = 2.0 * pi
+EPS = float(np.finfo(float).eps)
+SNAP = 4.0 * EPS * TURN  # an angle this close below a join is on the join: it gets the right-hand limit
+JUMP_BOUND = 64.0  # a jump below this many eps of the neighbouring values is rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Angles:
+    """Cam angles and the piece of the motion each is looked at from.
+
+    theta  (n,) [rad], 0 ... 2π
+    piece  (n,) row of ``Program``; at a join it says which side is meant
+    kept   True for a grid that stages may keep results of
+    """
+
+    theta: np.ndarray
+    piece: np.ndarray
+    kept: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Join:
+    """Where two segments meet: cam angle [rad], the jumps of s, v, a, j there (4,) [SI, per radian], and which of
+    them are more than rounding."""
+
+    theta: float
+    jump: np.ndarray
+    jumps: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class MotionState:
+    """The motion at ``angles``: y and its three derivatives by cam angle (4, n) [m or rad], and the sign of its
+    velocity as the segment states it (n,): 0 in a dwell, never toggled by rounding."""
+
+    angles: Angles
+    y: np.ndarray
+    way: np.ndarray
+
+    @property
+    def theta(self) -> np.ndarray:
+        return self.angles.theta
+
+
+class Program:
+    """A motion compiled to one table of pieces.
+
+    starts    (m,) cam angle [rad] where each piece starts; ends (m,) where it ends
+    segment   (m,) the segment it belongs to
+    """
+
+    def __init__(self, motion: Motion) -> None:
+        begins = [np.deg2rad(d) for d in _running_sums([s.span_deg for s in motion.segments])]
+        heights = _running_sums([s.rise for s in motion.segments])
+        rows, starts, segment = [], [], []
+        for i, part in enumerate(motion.segments):
+            law = find_law(part.curve.law)
+            if law is None:
+                raise DesignError([Fault(f"motion.segments[{i}].law", part.curve.law, "unknown law")])
+            span = np.deg2rad(part.span_deg)
+            for piece in law.pieces:
+                rows.append((piece, span, heights[i], part.rise, law.still))
+                starts.append(begins[i] + piece.start * span)
+                segment.append(i)
+        self.motion = motion
+        self.starts = np.array(starts)
+        self.ends = np.append(self.starts[1:], TURN)
+        self.segment = np.array(segment)
+        self._table = PieceTable([row[0] for row in rows])
+        self._begin = np.array(begins)[self.segment]
+        self._u0 = np.array([row[0].start for row in rows])
+        self._span = np.array([row[1] for row in rows])
+        scale = motion.scale
+        self._base = np.array([(motion.start + row[2]) * scale for row in rows])
+        self._rise = np.array([row[3] * scale for row in rows])
+        self.way_of = np.array([0.0 if row[4] else float(np.sign(row[3])) for row in rows])
+        # h/β^k, so that derivatives by u become derivatives by cam angle
+        self._gain = self._rise / self._span ** np.arange(4)[:, None]
+
+    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+        """Any cam angles (n,) [rad], each with the piece right of it."""
+        theta = np.asarray(theta, dtype=float)
+        if theta.size and (theta.min() < 0.0 or theta.max() >= TURN):
+            theta = np.mod(theta, TURN)
+        piece = np.searchsorted(self.starts - SNAP, theta, side="right") - 1
+        return Angles(theta, piece, kept)
+
+    def state(self, angles: Angles) -> MotionState:
+        """The motion at these angles; exact derivatives, no interpolation."""
+        at = angles.piece
+        w = (angles.theta - self._begin[at]) / self._span[at] - self._u0[at]
+        y = self._table.evaluate(at, w)
+        y *= self._gain[:, at]
+        y[0] += self._base[at]
+        return MotionState(angles, y, self.way_of[at])
+
+    @property
+    def joins(self) -> tuple[Join, ...]:
+        """Every join of two segments, the one at 360 -> 0 last."""
+        first = np.flatnonzero(np.diff(self.segment, prepend=-1))
+        last = np.append(first[1:] - 1, self.segment.size - 1)
+        before = self.state(Angles(self.ends[last], last)).y
+        after = np.roll(self.state(Angles(self.starts[first], first)).y, -1, axis=1)
+        jump = after - before
+        # what a segment's own size of s, v, a, j leaves to rounding at its ends
+        size = np.abs(self._gain[:, last]) * np.array([1.0, 2.0, 6.0, 60.0])[:, None]
+        size[0] += np.abs(self._base[last])
+        bound = JUMP_BOUND * EPS * np.maximum(size, np.roll(size, -1, axis=1))
+        bound *= 1.0 + TURN / np.minimum(self._span[last], np.roll(self._span[last], -1))
+        bound[0] += 1e-9 * self.motion.scale  # the sum of rises may miss zero by this
+        jumps = np.abs(jump) > bound
+        where = np.append(self.starts[first][1:], 0.0)
+        return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
+
+
+def _running_sums(values: list[float]) -> list[float]:
+    """Sums of the values before each, rounded once: the carried error is kept beside the sum (Knuth's two-sum)."""
+    sums, high, low = [], 0.0, 0.0
+    for value in values:
+        sums.append(high + low)
+        total = high + value
+        part = total - high
+        low += (high - (total - part)) + (value - part)
+        high = total
+    return sums
+
+
+@lru_cache(maxsize=32)
+def program(motion: Motion) -> Program:
+    """The compiled motion. Raises DesignError where a law is unknown."""
+    return Program(motion)
+
+
+def degrees(samples: int) -> np.ndarray:
+    """0 ... 360(N-1)/N in degrees (n,), each rounded once."""
+    return 360.0 * np.arange(samples) / samples
+
+
+_JUMPS = (
+    ("jump-displacement", ERROR, 0),
+    ("jump-velocity", ERROR, 1),
+    ("jump-acceleration", WARNING, 2),
+)
+
+
+def findings(compiled: Program) -> list[Finding]:
+    """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is told."""
+    found = []
+    unit, scale = compiled.motion.unit, compiled.motion.scale
+    joins = compiled.joins
+    for i, join in enumerate(joins):
+        for code, severity, order in _JUMPS:
+            if join.jumps[order]:
+                values: dict[str, float | str] = {"jump": float(join.jump[order]) / scale, "unit_name": unit}
+                field = f"motion.segments[{(i + 1) % len(joins)}]"
+                found.append(Finding(code, severity, field, float(np.rad2deg(join.theta)), values))
+                break
+    return found

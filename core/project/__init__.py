@@ -1,0 +1,69 @@
+"""Design files: TOML into a design, with every fault of the whole file told at once, and back as typed."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+import tomli_w
+
+from core.design import Design
+from core.errors import MISSING, DesignError, Fault
+from core.files import AnyPath, read_text, write
+from core.project.reading import from_table
+from core.project.writing import to_table
+
+__all__ = ["dumps", "from_table", "load", "loads", "save", "to_table"]
+
+_MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
+_WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
+
+
+def load(path: AnyPath) -> Design:
+    """The design in a file. Raises FileError where it cannot be read, DesignError with all its faults."""
+    return loads(read_text(path), source=str(path))
+
+
+def loads(text: str, source: str = "design") -> Design:
+    """The design in a text; ``source`` names it where it is no TOML. Raises DesignError with all faults."""
+    return from_table(_parsed(text, source))
+
+
+def save(design: Design, path: AnyPath) -> None:
+    """Write a design, whole or not at all.
+
+    Raises FileError where it cannot be written, DesignError where ``load`` would refuse it.
+    """
+    text = dumps(design)
+    loads(text)
+    write(path, text)
+
+
+def dumps(design: Design) -> str:
+    """The file's text: keys in the order of the contract, every number with all its digits."""
+    text = tomli_w.dumps(to_table(design), indent=_WIDE)
+    return re.sub(rf"(?m)^(?: {{{_WIDE}}})+", lambda indent: " " * (4 * len(indent[0]) // _WIDE), text)
+
+
+def _parsed(text: str, source: str) -> dict[str, Any]:
+    for number, line in enumerate(text.split("\n"), 1):
+        key, equals, _ = line.partition("=")
+        if equals and key.count(".") > _MOST_KEY_PARTS:
+            raise _not_toml(source, f"a key of more than {_MOST_KEY_PARTS} parts (at line {number})")
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise _not_toml(source, "nested too deeply") from None
+    except tomllib.TOMLDecodeError as error:
+        raise _not_toml(source, str(error)) from error
+    except ValueError as error:  # Python reads no integer of more than 4300 digits
+        raise _not_toml(source, "an integer of too many digits") from error
+
+
+def _not_toml(source: str, reason: str) -> DesignError:
+    line = " ".join(reason.split())
+    if len(line) > 200:  # it quotes a key; where it stands comes last
+        line = f"{line[:140]}...{line[-50:]}"
+    told = source if source.isprintable() else repr(source)
+    return DesignError([Fault(told, MISSING, f"not TOML: {line}")])

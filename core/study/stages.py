@@ -1,0 +1,107 @@
+"""The stages as cached functions of only the parts they need: their arguments are their dependencies."""
+
+from __future__ import annotations
+
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Hashable
+from functools import lru_cache, wraps
+from typing import Any
+
+import numpy as np
+
+from core.cam import CamShape, envelope
+from core.design import Cam, Follower, Loads, Motion
+from core.dynamics import Forces, Loading, loading_of, newton_euler
+from core.linkage import train_of
+from core.motion import Angles, MotionState, degrees, program
+from core.train import Train
+
+KEPT = 24  # results of a stage that are kept, so that undo computes nothing
+evaluations: Counter[str] = Counter()
+"""How often each stage was really computed; tests read it."""
+
+_caches: list[Any] = []
+
+
+def remembered(function: Callable[..., Any]) -> Any:
+    """An lru_cache that ``clear_caches`` knows."""
+    cached = lru_cache(maxsize=KEPT)(function)
+    _caches.append(cached)
+    return cached
+
+
+def stage(name: str) -> Callable[[Callable[..., Any]], Any]:
+    """A counted, remembered stage. ``.__wrapped__`` computes without remembering, for passing cam angles."""
+
+    def wrap(function: Callable[..., Any]) -> Any:
+        @wraps(function)
+        def counted(*parts: Any) -> Any:
+            evaluations[name] += 1
+            return function(*parts)
+
+        return remembered(counted)
+
+    return wrap
+
+
+def clear_caches() -> None:
+    """Forget every result and count."""
+    for cached in _caches:
+        cached.cache_clear()
+    program.cache_clear()
+    evaluations.clear()
+
+
+@remembered
+def grid(motion: Motion, samples: int) -> Angles:
+    """Equally spaced cam angles over one turn, the same object for the same question."""
+    return program(motion).angles(np.deg2rad(degrees(samples)), kept=True)
+
+
+@stage("motion")
+def motion_stage(motion: Motion, angles: Angles) -> MotionState:
+    return program(motion).state(angles)
+
+
+@stage("linkage")
+def linkage_stage(follower: Follower, reach: float, motion: MotionState) -> Train:
+    return train_of(follower, reach, motion)
+
+
+@stage("cam")
+def cam_stage(train: Train, cam: Cam, sense: float) -> CamShape:
+    return envelope(train, cam, sense)
+
+
+@stage("dynamics")
+def dynamics_stage(train: Train, shape: CamShape, loading: Loading, omega: float) -> Forces:
+    return newton_euler(train, shape, loading, omega)
+
+
+@remembered
+def loading(follower: Follower, loads: Loads) -> Loading:
+    return loading_of(follower, loads)
+
+
+class Memory:
+    """Results by a key that names all they depend on; the oldest are forgotten."""
+
+    def __init__(self, most: int = 4 * KEPT) -> None:
+        self._most = most
+        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
+
+    def get(self, key: Hashable, compute: Callable[[], Any]) -> Any:
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        value = self._kept[key] = compute()
+        if len(self._kept) > self._most:
+            self._kept.popitem(last=False)
+        return value
+
+    def cache_clear(self) -> None:
+        self._kept.clear()
+
+
+memory = Memory()
+_caches.append(memory)

@@ -1,0 +1,122 @@
+"""The result shape of every linkage: bodies with their poses, the pairs that join them, how forces walk through.
+
+Drawing, cam shape, instant centres and forces read a Train and nothing else of a follower.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+
+from core.motion import MotionState
+from core.vectors import turning
+
+FRAME, CAM = "frame", "cam"
+REVOLUTE, SLIDING = "revolute", "sliding"
+_NOTHING: Mapping[str, complex] = MappingProxyType({})
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where a body is: its origin and its angle with three derivatives by cam angle.
+
+    z       (4, n) complex, origin in the global frame [m]
+    angle   (4, n) [rad], counter-clockwise from global +x
+    points  the body's own points, fixed in its frame [m], for drawing and for pairs
+    """
+
+    z: np.ndarray
+    angle: np.ndarray
+    points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
+
+    @property
+    def x(self) -> np.ndarray:
+        return self.z.real
+
+    @property
+    def y(self) -> np.ndarray:
+        return self.z.imag
+
+    def at(self, local: complex) -> np.ndarray:
+        """A body-fixed point in the global frame with three derivatives (4, n)."""
+        if local == 0:
+            return self.z
+        return self.z + turning(local * np.exp(1j * self.angle[0]), self.angle)
+
+    def point(self, name: str) -> np.ndarray:
+        """A named point in the global frame with three derivatives (4, n)."""
+        return self.at(self.points[name])
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two bodies joined.
+
+    kind       ``revolute`` or ``sliding``
+    on, body   ``body`` turns or slides on ``on``
+    point      named point of ``body`` in the pair
+    axis       of a sliding pair: unit vector of the line in the frame of ``on``, else 0
+    friction   True where the loads' guide friction acts
+    """
+
+    kind: str
+    on: str
+    body: str
+    point: str
+    axis: complex = 0j
+
+
+@dataclass(frozen=True)
+class Dyad:
+    """Two bodies that are solved together, known from outside in.
+
+    kind    order of its pairs from the driving body outwards: ``RRP`` = rod and slider
+    bodies  in the same order
+    pairs   names of its three pairs in the same order
+    """
+
+    kind: str
+    bodies: tuple[str, ...]
+    pairs: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Train:
+    """A solved mechanism at n cam angles.
+
+    bodies         name -> Pose
+    pairs          name -> Pair; the body moved by the cam stands on the frame in ``ground``
+    dyads          outermost first: forces are found in this order
+    output         body whose motion was asked for; follower_body: body the cam acts on, its origin the face's
+                   reference point; ``ground``: pair that holds the follower body
+    travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
+    singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
+    coordinates    the follower's own variables, (4, n), named as in tables (phi, beta, slider_position)
+    base           the base position: name -> (value in SI, unit)
+    residual       (n,) loop closure relative to the size of the mechanism; ``condition`` (n,) bounds it times eps
+    """
+
+    motion: MotionState
+    bodies: Mapping[str, Pose]
+    pairs: Mapping[str, Pair]
+    dyads: tuple[Dyad, ...]
+    output: str
+    follower_body: str
+    ground: str
+    travel: np.ndarray
+    coordinates: Mapping[str, np.ndarray]
+    base: Mapping[str, tuple[float, str]]
+    residual: np.ndarray
+    condition: np.ndarray
+    singular: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
+
+    @property
+    def theta(self) -> np.ndarray:
+        return self.motion.theta
+
+    @property
+    def follower(self) -> Pose:
+        return self.bodies[self.follower_body]
