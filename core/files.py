@@ -119,7 +119,8 @@ def _permissions(path: Path, target: Path) -> int | None:
         except FileNotFoundError:
             return None
         _ordinary(path, status, "written")
-        if not os.access(target, os.W_OK):  # a move would not mind
+        effective = os.access in os.supports_effective_ids
+        if not os.access(target, os.W_OK, effective_ids=effective):  # a move would not mind
             _refuse(path, "written", "it is write-protected; change its permissions or choose another name")
         return stat.S_IMODE(status.st_mode)
 

@@ -47,16 +47,18 @@ def dumps(design: Design) -> str:
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:
-    for number, line in enumerate(text.split("\n"), 1):
-        key, equals, _ = line.partition("=")
-        if equals and key.count(".") > _MOST_KEY_PARTS:
+    lines = text.split("\n")
+    for number, line in enumerate(lines, 1):
+        key = line.partition("#")[0].partition("=")[0]
+        if key.count(".") > _MOST_KEY_PARTS and "," not in key:  # commas: a list of numbers
             raise _not_toml(source, f"a key of more than {_MOST_KEY_PARTS} parts (at line {number})")
     try:
         return tomllib.loads(text)
     except RecursionError:
         raise _not_toml(source, "nested too deeply") from None
     except tomllib.TOMLDecodeError as error:
-        raise _not_toml(source, str(error)) from error
+        end = f"at line {len(lines)}, column {len(lines[-1]) + 1}, the end"
+        raise _not_toml(source, str(error).replace("at end of document", end)) from error
     except ValueError as error:  # Python reads no integer of more than 4300 digits
         raise _not_toml(source, "an integer of too many digits") from error
 

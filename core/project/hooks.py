@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 from cattrs import Converter, override
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn
 
-from core.design import Info, Loads, Motion, Named, Segment, info_of, split_unit
+from core.design import Curve, Info, Loads, Motion, Named, Segment, info_of, split_unit
 from core.laws import LAWS, find_law
 
 Hook = Callable[[Any, Any], Any]
@@ -146,7 +146,9 @@ def _entry(info: Info | None, expected: Any, key: str, made: Converter, strict: 
         return _text(info.allowed(split_unit(key)[1]) if info else " | ".join(LAWS), strict)
     if getattr(expected, "__origin__", None) is tuple:
         return _list(made.get_structure_hook(expected), strict)
-    return lambda value, _: made.structure(value[1], value[0])  # a segment's curve
+    if expected == Curve:
+        return lambda value, _: made.structure(value[1], value[0])
+    return lambda value, _: made.structure(value, expected)  # a table within the table
 
 
 def _is_truth(value: object) -> bool:

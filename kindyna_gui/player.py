@@ -1,0 +1,73 @@
+"""The player: one cam angle for every view, moved by hand or by time."""
+
+from __future__ import annotations
+
+from math import pi
+
+from PySide6.QtCore import QElapsedTimer, QObject, QTimer, Signal
+
+TURN = 2.0 * pi
+FRAME_MS = 16
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
+
+
+class Player(QObject):
+    """Plays turns of the cam.
+
+    theta    cam angle [rad], 0 ... 2π
+    speed    1 plays in true time, at the speed of the shaft given by ``omega``
+    """
+
+    angle_changed = Signal(float)
+    playing_changed = Signal(bool)
+    speed_changed = Signal(float)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.theta = 0.0
+        self.speed = 1.0
+        self.forward = True
+        self.omega = pi
+        self._clock = QElapsedTimer()
+        self._timer = QTimer(self, interval=FRAME_MS)
+        self._timer.timeout.connect(self._tick)
+
+    @property
+    def playing(self) -> bool:
+        return self._timer.isActive()
+
+    def play(self, on: bool = True) -> None:
+        """Start or pause."""
+        if on == self.playing:
+            return
+        if on:
+            self._clock.start()
+            self._timer.start()
+        else:
+            self._timer.stop()
+        self.playing_changed.emit(on)
+
+    def set_theta(self, theta: float) -> None:
+        """Go to a cam angle [rad]; whole turns are taken off."""
+        theta = theta % TURN
+        if theta != self.theta:
+            self.theta = theta
+            self.angle_changed.emit(theta)
+
+    def step(self, degrees: float) -> None:
+        """Move by so many degrees, forward positive; playing stops."""
+        self.play(False)
+        # whole steps stay whole: 0.1 degrees a thousand times is 100 degrees
+        self.set_theta(round(self.theta * 180.0 / pi + degrees, 9) * pi / 180.0)
+
+    def set_speed(self, speed: float) -> None:
+        self.speed = speed
+        self.speed_changed.emit(speed)
+
+    def advance(self, seconds: float) -> None:
+        """Move on by a time, as a frame does."""
+        way = 1.0 if self.forward else -1.0
+        self.set_theta(self.theta + way * self.speed * self.omega * seconds)
+
+    def _tick(self) -> None:
+        self.advance(self._clock.restart() / 1000.0)
