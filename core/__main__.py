@@ -23,6 +23,7 @@ from core.report import finding_line, report
 from core.study import SAMPLES, Study
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
+MOST_LINES = 100
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
 Painter = Callable[[Study], Mapping[str, bytes]]
@@ -150,7 +151,9 @@ def main(argv: Sequence[str] | None = None, painter: Painter | None = None, prog
     try:
         return COMMANDS[words.command].run(words, painter)
     except KindynaError as error:
-        print(error, file=sys.stderr)
+        lines = str(error).split("\n")
+        rest = len(lines) - MOST_LINES
+        print("\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr)
         return NOTHING_DONE
     except BrokenPipeError:
         # the reader went away; nothing is left to tell it

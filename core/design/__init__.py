@@ -1,6 +1,20 @@
 """Inputs: what the user typed, its units, ranges and rules."""
 
-from core.design.edits import EDITS, edited, stroke, with_law, with_layout, with_rise, with_span, with_stroke
+from core.design.edits import (
+    EDITS,
+    edited,
+    insert_segment,
+    remove_segment,
+    stroke,
+    with_assumed,
+    with_law,
+    with_layout,
+    with_rise,
+    with_segment_inserted,
+    with_span,
+    with_stroke,
+    without_segment,
+)
 from core.design.fields import Info, field_faults, info_of, unit_of
 from core.design.parts import (
     FACES,
@@ -67,16 +81,21 @@ __all__ = [
     "field_faults",
     "get",
     "info_of",
+    "insert_segment",
     "kind_of",
     "part_faults",
     "put",
+    "remove_segment",
     "si",
     "split_unit",
     "stroke",
     "unit_of",
+    "with_assumed",
     "with_law",
     "with_layout",
     "with_rise",
+    "with_segment_inserted",
     "with_span",
     "with_stroke",
+    "without_segment",
 ]  # fmt: skip

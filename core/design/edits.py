@@ -6,15 +6,25 @@ Spans must make a turn and rises must come back to the start, so no single one o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from math import fsum
+from math import fsum, nan
 from types import MappingProxyType
 from typing import Any
 
 from core.design.parts import CamSlider, Motion, Named, Segment, SingleCam
-from core.design.paths import put, with_section
+from core.design.paths import SECTIONS, entries, put, with_section
 from core.laws import find_law
+
+_DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
+
+
+def _rest(total: float, given: Iterable[float]) -> float:
+    """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet."""
+    try:
+        return round(fsum([total, *(-number for number in given)]), _DECIMALS) + 0.0  # no minus zero
+    except (OverflowError, ValueError):
+        return nan
 
 
 def with_span(motion: Motion, index: int, span_deg: float) -> Motion:
@@ -23,8 +33,8 @@ def with_span(motion: Motion, index: int, span_deg: float) -> Motion:
     other = (index + 1) % len(segments)
     if other == index:
         return replace(motion, segments=(replace(segments[index], span_deg=span_deg),))
-    rest = fsum([360.0, -span_deg, *(-s.span_deg for i, s in enumerate(segments) if i not in (index, other))])
     segments[index] = replace(segments[index], span_deg=span_deg)
+    rest = _rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
     segments[other] = replace(segments[other], span_deg=rest)
     return replace(motion, segments=tuple(segments))
 
@@ -34,12 +44,17 @@ def with_rise(motion: Motion, index: int, rise: float) -> Motion:
     segments = list(motion.segments)
     segments[index] = replace(segments[index], rise=rise)
     others = [(index + k) % len(segments) for k in range(1, len(segments))]
-    for other in others:
+    return replace(motion, segments=_back_at_start(segments, others))
+
+
+def _back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
+    """The first segment that moves, of those in ``order``, brings the follower back."""
+    for other in order:
         if not _still(segments[other]):
-            rest = -fsum(s.rise for i, s in enumerate(segments) if i != other)
-            segments[other] = replace(segments[other], rise=rest + 0.0)
+            rest = _rest(0.0, (s.rise for i, s in enumerate(segments) if i != other))
+            segments[other] = replace(segments[other], rise=rest)
             break
-    return replace(motion, segments=tuple(segments))
+    return tuple(segments)
 
 
 def stroke(motion: Motion) -> float:
@@ -53,9 +68,9 @@ def with_stroke(motion: Motion, wanted: float) -> Motion:
     now = stroke(motion)
     if now == 0.0:
         return motion
-    by = wanted / now
-    segments = tuple(replace(s, rise=s.rise * by) for s in motion.segments)
-    return replace(motion, start=motion.start * by, segments=segments)
+    # multiplied first: 150 of a stroke of 150 becomes 160 of 160, not 160.00000000000003
+    segments = tuple(replace(s, rise=s.rise * wanted / now) for s in motion.segments)
+    return replace(motion, start=motion.start * wanted / now, segments=segments)
 
 
 def with_law(motion: Motion, index: int, law: str) -> Motion:
@@ -65,6 +80,77 @@ def with_law(motion: Motion, index: int, law: str) -> Motion:
     changed = replace(motion, segments=tuple(segments))
     row = find_law(law)
     return with_rise(changed, index, 0.0) if row is not None and row.still else changed
+
+
+def with_segment_inserted(motion: Motion, index: int) -> Motion:
+    """A dwell behind a segment, of half its span; no other join moves."""
+    segments = list(motion.segments)
+    whole = segments[index].span_deg
+    segments[index] = replace(segments[index], span_deg=whole / 2.0)
+    segments.insert(index + 1, Segment(whole - whole / 2.0))
+    return replace(motion, segments=tuple(segments))
+
+
+def without_segment(motion: Motion, index: int) -> Motion:
+    """One segment less. Its span goes to the one before it (the first one's to the second), so that no other join
+    moves; its rise goes to the next that moves. The only segment stays."""
+    segments = list(motion.segments)
+    if len(segments) == 1:
+        return motion
+    gone = segments.pop(index)
+    heir = max(index - 1, 0)
+    rest = _rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
+    segments[heir] = replace(segments[heir], span_deg=rest)
+    order = [(index + k) % len(segments) for k in range(len(segments))] if gone.rise else []
+    return replace(motion, segments=_back_at_start(segments, order))
+
+
+def insert_segment(design: SingleCam, index: int) -> SingleCam:
+    """``with_segment_inserted`` in a design: what is assumed of the later segments moves along."""
+    changed = with_section(design, "motion", with_segment_inserted(design.drive.motion, index))
+    return _renumbered(changed, lambda i: i if i <= index else i + 1)
+
+
+def remove_segment(design: SingleCam, index: int) -> SingleCam:
+    """``without_segment`` in a design: what is assumed of the later segments moves along."""
+    motion = without_segment(design.drive.motion, index)
+    if motion is design.drive.motion:
+        return design
+    changed = with_section(design, "motion", motion)
+    return _renumbered(changed, lambda i: None if i == index else i if i < index else i - 1)
+
+
+def _renumbered(design: SingleCam, number: Callable[[int], int | None]) -> SingleCam:
+    """Assumed paths with each segment's new number; those of a segment that has none are dropped."""
+    kept = []
+    for path in design.assumed:
+        match = re.match(r"motion\.segments\[(\d+)\]", path)
+        new = number(int(match[1])) if match else None
+        if match is None:
+            kept.append(path)
+        elif new is not None:
+            kept.append(f"motion.segments[{new}]{path[match.end() :]}")
+    return replace(design, assumed=tuple(kept))
+
+
+def with_assumed(design: SingleCam, path: str, on: bool) -> SingleCam:
+    """A path marked as assumed, in the order of the file, or no longer."""
+    kept = [p for p in design.assumed if p != path]
+    if not on:
+        return replace(design, assumed=tuple(kept))
+    order = {p: i for i, p in enumerate(_all_paths(design))}
+    place = order.get(path, len(order))
+    at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))
+    return replace(design, assumed=(*kept[:at], path, *kept[at:]))
+
+
+def _all_paths(design: SingleCam) -> Iterable[str]:
+    """Every path of the design in the order of the file; a segment's law comes first."""
+    for name in SECTIONS:
+        for entry in entries(design, name):
+            if re.search(r"\]\.span_deg$", entry.path):
+                yield entry.path.replace("span_deg", "law")
+            yield entry.path
 
 
 def with_layout(follower: CamSlider, layout: str) -> CamSlider:

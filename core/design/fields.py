@@ -11,17 +11,18 @@ from core.design.units import Unit, split_unit
 from core.errors import Fault
 
 _KEY = "kindyna"
+LARGEST = 1e15  # in the field's own unit: squares and products of such numbers still are numbers
 
 
 @dataclass(frozen=True)
 class Info:
     """What is known of one field. ``low`` and ``high`` bound numbers (``open_low``: low itself is excluded);
-    ``choices`` bounds words; ``step`` is a sensible step of a spin box, 0 = by magnitude."""
+    ``choices`` bounds words; no bound stated means ``LARGEST``; ``step`` is a sensible step of a spin box, 0 = by magnitude."""
 
     label: str
     help: str = ""
-    low: float = -math.inf
-    high: float = math.inf
+    low: float = -LARGEST
+    high: float = LARGEST
     open_low: bool = False
     choices: tuple[str, ...] = ()
     step: float = 0.0
@@ -31,9 +32,9 @@ class Info:
         if self.choices:
             return " | ".join(self.choices)
         symbol = f" {unit.symbol}" if unit.symbol else ""
-        if self.low == -math.inf and self.high == math.inf:
-            return f"any finite number{' of' + symbol if symbol else ''}"
-        if self.high == math.inf:
+        if self.low == -LARGEST and self.high == LARGEST:
+            return f"any number{' of' + symbol if symbol else ''} up to +-{LARGEST:g}"
+        if self.high == LARGEST:
             return f"{'>' if self.open_low else '>='} {self.low:g}{symbol}"
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
@@ -46,8 +47,8 @@ class Info:
 
 def number(
     label: str,
-    low: float = -math.inf,
-    high: float = math.inf,
+    low: float = -LARGEST,
+    high: float = LARGEST,
     *,
     open_low: bool = False,
     default: Any = dataclasses.MISSING,
