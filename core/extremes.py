@@ -12,7 +12,7 @@ from core.motion import EPS, Angles, Program
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 9, 721  # points of a piece
-CANDIDATES = 3  # local extremes refined per quantity and side
+CANDIDATES = 8  # local extremes refined per quantity and side
 INNER = 7  # points a bracket is cut by
 PASSES = 24
 FINEST = 2e-5  # [rad] half width at which a parabola takes over where the quantity is smooth ...
@@ -123,6 +123,17 @@ class _Bracket:
             self.value = max(self.value, float(value[2] - 0.5 * slope * slope / bend))
 
 
+def _room(value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """What may stand above samples (n,) between them and their neighbours: a parabola adds an eighth of the second
+    difference, which at an end of a piece is that of the first samples inside; taken eightfold."""
+    ahead, behind = np.roll(right, -1), np.roll(left, 1)  # two samples away, on either side
+    with np.errstate(invalid="ignore"):  # inf - inf, of which nothing is refined
+        inside = np.maximum(value - left, value - right)
+        at_start, at_end = np.abs(value - 2.0 * right + ahead), np.abs(value - 2.0 * left + behind)
+    room = np.where(left == -np.inf, at_start, np.where(right == -np.inf, at_end, inside))
+    return np.where(np.isfinite(room), room, np.inf)
+
+
 class _Search:
     """One quantity, one side: the local maxima of its samples that may hold the highest value."""
 
@@ -132,21 +143,19 @@ class _Search:
         same = np.diff(angles.piece) == 0
         left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
         right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
-        peaks = np.flatnonzero((value >= left) & (value >= right))
-        # what a parabola through the neighbours could still add
-        room = np.where(np.isfinite(left) & np.isfinite(right), np.maximum(value - left, value - right), np.inf)
-        order = peaks[np.argsort(-value[peaks], kind="stable")]
-        top = order[0] if order.size else 0
+        # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
+        tops = (value >= left) & (value >= right) & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
+        top = int(np.argmax(value))
         self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
+        peaks = np.flatnonzero(tops & np.isfinite(value))
+        peaks = peaks[value[peaks] + _room(value, left, right)[peaks] >= value[top]]
         self.brackets = []
-        for i in order[:CANDIDATES]:
-            flat = value[i] == left[i] == right[i]
-            if np.isfinite(value[i]) and not flat and value[i] + room[i] >= value[top]:
-                lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
-                hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
-                self.brackets.append(
-                    _Bracket(float(lo), float(hi), int(angles.piece[i]), float(angles.theta[i]), float(value[i]))
-                )
+        for i in peaks[np.argsort(-value[peaks], kind="stable")][:CANDIDATES]:
+            lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
+            hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
+            self.brackets.append(
+                _Bracket(float(lo), float(hi), int(angles.piece[i]), float(angles.theta[i]), float(value[i]))
+            )
         self._all = list(self.brackets)
         self._value, self._theta = value, angles.theta
 

@@ -95,8 +95,9 @@ class Program:
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any cam angles (n,) [rad], each with the piece right of it."""
         theta = np.asarray(theta, dtype=float)
-        if theta.size and (theta.min() < 0.0 or theta.max() >= TURN):
+        if theta.size and (theta.min() < 0.0 or theta.max() >= TURN - SNAP):
             theta = np.mod(theta, TURN)
+            theta = np.where(theta >= TURN - SNAP, 0.0, theta)  # the end of the turn is the first join
         piece = np.searchsorted(self.starts - SNAP, theta, side="right") - 1
         return Angles(theta, piece, kept)
 

@@ -54,10 +54,23 @@ class Flywheel:
 
 
 @lru_cache(maxsize=1)
-def _nodes() -> tuple[np.ndarray, np.ndarray]:
-    """Chebyshev nodes of 0...1 and the matrix from values there to power coefficients."""
-    x = 0.5 - 0.5 * np.cos(pi * (np.arange(NODES) + 0.5) / NODES)
-    return x, np.linalg.inv(np.vander(x, increasing=True))
+def _nodes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Chebyshev nodes of 0...1, the matrix from values there to Chebyshev coefficients, and the one from those to power
+    coefficients.
+
+    Two steps, for the inverse of a Vandermonde matrix costs six digits: the first step has no large entry, the large
+    ones of the second (whole numbers) meet coefficients that have died away.
+    """
+    k = np.arange(NODES)
+    angle = pi * (1.0 - (k + 0.5) / NODES)
+    to_chebyshev = np.cos(np.outer(k, angle)) * (2.0 / NODES)
+    to_chebyshev[0] /= 2.0
+    to_powers = np.zeros((NODES, NODES))
+    to_powers[0, 0], to_powers[:2, 1] = 1.0, (-1.0, 2.0)
+    for n in range(2, NODES):  # T_n(x) = 2x T_{n-1} - T_{n-2}, x = 2r - 1
+        to_powers[1:, n] = 4.0 * to_powers[:-1, n - 1]
+        to_powers[:, n] -= 2.0 * to_powers[:, n - 1] + to_powers[:, n - 2]
+    return 0.5 + 0.5 * np.cos(angle), to_chebyshev, to_powers
 
 
 def panel_angles(program: Program) -> tuple[np.ndarray, np.ndarray, Angles]:
@@ -70,7 +83,7 @@ def panel_angles(program: Program) -> tuple[np.ndarray, np.ndarray, Angles]:
         width.append(np.diff(cuts))
         piece.append(np.full(count, i))
     starts, widths, pieces = np.concatenate(start), np.concatenate(width), np.concatenate(piece)
-    x, _ = _nodes()
+    x, _, _ = _nodes()
     theta = starts[:, None] + widths[:, None] * x
     return starts, widths, Angles(theta.ravel(), np.repeat(pieces, NODES))
 
@@ -78,14 +91,14 @@ def panel_angles(program: Program) -> tuple[np.ndarray, np.ndarray, Angles]:
 def torque_curve(torque: Callable[[Angles], np.ndarray], program: Program) -> TorqueCurve:
     """The torque fitted on panels; torque gives (n,) [N m] at any cam angles. Raises NoAnswer where it is infinite."""
     start, width, angles = panel_angles(program)
-    _, fit = _nodes()
+    _, to_chebyshev, to_powers = _nodes()
     values = torque(angles)
     lost = ~np.isfinite(values)
     if lost.any():
         raise NoAnswer(
             "the torque is infinite, the guide jams", "loads.friction", "lower it", angle_ranges(angles.theta, lost)
         )
-    power = fit @ values.reshape(-1, NODES).T
+    power = to_powers @ (to_chebyshev @ values.reshape(-1, NODES).T)
     mean = float((width * (power / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
     return TorqueCurve(start, width, power, mean)
 

@@ -20,16 +20,14 @@ def centre_residual(train: Train, shape: CamShape) -> np.ndarray:
     return np.abs(shape.relative_velocity - by_centre) / size
 
 
-def tangency_residual(shape: CamShape, reach: float, positions: int = 120) -> float:
-    """How far the profile enters the roller at worst, by brute force, relative to the roller's distance: at
-    ``positions`` cam positions the least distance from roller centre to all profile points must be the roller's
-    radius."""
+def tangency_residual(shape: CamShape, radius: float, reach: float, positions: int = 120) -> float:
+    """How far the profile enters the roller or stays away from it at worst, by brute force, relative to ``reach``, the
+    roller's distance on the base circle: at ``positions`` cam positions the least distance from roller centre to all
+    profile points must be the roller's radius [m]."""
     flank = shape.flank
     step = max(1, flank.pitch.size // positions)
-    centres = flank.pitch[::step]
-    radius = np.abs(flank.profile - flank.pitch)[::step]
-    # in slices, so that memory stays small for a million points
+    # one by one, so that memory stays small for a million points
     worst = 0.0
-    for centre, r in zip(centres, radius, strict=True):
-        worst = max(worst, abs(float(np.abs(flank.profile - centre).min() - r)))
+    for centre in flank.pitch[::step]:
+        worst = max(worst, abs(float(np.abs(flank.profile - centre).min()) - radius))
     return worst / reach

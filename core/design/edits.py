@@ -87,7 +87,7 @@ def with_segment_inserted(motion: Motion, index: int) -> Motion:
     segments = list(motion.segments)
     whole = segments[index].span_deg
     segments[index] = replace(segments[index], span_deg=whole / 2.0)
-    segments.insert(index + 1, Segment(whole - whole / 2.0))
+    segments.insert(index + 1, Segment(whole - whole / 2.0, 0.0))
     return replace(motion, segments=tuple(segments))
 
 

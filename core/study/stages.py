@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import fields, is_dataclass
 from functools import lru_cache, wraps
 from typing import Any
 
@@ -24,10 +25,31 @@ _caches: list[Any] = []
 
 
 def remembered(function: Callable[..., Any]) -> Any:
-    """An lru_cache that ``clear_caches`` knows."""
-    cached = lru_cache(maxsize=KEPT)(function)
+    """An lru_cache that ``clear_caches`` knows; whoever gets a result shares it with others, so none may change it."""
+
+    @wraps(function)
+    def locking(*parts: Any) -> Any:
+        return _locked(function(*parts))
+
+    cached = lru_cache(maxsize=KEPT)(locking)
     _caches.append(cached)
     return cached
+
+
+def _locked(value: Any) -> Any:
+    """The value, every array in it read-only from now on."""
+    if isinstance(value, np.ndarray):
+        value.flags.writeable = False
+    elif isinstance(value, Mapping):
+        for part in value.values():
+            _locked(part)
+    elif isinstance(value, tuple):
+        for part in value:
+            _locked(part)
+    elif is_dataclass(value):
+        for field in fields(value):
+            _locked(getattr(value, field.name))
+    return value
 
 
 def stage(name: str) -> Callable[[Callable[..., Any]], Any]:

@@ -202,7 +202,8 @@ class Study:
             proof["loop_closure"] = Residual(float(train.residual.max()), bound)
         if "cam" in wanted:
             proof["instant_centre"] = Residual(float(cam.centre_residual(self.linkage, self.cam).max()), 16.0 * EPS)
-            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, self.reach), 64.0 * EPS)
+            radius: float = si(self.design.drive.cam).roller_radius
+            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS)
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
             parts = (self.linkage, self.cam, self.dynamics, self.loading)
