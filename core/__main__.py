@@ -130,26 +130,32 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
 )
 
 
-def parser(program: str) -> argparse.ArgumentParser:
+def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.ArgumentParser:
     """All commands with their words."""
     made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
     commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command")
-    for name, row in COMMANDS.items():
+    for name, row in rows.items():
         row.words(commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False))
     return made
 
 
-def main(argv: Sequence[str] | None = None, painter: Painter | None = None, program: str = "python -m core") -> int:
-    """Run one command; returns the exit code. painter paints pictures, None leaves them out."""
+def main(
+    argv: Sequence[str] | None = None,
+    painter: Painter | None = None,
+    program: str = "python -m core",
+    extra: Mapping[str, Command] = MappingProxyType({}),
+) -> int:
+    """Run one command; returns the exit code. painter paints pictures, None leaves them out; extra: more commands."""
+    rows = {**COMMANDS, **extra}
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        words = parser(program).parse_args(argv)
+        words = parser(program, rows).parse_args(argv)
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        return COMMANDS[words.command].run(words, painter)
+        return rows[words.command].run(words, painter)
     except KindynaError as error:
         lines = str(error).split("\n")
         rest = len(lines) - MOST_LINES

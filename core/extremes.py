@@ -12,7 +12,7 @@ from core.motion import EPS, Angles, Program
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 9, 721  # points of a piece
-CANDIDATES = 8  # local extremes refined per quantity and side
+CANDIDATES = 16  # local extremes per quantity and side that are looked at closer
 INNER = 7  # points a bracket is cut by
 PASSES = 24
 FINEST = 2e-5  # [rad] half width at which a parabola takes over where the quantity is smooth ...
@@ -82,7 +82,7 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
                 stop = at + INNER + 2
                 bracket.narrow(batch.theta[at:stop], search.sign * np.asarray(values[search.name])[at:stop])
                 at = stop
-            search.brackets = [b for b in search.brackets if b.wide()]
+            search.keep_what_may_win()
     best = {(s.name, s.sign): s.best() for s in searches}
     return {name: Range(best[name, -1.0], best[name, 1.0]) for name in sampled}
 
@@ -93,6 +93,7 @@ class _Bracket:
     def __init__(self, left: float, right: float, piece: int, theta: float, value: float) -> None:
         self.left, self.right, self.piece = left, right, piece
         self.theta, self.value, self.finest = theta, value, FINEST
+        self.room = np.inf  # what may still stand above its value between the points seen
 
     def wide(self) -> bool:
         return self.right - self.left > 2.0 * self.finest
@@ -107,6 +108,8 @@ class _Bracket:
             self.theta, self.value = float(theta[top]), float(value[top])
         low, high = max(top - 1, 0), min(top + 1, theta.size - 1)
         self.left, self.right = float(theta[low]), float(theta[high])
+        near = value[low : high + 1] if high - low == 2 else value
+        self.room = float(value[top] - near.min()) if np.isfinite(value[top]) else np.inf
         if not self.wide() and self.finest == FINEST and 2 <= top <= theta.size - 3:
             self._polish(theta[top - 2 : top + 3], value[top - 2 : top + 3])
 
@@ -148,9 +151,10 @@ class _Search:
         top = int(np.argmax(value))
         self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
         peaks = np.flatnonzero(tops & np.isfinite(value))
-        peaks = peaks[value[peaks] + _room(value, left, right)[peaks] >= value[top]]
+        may_be = value[peaks] + _room(value, left, right)[peaks]
+        peaks, may_be = peaks[may_be >= value[top]], may_be[may_be >= value[top]]
         self.brackets = []
-        for i in peaks[np.argsort(-value[peaks], kind="stable")][:CANDIDATES]:
+        for i in peaks[np.argsort(-may_be, kind="stable")][:CANDIDATES]:
             lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
             hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
             self.brackets.append(
@@ -159,10 +163,17 @@ class _Search:
         self._all = list(self.brackets)
         self._value, self._theta = value, angles.theta
 
+    def _highest(self) -> float:
+        return max((b.value for b in self._all), default=-np.inf)
+
+    def keep_what_may_win(self) -> None:
+        """Leave the brackets that are narrow enough, or can no longer reach the highest value found."""
+        top = max(self._highest(), self.sign * self.found.value)
+        self.brackets = [b for b in self.brackets if b.wide() and b.value + b.room >= top]
+
     def best(self) -> Extreme:
         """The highest; among equals (to rounding) the smallest cam angle."""
-        top = max((b.value for b in self._all), default=-np.inf)
-        top = max(top, self.sign * self.found.value)
+        top = max(self._highest(), self.sign * self.found.value)
         slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
         equal = [(b.theta, b.value) for b in self._all if b.value >= top - slack]
         equal += [

@@ -28,8 +28,10 @@ def kinetic_energy(train: Train, loading: Loading, omega: float) -> np.ndarray:
     )
 
 
+@np.errstate(invalid="ignore")  # inf - inf where the guide jams, which counts as balanced
 def power_residual(train: Train, shape: CamShape, forces: Forces, loading: Loading) -> np.ndarray:
-    """T_c ω - [d(KE)/dt + d(PE)/dt - F L̇ + μ|N||L̇|] (n,), relative to the peak of its terms."""
+    """T_c ω - [d(KE)/dt + d(PE)/dt - F L̇ + μ|N||L̇|] (n,), relative to the peak of its terms and of ω|R||F_c|, the
+    product that T_c ω is taken from: where the cam only holds, nothing else is left."""
     omega = forces.omega
     drive = forces.torque * omega
     speed = train.motion.y[1] * omega
@@ -39,12 +41,14 @@ def power_residual(train: Train, shape: CamShape, forces: Forces, loading: Loadi
     for mass, about, z, a in _motions(train, loading, omega):
         kinetic = kinetic + mass * dot(z[1], z[2]) + about * a[1] * a[2]
         potential = potential - mass * dot(z[1], np.asarray(loading.gravity))
-    return _relative(drive - kinetic - potential - output - lost, (drive, kinetic, potential, output, lost))
+    product = omega * np.abs(shape.reference) * forces.contact
+    return _relative(drive - kinetic - potential - output - lost, (product, kinetic, potential, output, lost))
 
 
+@np.errstate(invalid="ignore")
 def momentum_residual(train: Train, shape: CamShape, forces: Forces, loading: Loading) -> np.ndarray:
     """Sum of outer forces, and of their moments about the cam centre, against the rates of linear and angular
-    momentum (n,), each relative to the peak of its terms. Power alone cannot see an error in a pin, the pivot or a
+    momentum (n,), each relative to the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a
     frictionless guide.
 
     Outer forces are those of the frame, of the cam, gravity and the force along the guide.
@@ -66,7 +70,8 @@ def momentum_residual(train: Train, shape: CamShape, forces: Forces, loading: Lo
     moments = [cross(r, f) for f, r in outer]
     linear = np.asarray(sum(f for f, _ in outer) - sum(change))
     angular = np.asarray(sum(moments) - sum(turn))
-    return np.maximum(_relative(np.abs(linear), [f for f, _ in outer] + change), _relative(angular, moments + turn))
+    products = [np.abs(r) * np.abs(f) for f, r in outer]
+    return np.maximum(_relative(np.abs(linear), [f for f, _ in outer] + change), _relative(angular, products + turn))
 
 
 def _guide_of(train: Train) -> str:

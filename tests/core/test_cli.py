@@ -1,0 +1,433 @@
+"""python -m core: what it prints, writes and returns, from outside."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_cam, with_drive, with_follower, with_loads
+
+from core import project
+from core.design import SingleCam
+from core.errors import DesignError
+from core.study import SAMPLES
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "resources" / "examples").glob("*.toml"))
+FILES = ["profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"]
+
+
+def core(folder: Path, *words: str | Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    """The command, run in a folder of its own."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", **variables}
+    command = [sys.executable, "-m", "core", *map(str, words)]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8")
+
+
+def saved(folder: Path, design: SingleCam) -> Path:
+    path = folder / "design.toml"
+    project.save(design, path)
+    return path
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in sorted(folder.rglob("*")) if p.is_file()}
+
+
+def check_refused(done: subprocess.CompletedProcess[str], folder: Path, before: dict[str, bytes], lines: int | None = 1) -> str:
+    """Exit code 2, the faults on stderr line by line, nothing on stdout, nothing written."""
+    assert done.returncode == 2, done.stderr
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert "Warning" not in done.stderr
+    told = done.stderr.splitlines()
+    assert lines is None or len(told) == lines
+    assert all(line.strip() for line in told)
+    assert content(folder) == before
+    return done.stderr
+
+
+# -- what it does -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("command", ["check", "report"])
+def test_the_examples_are_checked_and_reported(tmp_path: Path, command: str, example: Path) -> None:
+    done = core(tmp_path, command, example)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert project.load(example).name in done.stdout
+    assert content(tmp_path) == {}
+    assert "NOT KEPT" not in done.stdout
+    if command == "check":
+        assert re.search(r"(\d+) of \1 residuals within their bounds", done.stdout)
+    else:
+        for heading in ("Motion", "Extremes over one turn", "Flywheel", "Findings", "Certificate", "Base position"):
+            assert f"\n{heading}\n{'-' * len(heading)}\n" in done.stdout
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_an_export_writes_its_files_and_names_them(tmp_path: Path, example: Path) -> None:
+    done = core(tmp_path, "export", example, "--out", tmp_path / "a" / "b", "--samples", "48")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [Path(line).name for line in done.stdout.splitlines()] == FILES
+    assert all(Path(line).is_file() for line in done.stdout.splitlines())
+    written = content(tmp_path)
+    assert sorted(written) == sorted(f"a/b/{name}" for name in FILES)
+    for name in FILES[:3]:
+        assert written[f"a/b/{name}"].count(b"\n") == 49
+        assert written[f"a/b/{name}"].startswith(b"cam_angle_deg,")
+    assert json.loads(written["a/b/summary.json"])["name"] == project.load(example).name
+
+
+def test_the_folder_and_the_number_of_samples_have_defaults(tmp_path: Path) -> None:
+    assert core(tmp_path, "export", EXAMPLES[0]).returncode == 0
+    assert set(content(tmp_path)) == {f"out/{name}" for name in FILES}
+    assert content(tmp_path)["out/profile.csv"].count(b"\n") == SAMPLES + 1
+
+
+def test_a_report_with_a_folder_is_written_and_printed(tmp_path: Path) -> None:
+    printed = core(tmp_path, "report", EXAMPLES[1])
+    done = core(tmp_path, "report", EXAMPLES[1], "--out", tmp_path / "r")
+    assert done.returncode == 0
+    assert done.stdout == printed.stdout
+    assert "pictures left out" in done.stderr
+    assert set(content(tmp_path)) == {"r/report.txt", "r/summary.json"}
+    assert content(tmp_path)["r/report.txt"].decode() == printed.stdout
+
+
+def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
+    """Whatever the run, the hash seed, the folder, the time and the language."""
+    one, other = tmp_path / "one", tmp_path / "other"
+    core(tmp_path, "export", EXAMPLES[1], "--out", one, "--samples", "90", PYTHONHASHSEED="1", TZ="UTC")
+    core(ROOT, "export", EXAMPLES[1], "--out", other, "--samples", "90", PYTHONHASHSEED="2", TZ="Asia/Seoul", LC_ALL="C")
+    assert content(one) == content(other) != {}
+    first, second = (core(tmp_path, "report", EXAMPLES[1], PYTHONHASHSEED=seed).stdout for seed in ("1", "2"))
+    assert first == second != ""
+
+
+def test_an_export_over_an_export_replaces_it_and_leaves_other_files_alone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    core(tmp_path, "export", EXAMPLES[0], "--samples", "8")
+    (out / "notes.txt").write_text("mine")
+    core(tmp_path, "export", EXAMPLES[1], "--samples", "8")
+    alone = tmp_path / "alone"
+    core(tmp_path, "export", EXAMPLES[1], "--samples", "8", "--out", alone)
+    assert content(out) == {**content(alone), "notes.txt": b"mine"}
+
+
+@pytest.mark.parametrize(
+    ("stages", "names"),
+    [(["motion"], ["kinematics.csv", "summary.json"]), (["cam"], ["profile.csv", "summary.json"]),
+     (["motion", "cam"], ["kinematics.csv", "profile.csv", "summary.json"]), (["dynamics"], ["dynamics.csv", "summary.json"])],
+)  # fmt: skip
+def test_only_the_stages_asked_for_are_written(tmp_path: Path, stages: list[str], names: list[str]) -> None:
+    done = core(tmp_path, "export", EXAMPLES[1], "--samples", "8", "--only", *stages)
+    assert done.returncode == 0
+    assert sorted(content(tmp_path)) == [f"out/{name}" for name in names]
+
+
+def test_a_motion_can_be_exported_of_a_linkage_that_cannot_be_built(tmp_path: Path) -> None:
+    path = saved(tmp_path, with_follower(LIFT, roller_arm_mm=100.0))
+    assert core(tmp_path, "export", path, "--only", "motion", "--samples", "8").returncode == 0
+    assert core(tmp_path, "export", path, "--out", tmp_path / "all").returncode == 2
+    assert not (tmp_path / "all").exists()
+
+
+# -- findings ---------------------------------------------------------------------------------------------
+
+
+def separating() -> SingleCam:
+    return with_loads(PUSHER, preload_n=-1000.0)
+
+
+def test_an_error_among_the_findings_is_exit_code_one_and_all_files_are_written(tmp_path: Path) -> None:
+    path = saved(tmp_path, separating())
+    for words in (["check", path], ["report", path], ["export", path, "--samples", "8"]):
+        done = core(tmp_path, *words)
+        assert done.returncode == 1
+        assert done.stderr == ""
+    assert {f"out/{name}" for name in FILES} <= set(content(tmp_path))
+    (told,) = [line for line in core(tmp_path, "check", path).stdout.splitlines() if line.startswith("error:")]
+    assert re.search(r"leaves the cam.* at cam angle [\d.]+ ° \[loads\]", told)
+
+
+def test_a_warning_is_no_error(tmp_path: Path) -> None:
+    harmonic = levels(0.0, (60.0, 0.0, "dwell"), (100.0, 20.0, "simple-harmonic"), (200.0, 0.0, "3-4-5"))
+    done = core(tmp_path, "check", saved(tmp_path, with_drive(PUSHER, motion=harmonic)))
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "warning: acceleration jumps" in done.stdout
+
+
+def test_a_stage_that_is_not_asked_for_does_not_tell_its_errors(tmp_path: Path) -> None:
+    path = saved(tmp_path, separating())
+    assert core(tmp_path, "export", path, "--samples", "8", "--only", "cam").returncode == 0
+    assert core(tmp_path, "export", path, "--samples", "8", "--only", "dynamics").returncode == 1
+
+
+def test_a_jammed_guide_is_written_without_a_motor_torque_and_without_a_word_on_stderr(tmp_path: Path) -> None:
+    path = saved(tmp_path, with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5))
+    for words in (["check", path], ["report", path], ["export", path, "--samples", "72"]):
+        done = core(tmp_path, *words)
+        assert (done.returncode, done.stderr) == (1, "")
+    written = content(tmp_path)
+    assert b"motor_torque_nm" not in written["out/dynamics.csv"]
+    assert json.loads(written["out/summary.json"])["extremes"]["contact_force_n"]["max"]["value"] is None
+
+
+# -- what it refuses: no answer ---------------------------------------------------------------------------
+
+NO_ANSWER: dict[str, tuple[SingleCam, tuple[str, ...]]] = {
+    "roller out of reach": (with_follower(LIFT, roller_arm_mm=100.0), ("follower.roller_arm_mm", "cannot reach the base circle")),
+    "rod too short": (with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0), ("follower.rod_mm", "does not reach")),
+    "stroke too long": (
+        with_drive(LIFT, motion=levels(0.0, (90.0, 0.0, "dwell"), (90.0, -1500.0, "cycloidal"), (180.0, 0.0, "cycloidal"))),
+        ("follower.rod_mm", "at cam angle "),
+    ),
+    "offset too large": (with_follower(PUSHER, offset_mm=57.0), ("follower.offset_mm",)),
+    "radius used up": (
+        with_drive(PUSHER, motion=levels(0.0, (180.0, -50.0, "cycloidal"), (180.0, 0.0, "cycloidal"))),
+        ("cam.base_radius_mm", "at cam angle "),
+    ),
+    "roller over the cam centre": (
+        with_drive(
+            with_cam(PUSHER, base_radius_mm=1e-9, roller_radius_mm=57.0),
+            motion=levels(0.0, (180.0, -0.5, "cycloidal"), (180.0, 0.0, "cycloidal")),
+        ),
+        ("cam.base_radius_mm", "radius turns negative"),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", NO_ANSWER)
+@pytest.mark.parametrize("command", ["check", "report", "export"])
+def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(tmp_path: Path, command: str, case: str) -> None:
+    design, phrases = NO_ANSWER[case]
+    path = saved(tmp_path, design)
+    before = content(tmp_path)
+    line = check_refused(core(tmp_path, command, path), tmp_path, before)
+    assert all(phrase in line for phrase in phrases)
+
+
+# -- what it refuses: files -------------------------------------------------------------------------------
+
+BROKEN: dict[str, tuple[tuple[tuple[str, str], ...], tuple[str, ...]]] = {
+    # what is replaced in the lift's file, and where each of the faults is told
+    "spans": ((("span_deg = 207.0", "span_deg = 206.0"),), ("motion.segments",)),
+    "rises": ((("rise_mm = -150.0", "rise_mm = -149.0"),), ("motion.segments",)),
+    "negative length": ((("rod_mm = 845.0", "rod_mm = -845.0"),), ("follower.rod_mm",)),
+    "zero length": ((("roller_radius_mm = 150.0", "roller_radius_mm = 0.0"),), ("cam.roller_radius_mm",)),
+    "nan": ((("slider_arm_mm = 1302.162", "slider_arm_mm = nan"),), ("follower.slider_arm_mm",)),
+    "infinity": ((("external_force_n = -20000.0", "external_force_n = -inf"),), ("loads.external_force_n",)),
+    "unknown key": ((("rod_mm = 845.0", "rod_mm = 845.0\nrodd_mm = 1.0"),), ("follower.rodd_mm",)),
+    "unknown table": ((("[shaft]", "[axle]\nx = 1\n[shaft]"),), ("axle",)),
+    "unknown law": ((('law = "modified-sine"', 'law = "modified-sin"'),), ("motion.segments[1].law",)),
+    "unknown layout": ((('layout = "b"', 'layout = "k"'),), ("follower.layout",)),
+    "layout against the pivot": ((('layout = "b"', 'layout = "c"'),), ("follower.layout",)),
+    "sense": ((('rotation = "ccw"', 'rotation = "left"'),), ("shaft.rotation",)),
+    "word for a number": ((("speed_rpm = 20.0", 'speed_rpm = "fast"'),), ("shaft.speed_rpm",)),
+    "missing": ((("base_radius_mm = 400.0\n", ""),), ("cam.base_radius_mm",)),
+    "format": ((("format = 1", "format = 2"),), ("format",)),
+    "standing shaft": ((("speed_rpm = 20.0", "speed_rpm = 0.0"),), ("shaft.speed_rpm",)),
+    "several": ((("rod_mm = 845.0", "rod_mm = 0.0"), ("span_deg = 207.0", "span_deg = -1.0"), ("friction = 0.1", "friction = nan"),
+                 ('layout = "b"', 'layout = "q"')),
+                ("motion.segments[2].span_deg", "motion.segments", "follower.layout", "follower.rod_mm", "loads.friction")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_every_fault_of_a_file_is_one_line_that_begins_with_its_place(tmp_path: Path, case: str) -> None:
+    edits, places = BROKEN[case]
+    text = (ROOT / "resources/examples/transfer_lift.toml").read_text(encoding="utf-8")
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new, 1)
+    path = tmp_path / "bad.toml"
+    path.write_text(text, encoding="utf-8")
+    before = content(tmp_path)
+    told = check_refused(core(tmp_path, "export", path), tmp_path, before, len(places))
+    for place in places:
+        assert any(line.startswith((f"{place} = ", f"{place}: ")) for line in told.splitlines()), place
+    with pytest.raises(DesignError) as caught:
+        project.load(path)
+    assert told == str(caught.value) + "\n", "from Python the same"
+
+
+def _not_there(folder: Path) -> Path:
+    return folder / "lift.toml"
+
+
+def _folder(folder: Path) -> Path:
+    (folder / "d").mkdir()
+    return folder / "d"
+
+
+def _no_toml(folder: Path) -> Path:
+    (folder / "a").write_text("φ = = 3\n", encoding="utf-8")
+    return folder / "a"
+
+
+def _empty(folder: Path) -> Path:
+    (folder / "a").touch()
+    return folder / "a"
+
+
+def _binary(folder: Path) -> Path:
+    (folder / "a").write_bytes(bytes(range(256)) * 4)
+    return folder / "a"
+
+
+def _huge(folder: Path) -> Path:
+    with open(folder / "a", "wb") as file:
+        file.truncate(100_000_000)
+    return folder / "a"
+
+
+def _pipe(folder: Path) -> Path:
+    os.mkfifo(folder / "a")
+    return folder / "a"
+
+
+def _utf16(folder: Path) -> Path:
+    (folder / "a").write_text('name = "lift"', encoding="utf-16")
+    return folder / "a"
+
+
+@pytest.mark.parametrize(
+    ("place", "phrase", "lines"),
+    [(_not_there, "no such file", 1), (_folder, "folder", 1), (_no_toml, "not TOML", 1), (_empty, "format", None),
+     (_binary, "not UTF-8", 1), (_huge, "larger than", 1), (_pipe, "not an ordinary file", 1), (_utf16, "not UTF-8", 1)],
+)  # fmt: skip
+def test_what_is_no_design_file_is_refused_in_one_line(tmp_path: Path, place: Any, phrase: str, lines: int | None) -> None:
+    if place is _pipe and os.name != "posix":
+        pytest.skip("POSIX only")
+    path = place(tmp_path)
+    before = content(tmp_path)
+    done = core(tmp_path, "check", path)
+    assert phrase in check_refused(done, tmp_path, before, lines)
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="POSIX only")
+def test_an_unreadable_file_is_refused_in_one_line(tmp_path: Path) -> None:
+    path = saved(tmp_path, LIFT)
+    path.chmod(0)
+    done = core(tmp_path, "check", path)
+    if os.geteuid() == 0:
+        assert done.returncode == 0, "root reads everything"
+    else:
+        assert "permission denied" in check_refused(done, tmp_path, content(tmp_path))
+
+
+# -- what it refuses: words -------------------------------------------------------------------------------
+
+LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
+
+
+@pytest.mark.parametrize(
+    ("words", "phrase"),
+    [
+        ([], "COMMAND"),
+        (["chekc", LIFT_FILE], "chekc"),
+        (["check"], "DESIGN"),
+        (["check", LIFT_FILE, "more"], "more"),
+        (["check", LIFT_FILE, "--samples", "8"], "--samples"),
+        (["export", LIFT_FILE, "--samples", "3"], "4 ... 5000000"),
+        (["export", LIFT_FILE, "--samples", "5000001"], "4 ... 5000000"),
+        (["export", LIFT_FILE, "--samples", "-8"], "--samples"),
+        (["export", LIFT_FILE, "--samples", "3.5"], "'3.5'"),
+        (["export", LIFT_FILE, "--samples", "many"], "'many'"),
+        (["export", LIFT_FILE, "--samples"], "--samples"),
+        (["export", LIFT_FILE, "--only", "stability"], "'stability'"),
+        (["export", LIFT_FILE, "--only", "motion", "cams"], "allowed: motion, linkage, cam, dynamics"),
+        (["export", LIFT_FILE, "--only"], "--only"),
+        (["export", LIFT_FILE, "--sampl", "8"], "--sampl"),
+        (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
+    ],
+)
+def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | Path], phrase: str) -> None:
+    assert phrase in check_refused(core(tmp_path, *words), tmp_path, {})
+
+
+@pytest.mark.parametrize("words", [["--help"], ["check", "--help"], ["report", "--help"], ["export", "--help"]])
+def test_help_is_given(tmp_path: Path, words: list[str]) -> None:
+    done = core(tmp_path, *words)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "usage: python -m core" in done.stdout
+
+
+# -- what it refuses: folders -----------------------------------------------------------------------------
+
+
+@pytest.fixture
+def read_only(tmp_path: Path) -> Iterator[Path]:
+    """A folder that nobody may write to, root neither: a mounted disk."""
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    yield from _mounted(folder, "ro,size=64k")
+
+
+@pytest.fixture
+def full(tmp_path: Path) -> Iterator[Path]:
+    folder = tmp_path / "disk"
+    folder.mkdir()
+    yield from _mounted(folder, "size=64k")
+
+
+def _mounted(folder: Path, options: str) -> Iterator[Path]:
+    try:
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True).returncode == 0
+    except OSError:
+        mounted = False
+    if not mounted:
+        pytest.skip("may not mount a disk here")
+    yield folder
+    subprocess.run(["umount", "-l", folder], check=True)
+
+
+@pytest.mark.parametrize("command", ["export", "report"])
+def test_a_disk_that_may_not_be_written_is_refused_in_one_line(read_only: Path, command: str) -> None:
+    done = core(ROOT, command, LIFT_FILE, "--out", read_only / "out", "--samples", "8")
+    assert done.returncode == 2
+    assert len([line for line in done.stderr.splitlines() if "pictures" not in line]) == 1
+    assert "write-protected" in done.stderr or "read-only" in done.stderr.lower()
+    assert list(read_only.iterdir()) == []
+
+
+def test_a_full_disk_keeps_what_was_there(full: Path) -> None:
+    assert core(ROOT, "export", LIFT_FILE, "--out", full, "--samples", "8").returncode == 0
+    before = content(full)
+    line = check_refused(core(ROOT, "export", LIFT_FILE, "--out", full, "--samples", "20000"), full, before)
+    assert "disk is full" in line
+
+
+def test_a_file_in_the_folders_place_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("mine")
+    line = check_refused(core(tmp_path, "export", LIFT_FILE, "--samples", "8"), tmp_path, {"out": b"mine"})
+    assert str(tmp_path / "out") in line or "out" in line
+    (tmp_path / "dir").mkdir()
+    (tmp_path / "dir" / "dynamics.csv").mkdir()
+    before = content(tmp_path)
+    check_refused(core(tmp_path, "export", LIFT_FILE, "--out", tmp_path / "dir", "--samples", "8"), tmp_path, before)
+
+
+def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    command = f"{sys.executable} -m core report {LIFT_FILE} | head -n 1"
+    done = subprocess.run(["sh", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert done.stdout == "Transfer unit, lift drive\n"
+    assert done.stderr == ""
+
+
+def test_a_name_in_any_language_is_written_and_printed(tmp_path: Path) -> None:
+    design = SingleCam("캠 구동 슬라이더 φ", LAYOUT_DESIGNS["a"].shaft, LAYOUT_DESIGNS["a"].drive)
+    path = saved(tmp_path, design)
+    assert "캠 구동 슬라이더 φ" in core(tmp_path, "report", path).stdout
+    plain = core(tmp_path, "report", path, PYTHONIOENCODING="ascii")
+    assert plain.returncode == 0
+    assert "Traceback" not in plain.stderr
+    core(tmp_path, "export", path, "--samples", "8")
+    assert json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["name"] == "캠 구동 슬라이더 φ"

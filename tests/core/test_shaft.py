@@ -1,0 +1,306 @@
+"""core.shaft: flywheel and motor, against closed forms of single waves and steps and against an integrated motor."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_loads, with_shaft
+from references import EPS
+from scipy.integrate import quad, solve_ivp
+
+from core.design import Shaft, SingleCam
+from core.motion import TURN, Angles, Program
+from core.shaft import NODES, filtered, flywheel, panel_angles, torque_curve
+from core.study import Study
+
+# Between ten values and a polynomial through them stand two sums of ten and Lebesgue's constant of 2.5; from panel to
+# panel, some 200 of them, roundings add up.
+PANEL = (2 * 10 * 2.5 + 200) * EPS
+
+FREE_PUSHER = with_loads(PUSHER, friction=0.0)
+
+EVEN = Program(levels(0.0, *[(45.0, 10.0 * (i % 2), "cycloidal") for i in range(7)], (45.0, 0.0, "cycloidal")))
+HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
+UNEVEN = Program(levels(0.0, (1e-3, 0.0, "dwell"), (120.0, 10.0, "3-4-5"), (0.5, 10.0, "dwell"), (239.499, 0.0, "cycloidal")))
+
+Torque = Callable[[Angles], np.ndarray]
+
+
+def shaft(inertia: float = 0.0, slope: float = 50.0, speed: float = 60.0, share: float = 0.02) -> Shaft:
+    return Shaft("ccw", speed, inertia, share, slope)
+
+
+def wave(n: int, cosine: float, sine: float, level: float = 0.0) -> Torque:
+    return lambda a: level + cosine * np.cos(n * a.theta) + sine * np.sin(n * a.theta)
+
+
+def every(program: Program, count: int = 500) -> Angles:
+    return program.angles(np.arange(count) * (TURN / count))
+
+
+# -- mean and energy --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("program", [EVEN, HALVES, UNEVEN], ids=["even", "halves", "uneven"])
+@pytest.mark.parametrize("n", [1, 2, 7, 25])
+def test_a_wave_has_its_mean_and_swings_by_twice_its_integral(n: int, program: Program) -> None:
+    """A cos nθ + B sin nθ: the energy goes up and down by hypot(A, B)/n either way."""
+    curve = torque_curve(wave(n, 3.0, -4.0, level=11.0), program)
+    assert curve.mean == pytest.approx(11.0, abs=PANEL * 16.0)
+    wheel = flywheel(wave(n, 3.0, -4.0, level=11.0), curve, shaft())
+    assert wheel.energy_swing == pytest.approx(2 * 5.0 / n, abs=PANEL * 16.0)
+    assert wheel.mean_torque == curve.mean
+
+
+def test_the_energy_is_the_integral_of_the_torque_above_its_mean() -> None:
+    energy = filtered(torque_curve(wave(3, 3.0, -4.0, level=11.0), UNEVEN), 0.0)
+    theta = np.linspace(0.0, TURN, 101)
+    assert energy(theta) == pytest.approx(np.sin(3 * theta) - 4 / 3 * (1 - np.cos(3 * theta)), abs=PANEL * 16.0)
+
+
+def test_a_step_swings_by_its_area_however_the_steps_stand() -> None:
+    """+A over one half, -A over the other: A pi; and 7 over a third against a mean of 7/3."""
+    steps = torque_curve(lambda a: np.where(a.piece == 0, 5.0, -5.0), HALVES)
+    assert steps.mean == pytest.approx(0.0, abs=PANEL * 5.0)
+    assert flywheel(wave(1, 0, 0), steps, shaft()).energy_swing == pytest.approx(5.0 * math.pi, rel=PANEL)
+    thirds = Program(levels(0.0, (120.0, 10.0, "cycloidal"), (240.0, 0.0, "cycloidal")))
+    pulse = torque_curve(lambda a: np.where(a.piece == 0, 7.0, 0.0), thirds)
+    assert pulse.mean == pytest.approx(7.0 / 3.0, rel=PANEL)
+    assert flywheel(wave(1, 0, 0), pulse, shaft()).energy_swing == pytest.approx(7.0 * (2 / 3) * TURN / 3, rel=PANEL)
+
+
+def test_a_jolt_within_a_thousandth_of_a_degree_is_not_lost() -> None:
+    """One whole sine wave of 1 MN m within it: its lobe is width/pi times its height."""
+    width = math.radians(1e-3)
+    jolt = torque_curve(lambda a: np.where(a.piece == 0, 1e6 * np.sin(TURN * a.theta / width), 0.0), UNEVEN)
+    assert jolt.mean == pytest.approx(0.0, abs=PANEL * 1e6 * width)
+    # ten coefficients on a sixteenth of a wave: the eleventh term of its series is (2 pi/16/4)^10/10! x 2
+    left_out = 2 * (TURN / 16 / 4) ** 10 / math.factorial(10)
+    assert flywheel(wave(1, 0, 0), jolt, shaft()).energy_swing == pytest.approx(1e6 * width / math.pi, rel=left_out + PANEL)
+
+
+@pytest.mark.parametrize("design", [LIFT, FREE_PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "pusher", "f"])
+def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: SingleCam) -> None:
+    """By an adaptive rule on each segment, and the energy's extremes off 20 samples a degree."""
+    study = Study(design)
+    program = study.program
+
+    def torque(theta: float, piece: int) -> float:
+        return float(study.at(Angles(np.array([theta]), np.array([piece]))).dynamics.torque[0])
+
+    pieces = list(enumerate(zip(program.starts, program.ends, strict=True)))
+    peak = np.abs(study.dynamics.torque).max()
+    areas = [quad(torque, a, b, args=(i,), epsabs=1e-12 * peak, epsrel=1e-12, limit=200)[0] for i, (a, b) in pieces]
+    mean = sum(areas) / TURN
+    assert study.flywheel.mean_torque == pytest.approx(mean, abs=1e-11 * peak)
+    # the energy by Simpson's rule: steps of a twentieth of a degree leave h^4/180 of the fourth derivative
+    low = high = at = 0.0
+    for i, (a, b) in pieces:
+        n = 2 * math.ceil(math.degrees(b - a) * 20 / 2)
+        theta = np.linspace(a, b, 2 * n + 1)
+        t = study.at(Angles(theta, np.full(theta.size, i))).dynamics.torque - mean
+        step = (b - a) / n
+        energy = at + np.cumsum(step / 6 * (t[:-2:2] + 4 * t[1:-1:2] + t[2::2]))
+        low, high, at = min(low, energy.min()), max(high, energy.max()), energy[-1]
+    assert at == pytest.approx(0.0, abs=1e-9 * peak), "what goes in comes out"
+    # an extreme between samples is missed by half a step squared of the torque's slope
+    slope = np.abs(np.diff(study.dynamics.torque)).max() / (TURN / 3600)
+    assert study.flywheel.energy_swing == pytest.approx(high - low, abs=2 * slope * math.radians(0.025) ** 2 / 2)
+    assert study.flywheel.energy_swing >= high - low - 1e-9 * peak
+
+
+def test_where_the_guides_force_turns_round_friction_breaks_the_torque_and_costs_its_share_of_a_panel() -> None:
+    """μ|N||y'| has a kink of slope 2μ|N'y'| there. Ten nodes follow |x| on -1...1 to 0.1 (Bernstein: 0.28/n at best,
+    times Lebesgue's constant), so a panel of width w to 0.1 μ|N'y'| w/2, and the mean to w/2π of that."""
+    study = Study(PUSHER)
+    program, normal = study.program, study.dynamics.guide.normal
+    turns = np.flatnonzero((normal[:-1] * normal[1:] < 0.0) & (study.motion.way[1:] != 0.0))
+    assert turns.size >= 1
+    kinks = 0.12 * np.abs(np.diff(normal) / np.diff(study.theta))[turns] * np.abs(study.motion.y[1])[turns]
+    width = math.radians(2.0)
+    bound = float(kinks.sum()) * 0.1 * width / 2 * width / TURN
+    mean = 0.0
+    for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
+
+        def torque(theta: float, i: int = i) -> float:
+            return float(study.at(Angles(np.array([theta]), np.array([i]))).dynamics.torque[0])
+
+        mean += quad(torque, a, b, epsabs=1e-11, epsrel=1e-11, limit=400)[0] / TURN
+    assert study.flywheel.mean_torque == pytest.approx(mean, abs=bound)
+    assert bound < 1e-5 * np.abs(study.dynamics.torque).max()
+
+
+def test_the_needed_inertia_keeps_the_speed_within_the_share() -> None:
+    """½I(ω_max² - ω_min²) = ΔE about the middle speed ω̄: (ω_max - ω_min)/ω̄ is the share asked for."""
+    for share, speed in ((0.02, 60.0), (0.3, 600.0), (2.0, 1.0)):
+        wheel = flywheel(wave(2, 300.0, 0.0), torque_curve(wave(2, 300.0, 0.0), EVEN), shaft(share=share, speed=speed))
+        middle = speed * math.pi / 30
+        spread = 2 * 300.0 / 2 / wheel.needed_inertia  # (ω_max² - ω_min²)/2 = ω̄ (ω_max - ω_min)
+        assert spread / middle / middle == pytest.approx(share, rel=1e-11)
+
+
+# -- the motor --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [1, 3, 12])
+@pytest.mark.parametrize("inertia", [1e-9, 1e-3, 0.5, 20.0, 1e4, 1e12])
+@pytest.mark.parametrize("program", [EVEN, UNEVEN], ids=["even", "uneven"])
+def test_a_wave_of_torque_comes_to_the_motor_smaller_and_later(program: Program, inertia: float, n: int) -> None:
+    """T_n/(1 + i n I ω̄/k): of 5 cos(nθ - 0.7) about a mean of 8."""
+    torque = wave(n, 5.0 * math.cos(0.7), 5.0 * math.sin(0.7), level=8.0)
+    s = shaft(inertia, slope=50.0, speed=60.0)
+    motor = flywheel(torque, torque_curve(torque, program), s).motor_torque(every(program))
+    factor = 1.0 / (1.0 + 1j * n * inertia * TURN / 50.0)
+    wanted = 8.0 + 5.0 * (factor * np.exp(1j * (n * every(program).theta - 0.7))).real
+    assert motor == pytest.approx(wanted, abs=PANEL * 13.0)
+
+
+@pytest.mark.parametrize("inertia", [1e-6, 0.01, 1.0, 100.0, 1e8])
+def test_a_step_of_torque_reaches_the_motor_exponentially(inertia: float) -> None:
+    """+5, -5 by halves: x = 5 - (5 + x0) e^{-rθ} with x(π) = x0's opposite, x0 = -5 tanh(rπ/2)."""
+    s = shaft(inertia, slope=50.0, speed=60.0)
+    steps: Torque = lambda a: np.where(a.piece == 0, 5.0, -5.0)  # noqa: E731
+    motor = flywheel(steps, torque_curve(steps, HALVES), s).motor_torque(every(HALVES))
+    rate = 50.0 / (inertia * TURN)
+    begin = -5.0 * math.tanh(rate * math.pi / 2)
+    theta = np.mod(every(HALVES).theta, math.pi)
+    half = 5.0 - (5.0 - begin) * np.exp(-rate * theta)
+    wanted = np.where(every(HALVES).theta < math.pi, half, -half)
+    assert motor == pytest.approx(wanted, abs=PANEL * 5.0)
+
+
+def _integrated(study: Study, inertia: float, slope: float, theta: np.ndarray) -> np.ndarray:
+    """I ω̄ dω/dθ + k(ω - ω̄) = -(T - T̄) over one turn, begun so that it ends as it began; the motor's T̄ - k(ω - ω̄)."""
+    program, omega, mean = study.program, study.omega, study.flywheel.mean_torque
+
+    def run(begin: float) -> tuple[np.ndarray, float]:
+        x, out = begin, np.empty_like(theta)
+        for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
+
+            def rate(t: float, y: np.ndarray, i: int = i) -> np.ndarray:
+                torque = study.at(Angles(np.array([t]), np.array([i]))).dynamics.torque[0]
+                return -(torque - mean + slope * y) / (inertia * omega)
+
+            told = solve_ivp(rate, (a, b), [x], method="DOP853", rtol=1e-11, atol=1e-12, dense_output=True)
+            inside = (theta >= a) & (theta < b)
+            out[inside] = told.sol(theta[inside])[0]
+            x = float(told.y[0, -1])
+        return out, x
+
+    zero, end = run(0.0)
+    decay = math.exp(-slope * TURN / (inertia * omega))
+    begin = end / (1.0 - decay)
+    return mean - slope * (zero + begin * np.exp(-slope * theta / (inertia * omega)))
+
+
+@pytest.mark.parametrize(("design", "inertia"), [(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"])
+def test_the_motor_torque_is_that_of_the_integrated_motor(design: SingleCam, inertia: float) -> None:
+    fitted = with_shaft(design, flywheel_inertia_kg_m2=inertia, motor_slope_nm_s_per_rad=2.0)
+    study = Study(fitted, 48)
+    motor = study.flywheel.motor_torque(study.angles)
+    wanted = _integrated(study, inertia, 2.0, study.theta)
+    assert np.ptp(wanted) > 0.05 * np.ptp(study.dynamics.torque), "it moves"
+    assert motor == pytest.approx(wanted, abs=1e-9 * np.abs(study.dynamics.torque).max())
+
+
+def test_the_motor_torque_of_the_lift_is_the_sum_of_its_harmonics() -> None:
+    """T_n by quadrature on every segment; what is left off beyond n = 600 is its jumps' J k/(pi I ω̄ 600)."""
+    inertia, slope, most = 300.0, 50.0, 600
+    study = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=inertia, motor_slope_nm_s_per_rad=slope), 48)
+    x, weights = np.polynomial.legendre.leggauss(400)
+    n = np.arange(1, most + 1)
+    harmonics = np.zeros(most, dtype=complex)
+    for i, (a, b) in enumerate(zip(study.program.starts, study.program.ends, strict=True)):
+        theta = (a + b) / 2 + (b - a) / 2 * x
+        torque = study.at(Angles(theta, np.full(theta.size, i))).dynamics.torque
+        harmonics += (b - a) / 2 * (np.exp(-1j * n[:, None] * theta) * (torque * weights)).sum(axis=1) / TURN
+    answer = harmonics / (1.0 + 1j * n * inertia * study.omega / slope)
+    motor = study.flywheel.mean_torque + 2.0 * (answer * np.exp(1j * n * study.theta[:, None])).real.sum(axis=1)
+    jumps = sum(abs(_jump(study, i)) for i in range(len(study.program.starts)))
+    tail = jumps * slope / (math.pi * inertia * study.omega * most)
+    assert np.abs(study.flywheel.motor_torque(study.angles) - motor).max() <= tail + 1e-9 * np.abs(study.dynamics.torque).max()
+    assert tail < 0.01 * np.ptp(motor)
+
+
+def _jump(study: Study, piece: int) -> float:
+    """Of the torque where a piece begins."""
+    starts, ends = study.program.starts, study.program.ends
+    after = study.at(Angles(starts[[piece]], np.array([piece]))).dynamics.torque[0]
+    before = study.at(Angles(ends[[piece - 1]], np.array([(piece - 1) % ends.size]))).dynamics.torque[0]
+    return float(after - before)
+
+
+@settings(max_examples=20)
+@given(buildable(), st.floats(-3.0, 3.0))
+def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(design: SingleCam, power: float) -> None:
+    design = with_loads(design, friction=0.0)
+    study = Study(with_shaft(design, flywheel_inertia_kg_m2=0.0), 36)
+    torque, wheel = study.dynamics.torque, study.flywheel
+    assert wheel.motor_torque(study.angles).tolist() == torque.tolist()
+    peak = np.abs(torque).max()
+    whole = Study(with_shaft(design, flywheel_inertia_kg_m2=1e12), 36)
+    still = whole.flywheel.motor_torque(whole.angles)
+    # what remains is k/(I ω̄) of the energy swing, and the rounding of the mean
+    rate = 50.0 / (1e12 * whole.omega)
+    assert np.abs(still - wheel.mean_torque).max() <= rate * wheel.energy_swing + PANEL * peak
+    # any flywheel leaves mean, energy and size alone
+    some = Study(with_shaft(design, flywheel_inertia_kg_m2=10.0**power), 36)
+    assert some.flywheel.energy_swing == wheel.energy_swing
+    assert some.flywheel.mean_torque == wheel.mean_torque
+    # a mean of the torque over the time past, it never passes the peak (of 3600 samples)
+    assert np.abs(some.flywheel.motor_torque(some.angles)).max() <= np.abs(Study(some.design).dynamics.torque).max() * 1.001
+
+
+def test_a_light_flywheel_follows_the_torque_and_is_late_by_its_time_constant() -> None:
+    """x = T - T'/r + ..., r = k/(I ω̄): to second order in 1/r."""
+    torque = wave(2, 5.0, 1.0, level=3.0)
+    rate = 50.0 / (1e-4 * TURN)
+    motor = flywheel(torque, torque_curve(torque, EVEN), shaft(1e-4)).motor_torque(every(EVEN))
+    theta = every(EVEN).theta
+    late = torque(every(EVEN)) - (-10.0 * np.sin(2 * theta) + 2.0 * np.cos(2 * theta)) / rate
+    assert np.abs(motor - late).max() <= 4 * math.hypot(5, 1) / rate**2 * 1.01 + PANEL * 9
+
+
+def test_the_motor_torque_does_not_jump_where_the_cams_torque_does() -> None:
+    """Steps of 10 N m: over 2e-9 rad the motor gains no more than 10 r 2e-9."""
+    steps: Torque = lambda a: np.where(a.piece % 2 == 0, 5.0, -5.0)  # noqa: E731
+    wheel = flywheel(steps, torque_curve(steps, EVEN), shaft(0.3))
+    for join in EVEN.starts:
+        beside = np.mod(np.array([join - 1e-9, join + 1e-9]), TURN)
+        before, after = wheel.motor_torque(EVEN.angles(beside))
+        assert abs(after - before) <= 2e-9 * 10.0 * 50.0 / (0.3 * TURN) * 1.1
+
+
+# -- the panels -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("program", [EVEN, HALVES, UNEVEN, Study(LIFT).program], ids=["even", "halves", "uneven", "lift"])
+def test_panels_tile_the_turn_and_never_cross_a_join(program: Program) -> None:
+    start, width, angles = panel_angles(program)
+    assert start[0] == 0.0
+    assert start[1:] == pytest.approx(start[:-1] + width[:-1], rel=4 * EPS)
+    assert start[-1] + width[-1] == pytest.approx(TURN, rel=EPS)
+    assert set(program.starts) <= set(start)
+    assert width.max() <= math.radians(2.0) + 2 * EPS * TURN  # a difference of two angles
+    inside = angles.theta.reshape(-1, NODES)
+    assert (inside > start[:, None]).all()
+    assert (inside < (start + width)[:, None]).all()
+    piece = angles.piece.reshape(-1, NODES)
+    assert (program.starts[piece] <= inside).all()
+    assert (inside <= program.ends[piece]).all()
+
+
+def test_what_the_motor_does_not_give_the_flywheel_does() -> None:
+    """Torque balance at every angle: T_m - T_c = I ω̄ dω/dθ, with ω - ω̄ = (T̄ - T_m)/k, by central differences."""
+    inertia, slope = 0.8, 50.0
+    torque = wave(1, 5.0, 2.0, level=3.0)
+    wheel = flywheel(torque, torque_curve(torque, EVEN), shaft(inertia, slope))
+    theta = np.linspace(0.1, 6.1, 61)
+    step = 1e-4
+    before, here, after = (wheel.motor_torque(EVEN.angles(theta + h)) for h in (-step, 0.0, step))
+    gained = inertia * TURN * -(after - before) / (2 * step) / slope
+    # the difference leaves step²/6 of the third derivative and 1e-16/step of rounding
+    assert here - torque(EVEN.angles(theta)) == pytest.approx(gained, abs=5.4 * (step**2 + PANEL / step))
