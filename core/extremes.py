@@ -12,7 +12,7 @@ from core.motion import EPS, Angles, Program
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 9, 721  # points of a piece
-CANDIDATES = 16  # local extremes per quantity and side that are looked at closer
+CANDIDATES = 64  # local extremes per quantity and side that are looked at closer
 INNER = 7  # points a bracket is cut by
 PASSES = 24
 FINEST = 2e-5  # [rad] half width at which a parabola takes over where the quantity is smooth ...

@@ -8,7 +8,6 @@ from PySide6.QtCore import QElapsedTimer, QObject, QTimer, Signal
 
 TURN = 2.0 * pi
 FRAME_MS = 16
-SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
 class Player(QObject):
@@ -16,11 +15,13 @@ class Player(QObject):
 
     theta    cam angle [rad], 0 ... 2π
     speed    1 plays in true time, at the speed of the shaft given by ``omega``
+    forward  False plays backwards
     """
 
     angle_changed = Signal(float)
     playing_changed = Signal(bool)
     speed_changed = Signal(float)
+    forward_changed = Signal(bool)
 
     def __init__(self) -> None:
         super().__init__()
@@ -50,6 +51,8 @@ class Player(QObject):
     def set_theta(self, theta: float) -> None:
         """Go to a cam angle [rad]; whole turns are taken off."""
         theta = theta % TURN
+        if theta >= TURN:  # what lies below 0 by less than rounding
+            theta = 0.0
         if theta != self.theta:
             self.theta = theta
             self.angle_changed.emit(theta)
@@ -61,8 +64,14 @@ class Player(QObject):
         self.set_theta(round(self.theta * 180.0 / pi + degrees, 9) * pi / 180.0)
 
     def set_speed(self, speed: float) -> None:
-        self.speed = speed
-        self.speed_changed.emit(speed)
+        if speed != self.speed:
+            self.speed = speed
+            self.speed_changed.emit(speed)
+
+    def set_forward(self, forward: bool) -> None:
+        if forward != self.forward:
+            self.forward = forward
+            self.forward_changed.emit(forward)
 
     def advance(self, seconds: float) -> None:
         """Move on by a time, as a frame does."""

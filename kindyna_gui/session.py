@@ -3,19 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
 from core.design import Design, edited, faults
-from core.errors import DesignError, Fault, KindynaError, NoAnswer
+from core.errors import Fault, KindynaError, NoAnswer
 from core.project import load, save
 from core.study import Study
+from kindyna_gui.wording import name_of, sentence
 
 SAMPLES = 1800
 """Cam angles per turn on the screen."""
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """An edit that was wrong: the path it was made at, and (path, name, sentence) of every field it is wrong for."""
+
+    path: str
+    told: tuple[tuple[str, str, str], ...]
+
+    def at(self, path: str) -> str:
+        """What is to be read beside the field of this path; empty where it has no part in it.
+
+        The field that was edited tells everything: first what concerns itself, the rest with the other's name.
+        """
+        own = [sentence(text) for field, _, text in self.told if field == path]
+        others = [f"{name}: {text}" for field, name, text in self.told if field != path] if path == self.path else []
+        return "\n".join(own + others)
+
+
+def _told(fault: Fault) -> str:
+    return f"{fault.problem}; allowed: {fault.allowed}" if fault.allowed else fault.problem
 
 
 class ChangeDesign(QUndoCommand):
@@ -26,12 +50,14 @@ class ChangeDesign(QUndoCommand):
         self._session = session
         self._before, self._after = session.design, after
         self._path, self._gesture = path, gesture
+        self._new = True
 
     def redo(self) -> None:
-        self._session._show(self._after)
+        self._session._show(self._after, restored=not self._new)
+        self._new = False
 
     def undo(self) -> None:
-        self._session._show(self._before)
+        self._session._show(self._before, restored=True)
 
     def id(self) -> int:
         return 1
@@ -51,13 +77,17 @@ class Session(QObject):
     """Owns the design and the undo stack.
 
     design_changed   another design is in place
-    refused          (path, message): an edit was wrong; the last good design stays
-    accepted         (path): an edit was right
+    started          another design begins; what was chosen or zoomed for the one before is void
+    restored         it was not typed: undo, redo, or another file; what was typed and refused is void
+    refused          (Refusal): an edit was wrong; the last good design stays
+    accepted         (path): nothing is wrong any longer with what was typed there
     file_changed     path or saved state changed
     """
 
     design_changed = Signal()
-    refused = Signal(str, str)
+    started = Signal()
+    restored = Signal()
+    refused = Signal(Refusal)
     accepted = Signal(str)
     file_changed = Signal()
 
@@ -68,8 +98,9 @@ class Session(QObject):
         self.path = path
         self._gesture = 0
         self._study: Study | None = None
+        self._at: tuple[float, Study] | None = None
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
-        self.stack.cleanChanged.connect(lambda _: self.file_changed.emit())
+        self.stack.cleanChanged.connect(self.file_changed)
 
     # -- what views pull ----------------------------------------------------------------------------------
 
@@ -79,6 +110,12 @@ class Session(QObject):
         if self._study is None:
             self._study = Study(self.design, SAMPLES)
         return self._study
+
+    def at(self, theta: float) -> Study:
+        """The same at one cam angle [rad], for exact readings there; views that follow the cam share it."""
+        if self._at is None or self._at[0] != theta:
+            self._at = (theta, self.study.at_theta(np.array([theta])))
+        return self._at[1]
 
     @property
     def modified(self) -> bool:
@@ -100,33 +137,44 @@ class Session(QObject):
             self.accepted.emit(path)
             return True
         wrong = self._why_not(design)
-        if wrong is not None:
-            self.refused.emit(path or wrong[0], wrong[1])
+        if wrong:
+            self.refused.emit(Refusal(path or wrong[0][0], wrong))
             return False
         self.stack.push(ChangeDesign(self, design, label, path, self._gesture))
         self.accepted.emit(path)
         return True
 
+    def refuse(self, path: str, why: str) -> None:
+        """Something was typed at a path that cannot even be tried."""
+        self.refused.emit(Refusal(path, ((path, name_of(self.design, path), why),)))
+
+    def withdraw(self, path: str) -> None:
+        """What was typed at a path and refused is taken back."""
+        self.accepted.emit(path)
+
     def end_gesture(self) -> None:
         """What comes next is a step of its own."""
         self._gesture += 1
 
-    def _why_not(self, design: Design) -> tuple[str, str] | None:
-        found: list[Fault] = faults(design)
+    def _why_not(self, design: Design) -> tuple[tuple[str, str, str], ...]:
+        found = faults(design)
         if found:
-            return found[0].path, "\n".join(str(f) for f in found)
+            return tuple((f.path, name_of(design, f.path), _told(f)) for f in found)
         study = Study(design, SAMPLES)
         try:
             # only what is on screen: it is computed anyway once the design is in place
             for stage in self.stages_on_screen():
                 getattr(study, stage)
         except NoAnswer as error:
-            return error.field, str(error)
-        return None
+            return ((error.field, name_of(design, error.field), str(error).removeprefix(f"{error.field}: ")),)
+        return ()
 
-    def _show(self, design: Design) -> None:
+    def _show(self, design: Design, restored: bool) -> None:
         self.design = design
-        self._study = None
+        self._study = self._at = None
+        if restored:
+            self.end_gesture()
+            self.restored.emit()
         self.design_changed.emit()
 
     # -- files --------------------------------------------------------------------------------------------
@@ -139,12 +187,12 @@ class Session(QObject):
         """Begin with a design; path None: it has no file yet."""
         self.path = path
         self.stack.clear()
-        self.end_gesture()
-        self._show(design)
+        self.started.emit()
+        self._show(design, restored=True)
         self.file_changed.emit()
 
     def save(self, path: Path | None = None) -> None:
-        """Write the design, to its own file where none is named. Raises FileError."""
+        """Write the design, to its own file where none is named. Raises FileError, DesignError."""
         target = path or self.path
         if target is None:
             raise KindynaError("no file name; choose one")
@@ -155,4 +203,4 @@ class Session(QObject):
         self.file_changed.emit()
 
 
-__all__ = ["SAMPLES", "ChangeDesign", "DesignError", "Session"]
+__all__ = ["SAMPLES", "ChangeDesign", "Refusal", "Session"]

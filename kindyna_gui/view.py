@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QHideEvent, QShowEvent
-from PySide6.QtWidgets import QLabel, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtCore import QEvent, Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QShowEvent
+from PySide6.QtWidgets import QLabel, QLayout, QStackedLayout, QWidget
 
 from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
+
+
+def in_sight(widget: QWidget) -> bool:
+    """True where something of a widget can be seen.
+
+    A dock tabbed behind another answers isVisible() all the same; it stands beyond the edge of its window. Nor does
+    visibleRegion() tell: it leaves out what the widget's own opaque children cover.
+    """
+    if not widget.isVisible():
+        return False
+    rect, at = widget.rect(), widget
+    while not rect.isEmpty() and not at.isWindow():
+        rect = rect.translated(at.pos()) & at.parentWidget().rect()
+        at = at.parentWidget()
+    return not rect.isEmpty()
 
 
 class View(QWidget):
@@ -18,9 +33,15 @@ class View(QWidget):
     Subclasses state ``stages``, the stages they read, and implement ``refresh`` (the design changed) and
     ``follow`` (the cam angle changed). Neither is called while the view is hidden or tabbed behind another: it then
     only remembers that it is out of date. Where a stage has no answer the view says why in place of its content.
+
+    told   (str): what has been done, for the status line
+
+    ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
     """
 
+    told = Signal(str)
     stages: tuple[str, ...] = ()
+    pause_ms: int = 0
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
@@ -30,10 +51,16 @@ class View(QWidget):
         self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         self._trouble.setMargin(24)
         self._trouble.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        layout = QStackedLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._content)
-        layout.addWidget(self._trouble)
+        # else a long sentence asks for its height and moves the docks
+        self._trouble.setMinimumSize(1, 1)
+        self._stack = QStackedLayout(self)
+        self._stack.setContentsMargins(0, 0, 0, 0)
+        self._stack.addWidget(self._content)
+        self._stack.addWidget(self._trouble)
+        self._pause = QTimer(self, singleShot=True, interval=self.pause_ms)
+        self._pause.timeout.connect(self._pull_if_seen)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._pull_if_seen)
         session.design_changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
 
@@ -41,7 +68,7 @@ class View(QWidget):
     def content(self) -> QWidget:
         return self._content
 
-    def set_content_layout(self, layout: QVBoxLayout) -> None:
+    def set_content_layout(self, layout: QLayout) -> None:
         self._content.setLayout(layout)
 
     # -- for subclasses -----------------------------------------------------------------------------------
@@ -52,60 +79,81 @@ class View(QWidget):
     def follow(self, theta: float) -> None:
         """Show this cam angle [rad]."""
 
+    def fit(self) -> None:
+        """Bring the whole picture into sight."""
+
+    def layer_actions(self) -> list[QAction]:
+        """Checkable actions that show and hide parts of the picture, for the menu View > Layers."""
+        return []
+
+    def picture(self, ending: str) -> bytes:
+        """What is shown as a file: ``.png`` or ``.svg``."""
+        from kindyna_gui.pictures.files import png, svg
+
+        return svg(self._content) if ending == ".svg" else png(self._content)
+
     # -- when ---------------------------------------------------------------------------------------------
 
+    @property
+    def up_to_date(self) -> bool:
+        return not self._stale
+
     def on_screen(self) -> bool:
-        """True where something of the view can be seen; a dock tabbed behind another answers isVisible() all the
-        same, but its visible region is empty."""
-        return self.isVisible() and not self.visibleRegion().isEmpty()
+        """True where something of the view can be seen."""
+        return in_sight(self)
 
     def invalidate(self) -> None:
-        """The design changed: refresh now if on screen, else when shown."""
+        """The design changed: refresh now, or when editing pauses, if on screen; else when shown."""
         self._stale = True
         if self.on_screen():
-            self.pull()
+            if self.pause_ms:
+                self._pause.start()
+            else:
+                self.pull()
 
     def pull(self) -> None:
         """Refresh if out of date."""
         if not self._stale:
             return
         self._stale = False
-        layout = self.layout()
-        assert isinstance(layout, QStackedLayout)
         try:
             self.refresh(self.session.study)
-            layout.setCurrentWidget(self._content)
+            self._stack.setCurrentWidget(self._content)
             self.follow(self.player.theta)
         except KindynaError as error:
             self._trouble.setText(str(error))
-            layout.setCurrentWidget(self._trouble)
+            self._stack.setCurrentWidget(self._trouble)
+
+    @property
+    def in_trouble(self) -> bool:
+        """The view says why it has nothing to show."""
+        return self._stack.currentWidget() is self._trouble
+
+    def wake(self) -> None:
+        """The view may have come into sight: catch up once the events at hand are done."""
+        self._soon.start()
 
     def _angle_changed(self, theta: float) -> None:
-        if self.on_screen() and not self._stale:
+        if not self._stale and not self.in_trouble and self.on_screen():
             self.follow(theta)
+
+    def _pull_if_seen(self) -> None:
+        if not self.on_screen():
+            return
+        if self._stale:
+            self.pull()
+        elif not self.in_trouble:
+            self.follow(self.player.theta)
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
-        QTimer.singleShot(0, self._pull_if_seen)
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
+        self.wake()
 
     def event(self, event: QEvent) -> bool:
-        # a dock coming to the front of its tabs gets no showEvent, but it is painted
-        if event.type() == QEvent.Type.Paint and self._stale:
-            QTimer.singleShot(0, self._pull_if_seen)
+        # coming to the front of a stack sends no showEvent, but paints
+        if event.type() == QEvent.Type.Paint and self._stale and not self._pause.isActive():
+            self.wake()
         return super().event(event)
 
-    def _pull_if_seen(self) -> None:
-        if self.on_screen():
-            self.pull()
-            self.follow_if_fresh()
 
-    def follow_if_fresh(self) -> None:
-        """Catch up with the cam angle after having been hidden."""
-        if not self._stale:
-            self.follow(self.player.theta)
-
-
-__all__ = ["QObject", "View"]
+__all__ = ["View", "in_sight"]

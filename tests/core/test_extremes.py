@@ -78,12 +78,13 @@ def test_the_extremes_of_any_sum_of_waves_are_the_highest_and_the_lowest(waves: 
         assert there == pytest.approx(side.value, abs=64 * EPS * size), "and it stands where it says"
 
 
-def test_many_equal_tops_are_told_apart_by_the_highest() -> None:
-    """25 tops; the eleventh is higher by 1e-9."""
-    top = TURN * 10 / 25
+@pytest.mark.parametrize("which", range(0, 25, 3))
+def test_many_equal_tops_are_told_apart_by_the_highest(which: int) -> None:
+    """25 tops between the first samples; one is higher by 1e-9, whether or not samples stand high beside it."""
+    top = TURN * which / 25 + 0.004
 
     def quantity(angles: Angles) -> np.ndarray:
-        return np.cos(25 * angles.theta) + 1e-9 * np.cos(angles.theta - top)
+        return np.cos(25 * (angles.theta - 0.004)) + 1e-9 * np.cos(angles.theta - top)
 
     found = extremes(quantity)
     assert found.high.theta == pytest.approx(top, abs=1e-6)

@@ -436,11 +436,13 @@ def test_a_translating_follower_stands_on_its_guide_at_its_distance(design: Sing
     assert complex(train.travel[0]) == pytest.approx(complex(guide), abs=4 * EPS)
 
 
-@pytest.mark.parametrize(("offset", "fits"), [(56.999, True), (57.0, False), (-56.999, True), (-57.1, False)])
+@pytest.mark.parametrize(("offset", "fits"), [(49.999, True), (50.0, False), (-49.999, True), (-50.1, False)])
 def test_an_offset_beyond_the_base_circle_is_named(offset: float, fits: bool) -> None:
-    design = with_drive(with_follower(PUSHER, offset_mm=offset), motion=levels(0.0, (360.0, 0.0, "dwell")))
+    """A reach of 40 + 10 mm, of which no bit is lost."""
+    design = with_cam(with_follower(PUSHER, offset_mm=offset), base_radius_mm=40.0, roller_radius_mm=10.0)
+    design = with_drive(design, motion=levels(0.0, (360.0, 0.0, "dwell")))
     if fits:
-        assert Study(design, 8).linkage.base["follower"][0] == pytest.approx(math.sqrt(57.0e-3**2 - 56.999e-3**2), rel=1e-9)
+        assert Study(design, 8).linkage.base["follower"][0] == pytest.approx(math.sqrt(50.0e-3**2 - 49.999e-3**2), rel=1e-9)
     else:
         with pytest.raises(NoAssembly, match=r"follower\.offset_mm"):
             _ = Study(design, 8).linkage

@@ -25,6 +25,7 @@ from core.design import Named, Segment, SingleCam
 from core.errors import NoSuchStage
 from core.motion import Angles
 from core.study import SAMPLES, Study, clear_caches, evaluations, quantities_of
+from core.study.stages import dynamics_stage
 
 ROOT = Path(__file__).parents[2]
 STAGES = ("motion", "linkage", "cam", "dynamics")
@@ -114,6 +115,7 @@ def test_what_an_edit_leaves_alone_is_the_same_object_and_what_it_touches_change
     """Nothing stale: a fresh computation of the edited design gives the same figures."""
     change, needed = EDITS[edit]
     before, after = Study(LIFT, 72), Study(change(LIFT), 72)
+    assert [len(before.extremes(stage)) for stage in STAGES], "what could be stale"
     for stage in STAGES:
         assert (getattr(before, stage) is getattr(after, stage)) == (stage not in needed)
     figures = {s: dict(after.extremes(s)) for s in STAGES}
@@ -158,10 +160,11 @@ def test_more_samples_are_another_question() -> None:
 def test_passing_cam_angles_are_not_kept() -> None:
     study = Study(LIFT, 72)
     kept = study.dynamics
-    before = Counter(evaluations)
+    before, room = Counter(evaluations), dynamics_stage.cache_info().currsize
     there = study.at_theta(study.theta)
     _ = there.dynamics, there.dynamics
     assert Counter(evaluations) - before == dict.fromkeys(STAGES, 1), "once for one study"
+    assert dynamics_stage.cache_info().currsize == room
     for name in ("contact", "torque"):
         assert np.array_equal(getattr(there.dynamics, name), getattr(kept, name))
     _ = study.at_theta(study.theta).motion

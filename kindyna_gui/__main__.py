@@ -1,0 +1,155 @@
+"""The program: ``kindyna [DESIGN]`` opens the window, ``kindyna --headless COMMAND ...`` never shows one.
+
+Qt is imported inside functions, and only where something is really drawn.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import NoReturn
+
+from core.__main__ import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
+from core.__main__ import main as core_main
+from core.errors import KindynaError
+from core.files import write_all
+from core.findings import ERROR
+from core.study import Study
+from kindyna_gui.display import lacking, obstacle
+from kindyna_gui.headless import COMMANDS
+from kindyna_gui.places import default_design
+
+Run = Callable[[argparse.Namespace, Painter | None], int]
+HEADLESS = "--headless"
+OUT = Path("out")
+PACKAGES = "libegl1 libgl1 libglib2.0-0 libdbus-1-3 libfontconfig1 libxkbcommon0"
+WINDOW_PACKAGES = "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxkbcommon-x11-0 libxcb-shape0"
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong with the words in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
+def parser() -> argparse.ArgumentParser:
+    made = _Parser(
+        prog="kindyna",
+        usage="kindyna [DESIGN]\n       kindyna --headless COMMAND ...",
+        description="Design of cams and the mechanisms they drive.",
+        epilog="kindyna --headless --help lists the commands that work without a window.",
+        allow_abbrev=False,
+    )
+    made.add_argument("design", metavar="DESIGN", nargs="?", type=Path, help="design file (.toml); else the lift drive")
+    made.add_argument(HEADLESS, nargs="*", metavar="COMMAND", help="work without a window; must come first")
+    return made
+
+
+def paint(study: Study) -> Mapping[str, bytes]:
+    """The pictures of a study; none, and one line that says why, where Qt cannot be loaded."""
+    try:
+        from kindyna_gui.pictures.files import paint as painted
+    except ImportError as error:
+        if not _of_qt(error):
+            raise
+        print(f"pictures left out: {missing(str(error))}", file=sys.stderr)
+        return {}
+    return painted(study)
+
+
+def _with_qt(run: Run) -> Run:
+    """A command that does nothing, and says why in one line, where Qt cannot be loaded."""
+
+    def guarded(words: argparse.Namespace, painter: Painter | None) -> int:
+        try:
+            return run(words, painter)
+        except ImportError as error:
+            if not _of_qt(error):
+                raise
+            print(missing(str(error)), file=sys.stderr)
+            return NOTHING_DONE
+
+    return guarded
+
+
+def missing(reason: str, packages: str = PACKAGES) -> str:
+    """What the machine lacks and what brings it, in one line."""
+    return f"{' '.join(reason.split())}; on Debian: apt install {packages}"
+
+
+def without_window(path: Path, why: str) -> int:
+    """The main job without a window: the report on the terminal, tables and pictures into ``out``."""
+    from core.export import files
+    from core.project import load
+    from core.report import report
+
+    print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
+    study = Study(load(path))
+    text = report(study)
+    made: dict[str, str | bytes] = {"report.txt": text, **files(study)}
+    made.update(paint(study))
+    write_all(OUT, made)
+    print(text, end="")
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
+
+
+def window(path: Path | None) -> int:
+    """Open the window; returns the exit code when it is closed. Without the libraries it needs, what works without."""
+    trouble = ""
+    try:
+        trouble = lacking()
+        if not trouble:
+            from kindyna_gui import main_window
+    except ImportError as error:
+        if not _of_qt(error):
+            raise
+        trouble = str(error)
+    if trouble:
+        return without_window(path or default_design(), missing(trouble, f"{PACKAGES} {WINDOW_PACKAGES}"))
+    code: int = main_window.run(path)
+    return code
+
+
+def _of_qt(error: ImportError) -> bool:
+    """Whether Qt or a library it needs is missing, not a part of this program."""
+    return ".so" in str(error) or (error.name or "").split(".")[0] in ("PySide6", "shiboken6", "pyqtgraph")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the program; returns the exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    words = list(sys.argv[1:] if argv is None else argv)
+    if words[:1] == [HEADLESS]:
+        extra = {name: replace(row, run=_with_qt(row.run)) for name, row in COMMANDS.items()}
+        return core_main(words[1:], painter=paint, program=f"kindyna {HEADLESS}", extra=extra)
+    try:
+        asked = parser().parse_args(words)
+        if asked.headless is not None:
+            parser().error(f"{HEADLESS} must come first")
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    path: Path | None = asked.design
+    why = obstacle()
+    try:
+        return without_window(path or default_design(), why) if why else window(path)
+    except KindynaError as error:
+        print(error, file=sys.stderr)
+        return NOTHING_DONE
+    except BrokenPipeError:
+        # the reader went away; nothing is left to tell it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return NOTHING_DONE
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,70 @@
+"""The certificate: what proves the figures, each residual with the bound it must keep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from PySide6.QtWidgets import QVBoxLayout
+
+from core.findings import ERROR, Residual
+from core.study import Study
+from kindyna_gui.look import WRONG, sign
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+from kindyna_gui.tables import Heading, Row, RowsTable
+from kindyna_gui.view import View
+from kindyna_gui.wording import sentence
+
+HEADINGS = (
+    Heading("Check"),
+    Heading("What it proves", wide=True),
+    Heading("Residual", number=True),
+    Heading("Bound", number=True),
+    Heading("Verdict"),
+)
+
+PROVES: Mapping[str, str] = MappingProxyType(
+    {
+        "motion_closure": "after one turn the follower is back where it began, relative to the stroke",
+        "loop_closure": "the bodies fit together at every cam angle, relative to their lengths",
+        "instant_centre": "cam and follower slide past each other as their instant centre asks, at every cam angle",
+        "roller_tangency": "the roller touches the finished profile and cuts into it nowhere, tried point by point",
+        "power_balance": "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",
+        "momentum_balance": "all forces and their moments add up to the change of momentum, at every cam angle",
+    }
+)
+"""Residual -> what it proves."""
+
+
+def certificate_row(name: str, residual: Residual) -> Row:
+    """A residual as a line of the table."""
+    return Row(
+        (
+            sentence(name.replace("_", " ")),
+            sentence(PROVES.get(name, "")),
+            f"{residual.value:.1e}",
+            f"{residual.bound:.1e}",
+            "kept" if residual.kept else "not kept",
+        ),
+        sign("none" if residual.kept else ERROR),
+        colour="" if residual.kept else WRONG,
+    )
+
+
+class CertificateView(View):
+    """The table of residuals."""
+
+    stages = Study.stages
+    pause_ms = 60
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = RowsTable(HEADINGS)
+        layout = QVBoxLayout()
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(self.table)
+        self.set_content_layout(layout)
+
+    def refresh(self, study: Study) -> None:
+        self.table.show_rows([certificate_row(name, residual) for name, residual in study.certificate().items()])

@@ -1,0 +1,115 @@
+"""Every question that stops the window, in one place, so that tests can answer in the user's stead."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import Enum
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
+
+DESIGNS = "Designs (*.toml)"
+PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
+TABLES = "Table (*.csv)"
+REPORTS = "Text (*.txt)"
+MOST_LINES = 12  # of faults before the rest goes under Details
+
+
+class Answer(Enum):
+    """To the question whether changes shall be saved."""
+
+    SAVE = "save"
+    DISCARD = "discard"
+    CANCEL = "cancel"
+
+
+def design_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """The design file to open, None where the user thinks better of it."""
+    name, _ = QFileDialog.getOpenFileName(parent, "Open design", str(folder), f"{DESIGNS};;All files (*)")
+    return Path(name) if name else None
+
+
+def design_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save the design to, ending in .toml."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Save design as", str(suggestion), DESIGNS)
+    return with_suffix(name, ".toml")
+
+
+def picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a picture to, ending in .png or .svg."""
+    name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), PICTURES)
+    return with_suffix(name, ".svg" if "svg" in chosen else ".png", (".png", ".svg"))
+
+
+def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a table of numbers to, ending in .csv."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Export numbers", str(suggestion), TABLES)
+    return with_suffix(name, ".csv")
+
+
+def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a report to, ending in .txt."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Export report", str(suggestion), REPORTS)
+    return with_suffix(name, ".txt")
+
+
+def with_suffix(name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:
+    """The file's path with an ending, where it has none that is allowed."""
+    if not name:
+        return None
+    path = Path(name)
+    return path if path.suffix.lower() in (allowed or (suffix,)) else path.with_name(path.name + suffix)
+
+
+def ask_to_save(parent: QWidget, name: str) -> Answer:
+    """Whether the changes of a design shall be saved before it is left."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("KINDYNA")
+    box.setText(f"{name} has unsaved changes.")
+    box.setInformativeText("Save them?")
+    buttons = {
+        QMessageBox.StandardButton.Save: Answer.SAVE,
+        QMessageBox.StandardButton.Discard: Answer.DISCARD,
+        QMessageBox.StandardButton.Cancel: Answer.CANCEL,
+    }
+    for button in buttons:
+        box.addButton(button)
+    box.setDefaultButton(QMessageBox.StandardButton.Save)
+    box.setEscapeButton(QMessageBox.StandardButton.Cancel)
+    answer = buttons.get(QMessageBox.StandardButton(box.exec()), Answer.CANCEL)
+    box.deleteLater()
+    return answer
+
+
+def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
+    """What went wrong, every fault on a line of its own; all of them can be selected and copied."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Warning)
+    box.setWindowTitle("KINDYNA")
+    box.setText(what)
+    shown = list(lines[:MOST_LINES])
+    if len(lines) > MOST_LINES:
+        shown.append(f"... and {len(lines) - MOST_LINES} more")
+        box.setDetailedText("\n".join(lines))
+    box.setInformativeText("\n".join(shown))
+    box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    box.exec()
+    box.deleteLater()
+
+
+def about(parent: QWidget) -> None:
+    """What this program is."""
+    try:
+        number = version("kindyna")
+    except PackageNotFoundError:
+        number = "from the checkout"
+    QMessageBox.about(
+        parent,
+        "About KINDYNA",
+        f"<h3>KINDYNA {number}</h3>"
+        "<p>Design of cams, camshafts and the linkages they drive: motion, profile, forces, torque.</p>"
+        "<p>After the program of Shin (1995), whose menus it keeps.</p>",
+    )

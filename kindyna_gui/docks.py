@@ -1,0 +1,168 @@
+"""The views of the window as a table, and the docks that hold them: a view is made when it is first seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtWidgets import QDockWidget, QLabel, QMainWindow, QWidget
+
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+from kindyna_gui.view import View, in_sight
+
+LEFT = Qt.DockWidgetArea.LeftDockWidgetArea
+RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
+BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+CENTRE = Qt.DockWidgetArea.NoDockWidgetArea  # no dock: a page in the middle of the window
+
+Make = Callable[[Session, Player], View]
+
+
+def lazily(module: str, name: str, **more: Any) -> Make:
+    """Makes a view whose module is imported only then."""
+
+    def make(session: Session, player: Player) -> View:
+        try:
+            found = import_module(f"kindyna_gui.{module}")
+        except ModuleNotFoundError as error:
+            if error.name != f"kindyna_gui.{module}":
+                raise
+            return View(session, player, QLabel(f"{module}.{name}", alignment=Qt.AlignmentFlag.AlignCenter))
+        view: View = getattr(found, name)(session, player, **more)
+        return view
+
+    return make
+
+
+def _plot(*quantities: str) -> Make:
+    return lazily("plots_view", "PlotView", quantities=quantities)
+
+
+@dataclass(frozen=True)
+class ViewRow:
+    """One view: its title, what makes it, where it docks, in front of or behind which other (``tab_with``), whether
+    it is there from the start, whether it is a picture worth exporting."""
+
+    title: str
+    make: Make
+    area: Qt.DockWidgetArea
+    tab_with: str = ""
+    shown: bool = True
+    picture: bool = False
+
+
+VIEWS: Mapping[str, ViewRow] = MappingProxyType(
+    {
+        "mechanism": ViewRow("Mechanism", lazily("mechanism_view", "MechanismView"), CENTRE, picture=True),
+        "graph": ViewRow("Graph", lazily("graph_view", "GraphView"), CENTRE, shown=False, picture=True),
+        "parameters": ViewRow("Parameters", lazily("forms", "ParametersView"), LEFT),
+        "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
+        "displacement": ViewRow("Displacement", _plot("displacement"), RIGHT, picture=True),
+        "velocity": ViewRow("Velocity", _plot("velocity"), RIGHT, "displacement", picture=True),
+        "acceleration": ViewRow("Acceleration", _plot("acceleration"), RIGHT, "displacement", picture=True),
+        "jerk": ViewRow("Jerk", _plot("jerk"), RIGHT, "displacement", picture=True),
+        "pressure_angle": ViewRow("Pressure angle", _plot("pressure_angle"), RIGHT, picture=True),
+        "curvature": ViewRow(
+            "Curvature", _plot("pitch_curvature", "profile_curvature"), RIGHT, "pressure_angle", picture=True
+        ),
+        "torque": ViewRow("Torque", _plot("drive_torque", "motor_torque"), RIGHT, picture=True),
+        "contact_force": ViewRow("Contact force", _plot("contact_force"), RIGHT, "torque", picture=True),
+        "findings": ViewRow("Findings", lazily("findings_view", "FindingsView"), BOTTOM),
+        "certificate": ViewRow("Certificate", lazily("certificate_view", "CertificateView"), BOTTOM, "findings"),
+        "flywheel": ViewRow("Flywheel", lazily("flywheel_view", "FlywheelView"), BOTTOM, "findings"),
+    }
+)
+"""Every view by the name that menus and ``show_view`` use. The first of a group of tabs is in front at first."""
+
+PLAYER_BAR = lazily("player_bar", "PlayerBar")
+
+SIZES: Mapping[str, tuple[Qt.Orientation, float]] = MappingProxyType(
+    {
+        "parameters": (Qt.Orientation.Horizontal, 368.0),
+        "displacement": (Qt.Orientation.Horizontal, 0.3),
+        "findings": (Qt.Orientation.Vertical, 125.0),
+        "motion": (Qt.Orientation.Vertical, 0.36),
+    }
+)
+"""Width or height of docks in the first layout: pixels, or below 1 a part of the window's."""
+
+
+class Dock(QDockWidget):
+    """A dock whose view is made when it is first seen.
+
+    seen   the view came into sight, or went out of it
+    """
+
+    seen = Signal()
+
+    def __init__(self, name: str, row: ViewRow, make: Callable[[], View]) -> None:
+        super().__init__(row.title)
+        self.setObjectName(name)
+        self._make = make
+        self._view: View | None = None
+        self._blank = QWidget()
+        self._no_title = QWidget()
+        self._no_title.setParent(self)
+        self._no_title.hide()
+        self.setWidget(self._blank)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self.wake)
+        self.visibilityChanged.connect(self._visibility_changed)
+
+    @property
+    def view(self) -> View | None:
+        """The view, None where it has not been seen yet."""
+        return self._view
+
+    def build(self) -> View:
+        """The view, made now where it is not there yet."""
+        if self._view is None:
+            self._view = self._make()
+            self.setWidget(self._view)
+            self._blank.deleteLater()
+        return self._view
+
+    def wake(self) -> None:
+        """Make the view, or let it catch up, if something of the dock can be seen."""
+        if in_sight(self):
+            self.build().wake()
+        self.seen.emit()
+
+    def _visibility_changed(self, visible: bool) -> None:
+        # whether it stands in front is known once the tabs are laid out
+        self._soon.start()
+
+    def show_title(self, on: bool) -> None:
+        """Behind a tab with the same words a title is a waste of height."""
+        hidden = self.titleBarWidget() is self._no_title
+        if on and hidden:
+            self.setTitleBarWidget(None)  # type: ignore[arg-type]
+            self._no_title.setParent(self)
+            self._no_title.hide()
+        elif not on and not hidden:
+            self.setTitleBarWidget(self._no_title)
+
+
+def arrange(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
+    """The first layout: every dock at its place, the groups of tabs with their first row in front."""
+    for name, dock in docks.items():
+        row = VIEWS[name]
+        dock.setFloating(False)
+        window.removeDockWidget(dock)
+        window.addDockWidget(row.area, dock, Qt.Orientation.Vertical)
+        if row.tab_with:
+            window.tabifyDockWidget(docks[row.tab_with], dock)
+        dock.setVisible(row.shown)
+    for name, dock in docks.items():
+        if not VIEWS[name].tab_with:
+            dock.raise_()
+    for name, (orientation, size) in SIZES.items():
+        whole = window.width() if orientation == Qt.Orientation.Horizontal else window.height()
+        window.resizeDocks([docks[name]], [round(size * whole if size < 1.0 else size)], orientation)
+    right = [docks[name] for name, row in VIEWS.items() if row.area == RIGHT and not row.tab_with]
+    window.resizeDocks(right, [100] * len(right), Qt.Orientation.Vertical)

@@ -1,0 +1,127 @@
+"""Opening and saving: the design's file and the examples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtWidgets import QApplication, QWidget
+
+from core.design import FOLLOWER_KINDS, kind_of
+from core.errors import KindynaError
+from core.project import load
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import Answer
+from kindyna_gui.places import examples
+from kindyna_gui.session import Session
+from kindyna_gui.settings import Settings
+
+
+class Documents(QObject):
+    """What the menu File does. Nothing is left behind unsaved without asking; what fails is told with all faults.
+
+    told   (str): what has been done, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
+        super().__init__(window)
+        self._session, self._settings, self._window = session, settings, window
+
+    @property
+    def name(self) -> str:
+        """Of the file, else of the design."""
+        path = self._session.path
+        return path.name if path is not None else self._session.design.name
+
+    # -- leaving ------------------------------------------------------------------------------------------
+
+    def settle(self) -> None:
+        """Let the field that is being typed into take its value."""
+        focused = QApplication.focusWidget()
+        if focused is not None and self._window.isAncestorOf(focused):
+            focused.clearFocus()
+            if focused.isVisible():
+                focused.setFocus()
+
+    def may_leave(self) -> bool:
+        """Ask what to do with unsaved changes; False where the user would rather stay."""
+        self.settle()
+        if not self._session.modified:
+            return True
+        answer = dialogs.ask_to_save(self._window, self.name)
+        return self.save() if answer is Answer.SAVE else answer is Answer.DISCARD
+
+    # -- opening ------------------------------------------------------------------------------------------
+
+    def new(self, kind: str) -> None:
+        """A design of this kind of follower to begin with: the values of the first example of that kind."""
+        if not self.may_leave():
+            return
+        for _, path in examples():
+            design = load(path)
+            if kind_of(design.drive.follower) == kind:
+                label = FOLLOWER_KINDS[kind].label
+                self._session.start(replace(design, name=f"New {label[:1].lower()}{label[1:]}"))
+                self.told.emit(f"Began with the values of {path.stem}")
+                return
+
+    def open_file(self) -> None:
+        """Ask for a file and open it."""
+        if self.may_leave():
+            path = dialogs.design_to_open(self._window, self._settings.folder)
+            if path is not None:
+                self._open(path)
+
+    def open_path(self, path: Path) -> bool:
+        """Open this file."""
+        return self.may_leave() and self._open(path)
+
+    def open_example(self, path: Path) -> None:
+        """Begin with an example; saving it asks for a name."""
+        if self.may_leave():
+            try:
+                self._session.start(load(path))
+            except KindynaError as error:
+                self._tell(f"{path.name} cannot be opened.", error)
+
+    def _open(self, path: Path) -> bool:
+        try:
+            self._session.open(path)
+        except KindynaError as error:
+            self._settings.drop_recent(path)
+            self._tell(f"{path.name} cannot be opened.", error)
+            return False
+        self._settings.add_recent(path)
+        self.told.emit(f"Opened {path}")
+        return True
+
+    # -- saving -------------------------------------------------------------------------------------------
+
+    def save(self) -> bool:
+        """Save to the design's own file; where it has none, ask for one."""
+        self.settle()
+        return self.save_as() if self._session.path is None else self._save(self._session.path)
+
+    def save_as(self) -> bool:
+        """Ask for a file and save to it."""
+        self.settle()
+        stem = self._session.design.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
+        suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
+        path = dialogs.design_to_save(self._window, suggestion)
+        return path is not None and self._save(path)
+
+    def _save(self, path: Path) -> bool:
+        try:
+            self._session.save(path)
+        except KindynaError as error:
+            self._tell(f"{path.name} cannot be saved.", error)
+            return False
+        self._settings.add_recent(path)
+        self.told.emit(f"Saved {path}")
+        return True
+
+    def _tell(self, what: str, error: KindynaError) -> None:
+        dialogs.show_faults(self._window, what, str(error).splitlines())

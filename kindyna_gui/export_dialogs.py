@@ -1,0 +1,184 @@
+"""What is asked before tables or an animation are written, and the progress of what takes long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QDoubleSpinBox,
+    QFileDialog,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QProgressDialog,
+    QPushButton,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.study import SAMPLES
+from kindyna_gui.dialogs import with_suffix
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
+
+LEAST_SAMPLES, MOST_SAMPLES = 36, 360_000
+SIZES = ((480, 360), (640, 480), (800, 600), (1024, 768), (1280, 960))
+USUAL_SIZE = (800, 600)
+
+
+@dataclass(frozen=True)
+class TablesWanted:
+    """Where the tables shall go, and at how many cam angles of a turn."""
+
+    folder: Path
+    samples: int
+
+
+class TablesDialog(QDialog):
+    """Folder and cam angles per turn."""
+
+    def __init__(self, parent: QWidget, folder: Path) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Export tables")
+        self.folder = QLineEdit(str(folder))
+        self.folder.setMinimumWidth(360)
+        browse = QPushButton("Browse...")
+        browse.clicked.connect(self._browse)
+        self.samples = QSpinBox(minimum=LEAST_SAMPLES, maximum=MOST_SAMPLES, value=SAMPLES)
+        self.samples.setGroupSeparatorShown(False)
+        self.step = QLabel()
+        coloured(self.step, QUIET)
+        self.samples.valueChanged.connect(self._tell)
+        self._tell(SAMPLES)
+        where, how_many = QHBoxLayout(), QHBoxLayout()
+        where.addWidget(self.folder, 1)
+        where.addWidget(browse)
+        how_many.addWidget(self.samples)
+        how_many.addWidget(self.step, 1)
+        told = QLabel(
+            "Writes profile.csv, kinematics.csv, dynamics.csv and summary.json; files of these names are replaced."
+        )
+        told.setWordWrap(True)
+        coloured(told, QUIET)
+        form = QFormLayout()
+        form.addRow("Folder", where)
+        form.addRow("Cam angles per turn", how_many)
+        _lay_out(self, form, told, "Export")
+
+    @property
+    def wanted(self) -> TablesWanted:
+        return TablesWanted(Path(self.folder.text()).expanduser(), self.samples.value())
+
+    def _tell(self, samples: int) -> None:
+        self.step.setText(f"one row every {360.0 / samples:.6g}°")
+
+    def _browse(self) -> None:
+        name = QFileDialog.getExistingDirectory(self, "Export tables into folder", self.folder.text())
+        if name:
+            self.folder.setText(name)
+
+
+class FilmDialog(QDialog):
+    """Frames, size, format and duration of an animation of one turn."""
+
+    def __init__(self, parent: QWidget, seconds: float) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Export animation")
+        self.format = QComboBox()
+        for ending, name in FORMATS.items():
+            self.format.addItem(name, ending)
+        self.size = QComboBox()
+        for width, height in SIZES:
+            self.size.addItem(f"{width} \u00d7 {height} pixels", (width, height))
+        self.size.setCurrentIndex(SIZES.index(USUAL_SIZE))
+        self.frames = QSpinBox(minimum=8, maximum=MOST_FRAMES, value=72, singleStep=12)
+        self.seconds = QDoubleSpinBox(minimum=LEAST_SECONDS, maximum=600.0, decimals=2, singleStep=0.5)
+        self.seconds.setValue(seconds)
+        self.seconds.setSuffix(" s")
+        self.told = QLabel()
+        coloured(self.told, QUIET)
+        for box in (self.frames, self.seconds):
+            box.valueChanged.connect(self._tell)
+        self._tell()
+        form = QFormLayout()
+        form.addRow("Format", self.format)
+        form.addRow("Size", self.size)
+        form.addRow("Frames per turn", self.frames)
+        form.addRow("One turn takes", self.seconds)
+        _lay_out(self, form, self.told, "Choose file...")
+
+    @property
+    def wanted(self) -> Film:
+        width, height = self.size.currentData()
+        return Film(self.format.currentData(), self.frames.value(), width, height, self.seconds.value())
+
+    def _tell(self, *_: object) -> None:
+        frames, seconds = self.frames.value(), self.seconds.value()
+        self.told.setText(f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second")
+
+
+def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> None:
+    buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+    buttons.button(QDialogButtonBox.StandardButton.Ok).setText(accept)
+    buttons.accepted.connect(dialog.accept)
+    buttons.rejected.connect(dialog.reject)
+    column = QVBoxLayout(dialog)
+    column.addLayout(form)
+    column.addWidget(told)
+    column.addWidget(buttons)
+
+
+# -- the questions, as functions that tests can answer ----------------------------------------------------
+
+
+def tables_wanted(parent: QWidget, folder: Path) -> TablesWanted | None:
+    """Ask where tables shall go; None where the user thinks better of it."""
+    dialog = TablesDialog(parent, folder)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    wanted = dialog.wanted if accepted else None
+    dialog.deleteLater()
+    return wanted
+
+
+def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tuple[Path, Film] | None:
+    """Ask what an animation shall be like and for its file."""
+    dialog = FilmDialog(parent, seconds)
+    accepted = dialog.exec() == QDialog.DialogCode.Accepted
+    film = dialog.wanted if accepted else None
+    dialog.deleteLater()
+    if film is None:
+        return None
+    chosen, _ = QFileDialog.getSaveFileName(
+        parent, "Export animation", str(folder / f"{name}{film.ending}"), f"{FORMATS[film.ending]} (*{film.ending})"
+    )
+    path = with_suffix(chosen, film.ending)
+    return None if path is None else (path, film)
+
+
+@contextmanager
+def progress(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
+    """A dialog that can be cancelled; what is yielded takes the steps done and tells whether to go on."""
+    dialog = QProgressDialog(text, "Cancel", 0, steps, parent)
+    dialog.setWindowTitle("KINDYNA")
+    dialog.setWindowModality(Qt.WindowModality.WindowModal)
+    dialog.setMinimumDuration(400)
+    dialog.setAutoReset(False)
+
+    def go_on(done: int) -> bool:
+        dialog.setValue(done)
+        return not dialog.wasCanceled()
+
+    try:
+        yield go_on
+    finally:
+        dialog.close()
+        dialog.deleteLater()

@@ -1,0 +1,149 @@
+"""What leaves the program besides the design itself: tables, report, pictures, animation, numbers of a plot.
+
+Each asks first, writes whole or not at all, and tells what it has done or why it could not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import pi
+from pathlib import Path
+from typing import TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QApplication, QWidget
+
+from core.channels import Channel
+from core.design import Design
+from core.errors import KindynaError
+from core.export import csv, files
+from core.files import write, write_all
+from core.motion import degrees
+from core.report import report
+from core.study import SAMPLES, Study
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.pictures.mechanism import LAYERS
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+
+Content = bytes | str
+Made = TypeVar("Made")
+
+
+def numbers(design: Design, rows: Sequence[Channel]) -> str:
+    """The channels as a table at the full resolution of the core, as the core writes them."""
+    study = Study(design)
+    names = ["cam_angle_deg", *(row.slug for row in rows)]
+    return csv(names, [degrees(study.samples), *(row.values(study) for row in rows)])
+
+
+def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
+    """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
+    made = files(Study(design, samples))
+    write_all(folder, made)
+    return list(made)
+
+
+def written(parent: QWidget, path: Path | None, make: Callable[[], Content]) -> str:
+    """Write one file; what has been done, empty where nothing was: no path, or a fault, which is then shown."""
+    if path is None:
+        return ""
+    try:
+        write(path, _patiently(make))
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be written.", str(error).splitlines())
+        return ""
+    Settings().folder = path.parent
+    return f"Wrote {path}"
+
+
+def _patiently(make: Callable[[], Made]) -> Made:
+    """Do something under the waiting cursor."""
+    QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+    try:
+        return make()
+    finally:
+        QApplication.restoreOverrideCursor()
+
+
+def save_picture(view: View, name: str) -> None:
+    """Ask for a file and write a view's picture there."""
+    path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
+    told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()))
+    if told:
+        view.told.emit(told)
+
+
+def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
+    """Ask for a file and write the channels' numbers there."""
+    design = view.session.design
+    path = dialogs.table_to_save(view, Settings().folder / f"{name}.csv")
+    told = written(view, path, lambda: numbers(design, rows))
+    if told:
+        view.told.emit(told)
+
+
+class Exports(QObject):
+    """What the menu File > Export does.
+
+    told   (str): what has been done, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, player: Player, window: QWidget) -> None:
+        super().__init__(window)
+        self._session, self._player, self._window = session, player, window
+        self._settings = Settings()
+        self.layers: Callable[[], dict[str, bool]] = lambda: {name: row.shown for name, row in LAYERS.items()}
+
+    @property
+    def _name(self) -> str:
+        """A name for files: that of the design's own file, else of the design."""
+        path = self._session.path
+        stem = path.stem if path is not None else self._session.design.name
+        return "".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_") or "design"
+
+    def tables(self) -> None:
+        """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder)
+        if wanted is None:
+            return
+        try:
+            made = _patiently(lambda: write_tables(self._session.design, wanted.folder, wanted.samples))
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "The tables cannot be exported.", str(error).splitlines())
+            return
+        self._settings.folder = wanted.folder
+        self.told.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
+
+    def report(self) -> None:
+        """The report as plain text."""
+        path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
+        self._tell(written(self._window, path, lambda: report(Study(self._session.design))))
+
+    def animation(self) -> None:
+        """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
+        seconds = 2.0 * pi / (self._player.omega * self._player.speed)
+        wanted = export_dialogs.film_wanted(self._window, self._settings.folder, self._name, seconds)
+        if wanted is None:
+            return
+        from kindyna_gui.pictures.film import shoot
+
+        path, film = wanted
+        try:
+            with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
+                data = shoot(self._session.design, film, self.layers(), go_on)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "The mechanism cannot be drawn.", str(error).splitlines())
+            return
+        if data is None:
+            self.told.emit("The animation was cancelled; nothing is written")
+        else:
+            self._tell(written(self._window, path, lambda: data))
+
+    def _tell(self, text: str) -> None:
+        if text:
+            self.told.emit(text)

@@ -1,0 +1,345 @@
+"""Graph: any channels in any number of plots, straight or polar; pictures and numbers of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from types import MappingProxyType
+
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
+from PySide6.QtGui import QAction, QKeyEvent, QPainter, QPaintEvent, QPalette, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QGridLayout,
+    QHBoxLayout,
+    QScrollArea,
+    QSplitter,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.channels import Channel, channels
+from core.errors import KindynaError
+from core.study import Study
+from kindyna_gui.exports import save_numbers, save_picture
+from kindyna_gui.graph_choice import USUAL_WIDTH, ChannelTree, Choice
+from kindyna_gui.live_plot import LivePlot, LivePolar
+from kindyna_gui.look import CHOSEN, icon
+from kindyna_gui.pictures.files import curves_file
+from kindyna_gui.pictures.polar import columns_for, polar_file
+from kindyna_gui.player import Player
+from kindyna_gui.player_keys import obey
+from kindyna_gui.session import Session
+from kindyna_gui.shown import lack, stages_of
+from kindyna_gui.view import View
+
+EMPTY = "Tick channels in the tree on the left to draw them here"
+LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
+TREE_SHARE = 0.4  # of the width, at most
+Plot = LivePlot | LivePolar
+
+
+@dataclass(frozen=True)
+class Form:
+    """Straight or polar: name, tip, a plot of the form, and the file of a picture."""
+
+    label: str
+    tip: str
+    make: Callable[[int, int], Plot]
+    file: Callable[..., bytes]
+    least: int
+    columns: Callable[[int, float, float], int]
+
+
+FORMS: Mapping[str, Form] = MappingProxyType(
+    {
+        "straight": Form(
+            "Straight", "The cam angle along, the value upwards",
+            lambda i, n: LivePlot(names=i == 0, angles=i == n - 1), curves_file, LEAST_STRAIGHT, lambda *_: 1,
+        ),
+        "polar": Form(
+            "Polar", "The cam angle round about, the value outwards",
+            lambda i, n: LivePolar(), polar_file, LEAST_POLAR, columns_for,
+        ),
+    }
+)  # fmt: skip
+
+
+class Panel(QWidget):
+    """One plot with a button that takes it away; a bar on its left where it takes what is ticked next."""
+
+    BAR = 3
+
+    def __init__(self, plot: Plot, take_away: Callable[[], None]) -> None:
+        super().__init__()
+        self.plot, self.active = plot, False
+        row = QHBoxLayout(self)
+        row.setContentsMargins(self.BAR + 1, 0, 0, 0)
+        row.addWidget(plot)
+        self.close_button = QToolButton(self, autoRaise=True)
+        self.close_button.setIcon(icon("close"))
+        self.close_button.setIconSize(QSize(12, 12))
+        self.close_button.setToolTip("Take this plot away")
+        self.close_button.setAccessibleName("Take this plot away")
+        self.close_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.close_button.clicked.connect(take_away)
+
+    def set_active(self, on: bool) -> None:
+        self.active = on
+        self.update()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        size = self.close_button.sizeHint()
+        self.close_button.setGeometry(self.width() - size.width(), 0, size.width(), size.height())
+        self.close_button.raise_()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), self.palette().base())
+        if self.active:
+            painter.fillRect(0, 2, self.BAR, self.height() - 4, CHOSEN)
+        painter.end()
+
+
+class GraphView(View):
+    """The page of the graph."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.choice, self.form = Choice(), "straight"
+        self.tree = ChannelTree()
+        self.panels: list[Panel] = []
+        self._rows: dict[str, Channel] = {}
+        self._lacking: dict[str, str] = {}
+        self._built: tuple[object, ...] = ()
+        self._shared = False
+        self._paper = QWidget()
+        self._paper.setBackgroundRole(QPalette.ColorRole.Base)
+        self._paper.setAutoFillBackground(True)
+        self._grid = QGridLayout(self._paper)
+        self._grid.setContentsMargins(0, 4, 4, 4)
+        self._grid.setSpacing(2)
+        self.area = QScrollArea(widgetResizable=True)
+        self.area.setFrameShape(QScrollArea.Shape.NoFrame)
+        self.area.setWidget(self._paper)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.area.viewport().installEventFilter(self)
+        self._parted = parted = QSplitter(Qt.Orientation.Horizontal, childrenCollapsible=True)
+        parted.addWidget(self.tree)
+        parted.addWidget(self.area)
+        parted.setStretchFactor(1, 1)
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addLayout(self._tools())
+        column.addWidget(parted, 1)
+        self.set_content_layout(column)
+        self._in_sight = QTimer(self, singleShot=True, interval=0)
+        self._in_sight.timeout.connect(self._show_active)
+        self.tree.ticked.connect(self._ticked)
+
+    def _tools(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 3)
+        row.setSpacing(3)
+        self.add_button = self._button("Add plot", "An empty plot that takes what is ticked next", "add")
+        self.add_button.clicked.connect(self.add_plot)
+        row.addWidget(self.add_button)
+        row.addSpacing(8)
+        self.form_buttons: dict[str, QToolButton] = {}
+        group = QButtonGroup(self)
+        for name, form in FORMS.items():
+            button = self._button(form.label, form.tip, "graph" if name == "straight" else name)
+            button.setCheckable(True)
+            button.setChecked(name == self.form)
+            button.clicked.connect(partial(self.set_form, name))
+            group.addButton(button)
+            row.addWidget(button)
+            self.form_buttons[name] = button
+        row.addStretch(1)
+        for text, tip, slot in (
+            ("Picture...", "Write the plots as PNG or SVG", self.export_picture),
+            ("Numbers...", "Write the channels shown as a CSV table", self.export_numbers),
+        ):
+            button = self._button(text, tip, "export")
+            button.clicked.connect(slot)
+            row.addWidget(button)
+        return row
+
+    def _button(self, text: str, tip: str, picture: str) -> QToolButton:
+        button = QToolButton(text=text, autoRaise=True)
+        button.setIcon(icon(picture))
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        button.setToolTip(tip)
+        button.setStatusTip(tip)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        return button
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Those that the channels shown need, and no others."""
+        return stages_of(self.choice.chosen)
+
+    # -- what is shown ------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        rows = channels(study.design)
+        self._rows = {row.quantity: row for row in rows}
+        self.choice.keep(self._rows)
+        self._lacking = {}
+        for name in self.choice.chosen:
+            try:
+                self._rows[name].values(study)
+            except KindynaError:
+                self._lacking[name] = lack(study, self._rows[name])
+        self.tree.show_rows(rows, self._lacking)
+        self._rebuild()
+        for panel, names in zip(self.panels, self.choice.plots, strict=True):
+            there = [self._rows[name] for name in names if name not in self._lacking]
+            if there:
+                panel.plot.set_curves(study, there)
+            else:
+                panel.plot.show_message("\n".join(self._lacking[name] for name in names) or EMPTY)
+
+    def follow(self, theta: float) -> None:
+        if self.drawn:
+            there = self.session.at(theta)
+            for panel in self.panels:
+                panel.plot.set_angle(theta, there)
+
+    @property
+    def drawn(self) -> list[Channel]:
+        """The channels that are drawn, in the order of the plots."""
+        return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._lacking]
+
+    def _rebuild(self) -> None:
+        """Make the plots anew where their number or form has changed; mark the active one, tick the tree."""
+        count = len(self.choice.plots)
+        wanted = (self.form, count)
+        if wanted != self._built:
+            for panel in self.panels:
+                panel.setParent(None)
+                panel.deleteLater()
+            self.panels = [self._panel(i, count) for i in range(count)]
+            self._built = wanted
+            self._lay()
+        for index, panel in enumerate(self.panels):
+            panel.set_active(count > 1 and index == self.choice.active)
+        self.tree.show_ticks(self.choice.chosen)
+
+    def _panel(self, index: int, count: int) -> Panel:
+        plot = FORMS[self.form].make(index, count)
+        panel = Panel(plot, partial(self.remove_plot, index))
+        panel.close_button.setVisible(count > 1)
+        plot.angle_moved.connect(self._turn)
+        plot.installEventFilter(self)
+        (plot.viewport() if isinstance(plot, LivePlot) else plot).installEventFilter(self)
+        plot.setMinimumHeight(FORMS[self.form].least)
+        plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        for text, slot in (("Export picture...", self.export_picture), ("Export numbers...", self.export_numbers)):
+            action = QAction(text, plot)
+            action.triggered.connect(slot)
+            plot.addAction(action)
+        return panel
+
+    def _lay(self) -> None:
+        """Put the plots into a column, or polar ones into a grid in which they are as large as can be."""
+        room = self.area.viewport().size()
+        form, count = FORMS[self.form], max(1, len(self.panels))
+        most = max(1, room.width() // form.least)
+        columns = min(form.columns(count, room.width(), room.height()), most)
+        for row in range(self._grid.rowCount()):
+            self._grid.setRowStretch(row, 0)
+        for index, panel in enumerate(self.panels):
+            self._grid.addWidget(panel, index // columns, index % columns)
+            self._grid.setRowStretch(index // columns, 1)
+
+    def _changed(self) -> None:
+        """Another choice: the session is asked anew."""
+        self._stale = True
+        self.pull()
+        self._in_sight.start()
+
+    def _show_active(self) -> None:
+        """Scroll to the plot that has just got something, once it has its place."""
+        if self.choice.active < len(self.panels):
+            self.area.ensureWidgetVisible(self.panels[self.choice.active], 0, 0)
+
+    # -- what the user does -------------------------------------------------------------------------------
+
+    def _ticked(self, name: str, on: bool) -> None:
+        if on:
+            self.choice.tick(name, {q: row.unit.symbol for q, row in self._rows.items()})
+        else:
+            self.choice.untick(name)
+        if not self.choice.plots:
+            self.choice.add()
+        self._changed()
+
+    def add_plot(self) -> None:
+        """An empty plot."""
+        self.choice.add()
+        self._changed()
+
+    def remove_plot(self, index: int) -> None:
+        """Take a plot away."""
+        self.choice.remove(index)
+        self._changed()
+
+    def set_form(self, name: str) -> None:
+        """``straight`` or ``polar``."""
+        self.form = name
+        self.form_buttons[name].setChecked(True)
+        self._changed()
+
+    def _turn(self, theta: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(theta)
+
+    def _choose_plot(self, index: int) -> None:
+        if index != self.choice.active:
+            self.choice.active = index
+            self._rebuild()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """A click into a plot makes it the active one; another room, another grid."""
+        if event.type() == QEvent.Type.MouseButtonPress:
+            for index, panel in enumerate(self.panels):
+                if isinstance(watched, QWidget) and (panel.plot is watched or panel.plot.isAncestorOf(watched)):
+                    self._choose_plot(index)
+        elif event.type() == QEvent.Type.Resize and watched is self.area.viewport():
+            self._lay()
+        return super().eventFilter(watched, event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if not self._shared:  # the width is known only now
+            self._shared = True
+            tree = min(USUAL_WIDTH, round(TREE_SHARE * self.width()))
+            self._parted.setSizes([tree, self.width() - tree])
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+    # -- as files -----------------------------------------------------------------------------------------
+
+    def picture(self, ending: str) -> bytes:
+        """The plots on paper, without cursor; the page as it is where nothing is drawn."""
+        self.pull()
+        rows = [[self._rows[n] for n in names if n not in self._lacking] for names in self.choice.plots]
+        shown = [row for row in rows if row]
+        return FORMS[self.form].file(self.session.study, shown, ending) if shown else super().picture(ending)
+
+    def export_picture(self) -> None:
+        save_picture(self, "graph")
+
+    def export_numbers(self) -> None:
+        if self.drawn:
+            save_numbers(self, self.drawn, "graph")
+
+
+__all__ = ["FORMS", "GraphView", "Panel"]

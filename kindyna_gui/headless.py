@@ -1,0 +1,151 @@
+"""Commands of ``kindyna --headless`` that need a window, which is never shown: they are added to those of the core.
+
+Nothing of Qt is imported before one of them runs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import MappingProxyType
+
+from core.__main__ import DONE, DONE_WITH_ERRORS, Command, Painter
+from core.files import write, write_all
+from core.findings import ERROR
+from core.project import load
+from core.study import Study
+
+USUAL_SIZE = (1440, 900)
+LEAST_SIDE, MOST_SIDE = 320, 8000
+FRAMES, FILM_SIZE = 72, (800, 600)
+MOST_FRAMES = 360
+FILMS = (".gif", ".webp")
+NO_DESKTOP = "This plugin does not support"
+
+
+def size(text: str) -> tuple[int, int]:
+    """``1440x900``."""
+    match = re.fullmatch(r"(\d+)[x×](\d+)", text)
+    sides = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not all(LEAST_SIDE <= side <= MOST_SIDE for side in sides):
+        allowed = f"WIDTHxHEIGHT, each {LEAST_SIDE} ... {MOST_SIDE} pixels, such as 1440x900"
+        raise argparse.ArgumentTypeError(f"{text!r}: size of a picture; allowed: {allowed}")
+    return sides
+
+
+def frames(text: str) -> int:
+    """Frames of a turn."""
+    value = int(text) if text.isdecimal() else 0
+    if not 2 <= value <= MOST_FRAMES:
+        raise argparse.ArgumentTypeError(f"{text!r}: frames per turn; allowed: 2 ... {MOST_FRAMES}")
+    return value
+
+
+def film(text: str) -> Path:
+    """A file that an animation can be written to."""
+    path = Path(text)
+    if path.suffix.lower() not in FILMS:
+        raise argparse.ArgumentTypeError(f"{text!r}: file of an animation; allowed endings: {', '.join(FILMS)}")
+    return path
+
+
+def _screenshots_words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
+    parser.add_argument("--size", type=size, default=USUAL_SIZE, metavar="WxH", help="of the window (1440x900)")
+
+
+def _animation_words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+    parser.add_argument("--out", type=film, default=Path("out.gif"), metavar="FILE", help=".gif or .webp (out.gif)")
+    parser.add_argument("--frames", type=frames, default=FRAMES, metavar="N", help=f"per turn ({FRAMES})")
+    parser.add_argument("--size", type=size, default=FILM_SIZE, metavar="WxH", help="in pixels (800x600)")
+
+
+def _no_words(parser: argparse.ArgumentParser) -> None:
+    """Takes none."""
+
+
+def never_shown() -> None:
+    """Whatever the desktop is, nothing may appear on it. To be called before there is an application."""
+    os.environ["QT_QPA_PLATFORM"] = "offscreen"
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Leaves out what Qt says of windows that have no desktop; all else is told."""
+    from PySide6.QtCore import qInstallMessageHandler
+
+    def listen(kind: object, context: object, text: str) -> None:
+        if not text.startswith(NO_DESKTOP):
+            print(text, file=sys.stderr)
+
+    before = qInstallMessageHandler(listen)
+    try:
+        yield
+    finally:
+        qInstallMessageHandler(before)
+
+
+def _verdict(study: Study) -> int:
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
+
+
+def screenshots(words: argparse.Namespace, painter: Painter | None) -> int:
+    """The window and every view of it as pictures."""
+    design = load(words.design)
+    code = _verdict(Study(design))
+    never_shown()
+    from kindyna_gui.screenshots import shots
+
+    with quiet():
+        made = shots(design, words.size)
+    write_all(words.out, made)
+    for name in made:
+        print(words.out / name)
+    return code
+
+
+def animation(words: argparse.Namespace, painter: Painter | None) -> int:
+    """One turn of the mechanism as an animation."""
+    design = load(words.design)
+    study = Study(design)
+    code = _verdict(study)
+    never_shown()
+    from kindyna_gui.pictures.film import Film, shoot
+    from kindyna_gui.speeds import usual
+
+    wanted = Film(words.out.suffix.lower(), words.frames, *words.size, usual(study.omega).seconds)
+    with quiet():
+        data = shoot(design, wanted)
+    assert data is not None
+    write(words.out, data)
+    print(words.out)
+    return code
+
+
+def selftest(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Every example through the window: edit, undo, turn, export, compare."""
+    never_shown()
+    from kindyna_gui.selftest import verdicts
+
+    failed = False
+    with quiet():
+        for name, trouble, told in verdicts():
+            print(f"FAILED {name}: {trouble}" if trouble else f"ok {name}: {told}", flush=True)
+            failed = failed or bool(trouble)
+    return DONE_WITH_ERRORS if failed else DONE
+
+
+COMMANDS: Mapping[str, Command] = MappingProxyType(
+    {
+        "screenshots": Command("every view of the window as PNG", _screenshots_words, screenshots),
+        "animation": Command("one turn of the mechanism as GIF or WebP", _animation_words, animation),
+        "selftest": Command("try every example through the window and compare with the core", _no_words, selftest),
+    }
+)

@@ -1,0 +1,66 @@
+"""The help: a few pages of Markdown in a window of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt, QUrl
+from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
+
+from core.laws import LAWS
+from kindyna_gui.places import help_text
+
+
+def _laws(page: str) -> str:
+    """The table of laws stands in the core, not in the page."""
+    rows = "\n".join(f"| {law.label} | `{slug}` | {law.source} |" for slug, law in LAWS.items())
+    return page.replace("{laws}", f"| law | in the file | formula |\n|---|---|---|\n{rows}")
+
+
+def _as_is(page: str) -> str:
+    return page
+
+
+PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
+    {"tour": ("Tour", _as_is), "laws": ("Laws and conventions", _laws)}
+)
+"""File of ``resources/help`` -> title, and what completes the page."""
+
+
+class HelpWindow(QWidget):
+    """Pages at the left, text at the right; links lead from page to page."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent, Qt.WindowType.Window)
+        self.setWindowTitle("KINDYNA help")
+        self.resize(820, 640)
+        self.list = QListWidget()
+        self.list.setFixedWidth(170)
+        for name, (title, _) in PAGES.items():
+            item = QListWidgetItem(title, self.list)
+            item.setData(Qt.ItemDataRole.UserRole, name)
+        self.text = QTextBrowser()
+        self.text.setOpenLinks(False)
+        self.text.document().setDocumentMargin(18)
+        self.text.anchorClicked.connect(self._follow)
+        self.list.currentItemChanged.connect(lambda item, _: self._show(item.data(Qt.ItemDataRole.UserRole)))
+        layout = QHBoxLayout(self)
+        layout.setContentsMargins(6, 6, 6, 6)
+        layout.addWidget(self.list)
+        layout.addWidget(self.text, 1)
+
+    def open(self, name: str) -> None:
+        """Show a page, in front of everything."""
+        self.list.setCurrentRow(list(PAGES).index(name))
+        self.show()
+        self.raise_()
+        self.activateWindow()
+
+    def _show(self, name: str) -> None:
+        self.text.setMarkdown(PAGES[name][1](help_text(name)))
+
+    def _follow(self, link: QUrl) -> None:
+        name = link.toString().removesuffix(".md")
+        if name in PAGES:
+            self.list.setCurrentRow(list(PAGES).index(name))

@@ -1,0 +1,336 @@
+"""The window: menus above, the mechanism in the middle, docks around it."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Protocol, cast
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
+from PySide6.QtWidgets import QApplication, QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
+
+from core.errors import KindynaError
+from core.files import write
+from core.project import load
+from kindyna_gui import dialogs, menus
+from kindyna_gui.docks import CENTRE, PLAYER_BAR, VIEWS, Dock, arrange
+from kindyna_gui.documents import Documents
+from kindyna_gui.exports import Exports
+from kindyna_gui.help_view import HelpWindow
+from kindyna_gui.look import dress
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.places import default_design
+from kindyna_gui.player import Player
+from kindyna_gui.session import Refusal, Session
+from kindyna_gui.settings import Settings
+from kindyna_gui.status_line import StatusLine
+from kindyna_gui.view import View
+
+FIRST_SIZE = (1440, 900)
+_FRAME = 40  # pixels a desktop takes for the window's own frame
+
+
+class _WithFields(Protocol):
+    def focus_field(self, path: str) -> bool: ...
+
+
+class _WithSegments(Protocol):
+    def insert(self) -> None: ...
+    def delete(self) -> None: ...
+
+
+class MainWindow(QMainWindow):
+    """The window over one session and one player."""
+
+    def __init__(self, session: Session, player: Player, settings: Settings) -> None:
+        super().__init__()
+        self.session, self.player, self.settings = session, player, settings
+        self.documents = Documents(session, settings, self)
+        self.exports = Exports(session, player, self)
+        self._pages: dict[str, View] = {}
+        self._help: HelpWindow | None = None
+        self.setAcceptDrops(True)
+        self.setDockOptions(
+            QMainWindow.DockOption.AllowTabbedDocks
+            | QMainWindow.DockOption.AllowNestedDocks
+            | QMainWindow.DockOption.GroupedDragging
+        )
+        self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
+        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self._build_centre()
+        self.docks = {name: self._dock(name) for name, row in VIEWS.items() if row.area != CENTRE}
+        self.actions_by_key = menus.build(self)
+        self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
+        self.status = StatusLine(session, player, lambda: self.show_view("findings"))
+        self.setStatusBar(self.status)
+        self._titles = QTimer(self, singleShot=True, interval=0)
+        self._titles.timeout.connect(self._title_docks)
+        self._lay_out()
+        self._connect()
+        self._design_changed()
+        self._name_window()
+        self._name_steps()
+
+    def _build_centre(self) -> None:
+        self.centre = QTabWidget(documentMode=True, tabsClosable=True)
+        self.centre.setTabBarAutoHide(True)
+        self.centre.tabCloseRequested.connect(self.centre.removeTab)
+        self.bar = PLAYER_BAR(self.session, self.player)
+        middle = QWidget()
+        layout = QVBoxLayout(middle)
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(0)
+        layout.addWidget(self.centre, 1)
+        layout.addWidget(self.bar)
+        self.setCentralWidget(middle)
+        self._show_page("mechanism")
+        for side in (QTabBar.ButtonPosition.LeftSide, QTabBar.ButtonPosition.RightSide):
+            self.centre.tabBar().setTabButton(0, side, None)
+
+    def _dock(self, name: str) -> Dock:
+        return Dock(name, VIEWS[name], lambda: self._make(name))
+
+    def _make(self, name: str) -> View:
+        view = VIEWS[name].make(self.session, self.player)
+        view.told.connect(lambda text: self.status.tell(text))
+        if hasattr(view, "field_wanted"):
+            view.field_wanted.connect(self.focus_field)
+        return view
+
+    def _lay_out(self) -> None:
+        room = self.screen().availableGeometry()
+        width, height = FIRST_SIZE
+        self.resize(min(width, room.width()), min(height, room.height() - _FRAME))
+        arrange(self, self.docks)
+        self._restored = self.settings.restore_layout(self)
+
+    def _connect(self) -> None:
+        session, player, stack = self.session, self.player, self.session.stack
+        session.stages_on_screen = self.stages_on_screen
+        session.design_changed.connect(self._design_changed)
+        session.file_changed.connect(self._name_window)
+        session.refused.connect(self._tell_refusal)
+        stack.indexChanged.connect(self._name_steps)
+        stack.cleanChanged.connect(self._name_window)
+        self.documents.told.connect(self.status.tell)
+        self.exports.told.connect(self.status.tell)
+        self.exports.layers = self._layers
+        player.playing_changed.connect(self.actions_by_key["play"].setChecked)
+        player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
+        self.centre.currentChanged.connect(lambda _: self.status.recount())
+        for dock in self.docks.values():
+            dock.seen.connect(self._docks_moved)
+            dock.topLevelChanged.connect(self._docks_moved)
+            dock.dockLocationChanged.connect(self._docks_moved)
+
+    # -- views --------------------------------------------------------------------------------------------
+
+    def view(self, name: str) -> View | None:
+        """A view by its name in ``VIEWS``; None where it has not been seen yet."""
+        dock = self.docks.get(name)
+        return dock.view if dock is not None else self._pages.get(name)
+
+    def show_view(self, name: str) -> View:
+        """Bring a view to the front, made now where it is not there yet."""
+        if VIEWS[name].area == CENTRE:
+            return self._show_page(name)
+        dock = self.docks[name]
+        dock.show()
+        dock.raise_()
+        view = dock.build()
+        view.wake()
+        return view
+
+    def _show_page(self, name: str) -> View:
+        view = self._pages.get(name)
+        if view is None:
+            view = self._pages[name] = self._make(name)
+        if self.centre.indexOf(view) < 0:
+            self.centre.addTab(view, VIEWS[name].title)
+        self.centre.setCurrentWidget(view)
+        return view
+
+    def _views(self) -> Iterator[View]:
+        yield from self._pages.values()
+        yield from (dock.view for dock in self.docks.values() if dock.view is not None)
+        yield self.bar
+
+    def stages_on_screen(self) -> tuple[str, ...]:
+        """The stages that views on screen read, in the order they need each other."""
+        wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
+        return tuple(stage for stage in self.session.study.stages if stage in wanted)
+
+    def focus_field(self, path: str) -> None:
+        """Bring the field of a path, or of a section, before the reader."""
+        name = "motion" if path.partition(".")[0] == "motion" else "parameters"
+        cast(_WithFields, self.show_view(name)).focus_field(path)
+
+    def fit(self) -> None:
+        """Bring the whole of the picture in the middle into sight."""
+        page = self.centre.currentWidget()
+        if isinstance(page, View):
+            page.fit()
+
+    def _layers(self) -> dict[str, bool]:
+        """What the drawing of the mechanism shows, by layer."""
+        view = self.view("mechanism")
+        rows = view.layer_actions() if view is not None else []
+        return {action.objectName().partition(":")[2]: action.isChecked() for action in rows}
+
+    def export_picture(self, name: str) -> None:
+        """Ask for a file and write the picture of a view there."""
+        view = self.view(name)
+        path = dialogs.picture_to_save(self, self.settings.folder / f"{name}.png") if view is not None else None
+        if view is None or path is None:
+            return
+        try:
+            write(path, view.picture(path.suffix.lower()))
+        except KindynaError as error:
+            dialogs.show_faults(self, f"{path.name} cannot be written.", str(error).splitlines())
+            return
+        self.settings.folder = path.parent
+        self.status.tell(f"Wrote {path}")
+
+    # -- the design ---------------------------------------------------------------------------------------
+
+    def undo(self) -> None:
+        self.session.stack.undo()
+
+    def redo(self) -> None:
+        self.session.stack.redo()
+
+    def insert_segment(self) -> None:
+        cast(_WithSegments, self.show_view("motion")).insert()
+
+    def delete_segment(self) -> None:
+        cast(_WithSegments, self.show_view("motion")).delete()
+
+    def choose_layout(self, letter: str) -> None:
+        """Another layout of the follower; the pivot goes to its side of the cam."""
+        self.session.edit("follower.layout", letter, f"Change layout to {letter}")
+        self.session.end_gesture()
+
+    def _design_changed(self) -> None:
+        self.player.omega = self.session.study.omega
+
+    def _tell_refusal(self, refusal: Refusal) -> None:
+        self.status.tell(f"Refused: {refusal.told[0][1]}: {refusal.told[0][2]}")
+
+    def _name_steps(self) -> None:
+        stack = self.session.stack
+        for key, able, text in (
+            ("undo", stack.canUndo(), stack.undoText()),
+            ("redo", stack.canRedo(), stack.redoText()),
+        ):
+            action, word = self.actions_by_key[key], key.capitalize()
+            action.setEnabled(able)
+            action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
+            action.setToolTip(f"{word} {text}".rstrip())
+
+    def _name_window(self) -> None:
+        self.setWindowTitle(f"{self.documents.name}[*] \u2013 KINDYNA")
+        self.setWindowModified(self.session.modified)
+        self.setWindowFilePath(str(self.session.path or ""))
+
+    # -- the player ---------------------------------------------------------------------------------------
+
+    def play(self, on: bool) -> None:
+        self.player.play(on)
+
+    def step(self, degrees: float) -> None:
+        self.player.step(degrees)
+
+    def reverse(self, on: bool) -> None:
+        self.player.set_forward(not on)
+
+    # -- help ---------------------------------------------------------------------------------------------
+
+    def show_help(self, name: str) -> None:
+        """A page of the help."""
+        if self._help is None:
+            self._help = HelpWindow(self)
+        self._help.open(name)
+
+    def about(self) -> None:
+        dialogs.about(self)
+
+    # -- layout -------------------------------------------------------------------------------------------
+
+    def reset_layout(self) -> None:
+        """All docks back to where they were at first."""
+        arrange(self, self.docks)
+
+    def _docks_moved(self, *_: object) -> None:
+        self._titles.start()
+        self.status.recount()
+
+    def _title_docks(self) -> None:
+        for dock in self.docks.values():
+            others = [d for d in self.tabifiedDockWidgets(dock) if not d.isHidden()]
+            dock.show_title(dock.isFloating() or not others)
+
+    # -- events -------------------------------------------------------------------------------------------
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if not self._restored and not event.spontaneous():
+            self._restored = True
+            arrange(self, self.docks)  # sizes count only once the window has its own
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        if not self.documents.may_leave():
+            event.ignore()
+            return
+        self.player.play(False)
+        self.settings.save_layout(self)
+        event.accept()
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if _dropped(event) is not None:
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        path = _dropped(event)
+        if path is not None:
+            event.acceptProposedAction()
+            self.documents.open_path(path)
+
+
+def _dropped(event: QDropEvent) -> Path | None:
+    """The design file that is dragged, None where it is something else."""
+    files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+    return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None
+
+
+def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
+    """The window with a design, paused at cam angle 0; not shown yet.
+
+    path: the file to open; None, or the default design: an example that asks for a name when it is saved. Raises
+    DesignError, FileError.
+    """
+    own = None if path is None or path == default_design() else path
+    session = Session(load(own or default_design()), own)
+    dress(app)
+    app.setApplicationName("KINDYNA")
+    app.setDesktopFileName("kindyna")
+    settings = Settings()
+    if own is not None:
+        settings.add_recent(own)
+    return MainWindow(session, Player(), settings)
+
+
+def run(path: Path | None = None) -> int:
+    """Open the window, with this file where one is named, and stay until it is closed; the exit code.
+
+    Raises DesignError, FileError where the file is wrong.
+    """
+    window = open_window(ensure_app(), path)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal
+    window.show()
+    return QApplication.exec()
+
+
+__all__ = ["MainWindow", "open_window", "run"]

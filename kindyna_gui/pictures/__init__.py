@@ -1,0 +1,1 @@
+"""Every drawing, on screen and to file. Nothing here computes mechanics."""

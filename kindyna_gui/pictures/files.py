@@ -1,0 +1,172 @@
+"""Drawings as files: PNG and SVG bytes of a mechanism or of plots, without a window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, QPalette
+from PySide6.QtSvg import QSvgGenerator
+from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
+
+from core.channels import Channel, channels, existing
+from core.study import Study
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.mechanism import MechanismScene
+from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.pictures.style import LIGHT, Theme
+
+RATIO = 2.0  # dots per pixel of a PNG
+SHEET = (960, 720)  # of a mechanism, pixels
+PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
+
+
+class Sheet(QGraphicsView):
+    """A view on a mechanism that fills it, for files only: never shown, never scrolled."""
+
+    def __init__(
+        self, scene: MechanismScene, width: int, height: int, look: tuple[QRectF, float] | None = None
+    ) -> None:
+        """look: what is visible [mm] and at how many pixels per mm; else all of it."""
+        super().__init__()
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
+        self.setBackgroundBrush(scene.backgroundBrush())
+        self.setAutoFillBackground(False)
+        self.resize(width, height)
+        visible, scale = look or scene.fit(width, height)
+        scene.look_at(visible, scale)
+        self.setScene(scene)
+        self.setSceneRect(visible)
+        self.scale(scale, -scale)
+
+
+class PlotStack(QWidget):
+    """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom."""
+
+    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme) -> None:
+        super().__init__()
+        paper = QPalette(self.palette())
+        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
+        self.setPalette(paper)
+        self.setAutoFillBackground(True)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(8, 8, 8, 8)
+        column.setSpacing(4)
+        self.plots: list[CurvePlot] = []
+        for number, row in enumerate(rows):
+            plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
+            plot.setFrameShape(QFrame.Shape.NoFrame)
+            plot.set_curves(study, row)
+            plot.show_cursor(False)
+            column.addWidget(plot)
+            self.plots.append(plot)
+        self.resize(PLOT_WIDTH, max(PLOT_HEIGHT * len(rows), LEAST_HEIGHT) + PLOT_EDGES)
+
+
+# -- bytes ------------------------------------------------------------------------------------------------
+
+
+def png(widget: QWidget, ratio: float = RATIO) -> bytes:
+    """A widget as PNG, ``ratio`` dots per pixel; draw with a theme of the same ratio."""
+    image = QImage(widget.size() * ratio, QImage.Format.Format_RGB32)
+    image.setDevicePixelRatio(ratio)
+    image.fill(QColor("white"))
+    _draw(widget, image)
+    data = QByteArray()
+    buffer = QBuffer(data)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    QImageWriter(buffer, b"PNG").write(image)
+    return bytes(data.data())
+
+
+def svg(widget: QWidget, title: str = "") -> bytes:
+    """A widget as SVG."""
+    data = QByteArray()
+    buffer = QBuffer(data)
+    generator = QSvgGenerator()
+    generator.setOutputDevice(buffer)
+    generator.setResolution(widget.logicalDpiX())
+    generator.setSize(QSize(widget.width(), widget.height()))
+    generator.setViewBox(QRect(0, 0, widget.width(), widget.height()))
+    generator.setTitle(title)
+    generator.setDescription("")
+    _draw(widget, generator)
+    return bytes(data.data())
+
+
+def _draw(widget: QWidget, device: QPaintDevice) -> None:
+    """As the screen would show it: a graphics view's own ``render`` would leave out what is measured in pixels."""
+    widget.grab(QRect(0, 0, 1, 1))  # sizes of all that is inside are settled by drawing once
+    painter = QPainter(device)
+    try:
+        QWidget.render(widget, painter, QPoint())
+    finally:
+        painter.end()
+
+
+# -- the pictures of a report -----------------------------------------------------------------------------
+
+
+def _scene(study: Study, theme: Theme) -> MechanismScene:
+    """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
+    scene = MechanismScene(study, theme)
+    scene.set_index(int(np.argmax(study.cam.flank.pressure_angle)))
+    return scene
+
+
+def _mechanism_png(study: Study) -> bytes:
+    return png(Sheet(_scene(study, replace(LIGHT, ratio=RATIO)), *SHEET))
+
+
+def _mechanism_svg(study: Study) -> bytes:
+    return svg(Sheet(_scene(study, LIGHT), *SHEET), study.design.name)
+
+
+def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
+    """Plots of these quantities, one row below the other; what a design lacks is left out."""
+
+    def picture(study: Study) -> bytes:
+        there = {row.quantity: row for row in existing(study, channels(study.design))}
+        shown = [different(study, [there[name] for name in names if name in there]) for names in rows]
+        return curves_file(study, [row for row in shown if row], ".png")
+
+    return picture
+
+
+def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
+    """Plots one below the other as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
+    if ending == ".svg":
+        return svg(PlotStack(study, rows, LIGHT), study.design.name)
+    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO)))
+
+
+def different(study: Study, rows: Sequence[Channel]) -> list[Channel]:
+    """Those channels that no other before them equals, such as the motor's torque without a flywheel."""
+    kept: list[Channel] = []
+    for row in rows:
+        if not any(np.array_equal(row.values(study), other.values(study)) for other in kept):
+            kept.append(row)
+    return kept
+
+
+PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
+    {
+        "mechanism.png": _mechanism_png,
+        "mechanism.svg": _mechanism_svg,
+        "motion.png": _plots(("displacement",), ("velocity",), ("acceleration",), ("jerk",)),
+        "cam.png": _plots(("pressure_angle",), ("pitch_curvature",), ("radius",)),
+        "forces.png": _plots(("contact_force",), ("drive_torque", "motor_torque"), ("guide_force",)),
+    }
+)
+
+
+def paint(study: Study) -> dict[str, bytes]:
+    """The pictures of a report: file name -> content. Raises NoAnswer where the design has none."""
+    ensure_app(offscreen=True)
+    return {name: draw(study) for name, draw in PICTURES.items()}

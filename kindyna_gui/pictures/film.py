@@ -1,0 +1,177 @@
+"""One turn of a mechanism as an animation: GIF with one palette for all frames, or WebP without loss.
+
+The same design gives the same bytes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from itertools import pairwise
+from math import ceil
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PySide6.QtCore import QPoint
+from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtWidgets import QWidget
+
+from core.design import Design
+from core.study import Study
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.files import Sheet
+from kindyna_gui.pictures.mechanism import MechanismScene
+
+if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
+    from PIL import Image
+
+FORMATS: Mapping[str, str] = MappingProxyType({".gif": "GIF animation", ".webp": "WebP animation"})
+MOST_FRAMES, LEAST_SECONDS = 360, 0.2
+TICK = 10  # milliseconds: what a GIF counts in
+LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
+COLOURS, LOOKS = 255, 6  # of the palette, and frames it is made from
+LEAST_SAMPLES = 1440  # of a turn, for smooth outlines
+
+GoOn = Callable[[int], bool]
+"""Takes the frames done; False stops the work."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
+
+    ending: str
+    frames: int = 72
+    width: int = 800
+    height: int = 600
+    seconds: float = 4.0
+
+    @property
+    def delays(self) -> list[int]:
+        """How long each frame stands [ms]: whole ticks that add up to the turn."""
+        total = max(round(1000.0 * self.seconds / TICK), self.frames * LEAST_DELAY // TICK)
+        marks = [total * i // self.frames for i in range(self.frames + 1)]
+        return [(after - before) * TICK for before, after in pairwise(marks)]
+
+
+class _Stopped(Exception):
+    """The user has had enough."""
+
+
+class Camera:
+    """Takes pictures of a mechanism at any part of the turn."""
+
+    def __init__(self, design: Design, film: Film, layers: Mapping[str, bool]) -> None:
+        ensure_app(offscreen=True)
+        self._film = film
+        # so many samples that each frame falls on one
+        samples = film.frames * ceil(LEAST_SAMPLES / film.frames)
+        self._scene = MechanismScene()
+        for name, shown in layers.items():
+            self._scene.set_layer(name, shown)
+        self._scene.update_study(Study(design, samples))
+        self._sheet = Sheet(self._scene, film.width, film.height)
+        self._sheet.grab()  # sizes are settled by drawing once
+
+    def take(self, frame: int) -> Image.Image:
+        """The frame of this number, in full colour."""
+        from PIL import Image
+
+        self._scene.set_fraction(frame / self._film.frames)
+        image = QImage(self._film.width, self._film.height, QImage.Format.Format_RGB888)
+        image.fill(QColor("white"))
+        painter = QPainter(image)
+        try:
+            QWidget.render(self._sheet, painter, QPoint())
+        finally:
+            painter.end()
+        size = (image.width(), image.height())
+        return Image.frombuffer("RGB", size, bytes(image.constBits()), "raw", "RGB", image.bytesPerLine(), 1)
+
+
+def _packed(frame: Image.Image) -> np.ndarray:
+    """Colours as one number each (height, width)."""
+    parts = np.asarray(frame, dtype=np.uint32)
+    packed: np.ndarray = parts[..., 0] << 16 | parts[..., 1] << 8 | parts[..., 2]
+    return packed
+
+
+class Palette:
+    """The commonest colours of a few frames spread over the turn: papers and fills keep theirs to the bit, the shades
+    of their edges take the nearest. (Pillow's own look-up is coarser and would turn white paper grey.)"""
+
+    def __init__(self, camera: Camera, film: Film) -> None:
+        looks = np.concatenate([_packed(camera.take(film.frames * i // LOOKS)).ravel() for i in range(LOOKS)])
+        colours, counts = np.unique(looks, return_counts=True)
+        self._colours = colours[np.lexsort((colours, -counts.astype(np.int64)))][:COLOURS]
+        self._known = np.full(1 << 24, -1, dtype=np.int16)
+        self._known[self._colours] = np.arange(self._colours.size)
+
+    def reduce(self, frame: Image.Image) -> Image.Image:
+        """The frame in these colours."""
+        from PIL import Image
+
+        packed = _packed(frame)
+        found = self._known[packed]
+        new = np.unique(packed[found < 0])
+        if new.size:
+            apart = [_part(new, i)[:, None] - _part(self._colours, i) for i in range(3)]
+            self._known[new] = np.argmin(sum(d * d for d in apart), axis=1)
+            found = self._known[packed]
+        reduced = Image.fromarray(found.astype(np.uint8), "P")
+        reduced.putpalette([int(_part(colour, i)) for colour in self._colours for i in range(3)])
+        return reduced
+
+
+def _part(packed: np.ndarray, which: int) -> np.ndarray:
+    """Red, green or blue of packed colours."""
+    part: np.ndarray = (packed >> (16 - 8 * which) & 255).astype(np.int64)
+    return part
+
+
+def _gif(camera: Camera, film: Film, frames: Iterator[Image.Image], target: BytesIO) -> None:
+    palette = Palette(camera, film)
+    reduced = (palette.reduce(frame) for frame in frames)
+    first = next(reduced)
+    first.save(
+        target, "GIF", save_all=True, append_images=reduced, duration=film.delays, loop=0, optimize=False, disposal=1
+    )
+
+
+def _webp(camera: Camera, film: Film, frames: Iterator[Image.Image], target: BytesIO) -> None:
+    first = next(frames)
+    first.save(
+        target, "WEBP", save_all=True, append_images=frames, duration=film.delays, loop=0, lossless=True, quality=60,
+        method=2,
+    )  # fmt: skip
+
+
+WRITERS: Mapping[str, Callable[[Camera, Film, Iterator[Image.Image], BytesIO], None]] = MappingProxyType(
+    {".gif": _gif, ".webp": _webp}
+)
+
+
+def shoot(
+    design: Design, film: Film, layers: Mapping[str, bool] = MappingProxyType({}), go_on: GoOn | None = None
+) -> bytes | None:
+    """One turn as an animation that repeats for ever; None where ``go_on`` stopped it.
+
+    layers: those of ``mechanism.LAYERS`` that shall be other than usual. Raises NoAnswer where the design has no
+    mechanism.
+    """
+    camera = Camera(design, film, layers)
+
+    def frames() -> Iterator[Image.Image]:
+        for number in range(film.frames):
+            if go_on is not None and not go_on(number):
+                raise _Stopped
+            yield camera.take(number)
+
+    target = BytesIO()
+    try:
+        WRITERS[film.ending](camera, film, frames(), target)
+    except _Stopped:
+        return None
+    return target.getvalue()

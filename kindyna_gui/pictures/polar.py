@@ -1,0 +1,316 @@
+"""Channels over the cam angle in polar form: the angle goes round counter-clockwise, the value outwards."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFontMetricsF,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QPolygonF,
+    QResizeEvent,
+)
+from PySide6.QtWidgets import QGridLayout, QWidget
+
+from core.channels import Channel
+from core.study import Study
+from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.plot_parts import Span, spans
+from kindyna_gui.pictures.ranges import peak, usual_range
+from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
+from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
+
+HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
+CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
+EDGE, TITLE = 32.0, 22.0  # pixels around the outer circle for angles, above it for the name
+SPOKES = 30  # degrees between
+LETTER_ANGLE = 15.0  # deg: where the circles' values stand, between two spokes
+BUTTON = 24.0  # kept free in the upper right corner, pixels
+CELL = (560, 560)  # of a plot on paper, pixels
+
+
+class PolarPlot(QWidget):
+    """One or several channels of one unit against the cam angle.
+
+    angle_moved   the user has clicked at, or drawn the ray to, this cam angle [rad]
+    """
+
+    angle_moved = Signal(float)
+
+    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+        super().__init__(parent)
+        self._theme = theme
+        self._rows: list[tuple[Channel, np.ndarray, str]] = []
+        self._spans: list[Span] = []
+        self._message = ""
+        self._angle, self._values = 0.0, [0.0]
+        self._with_cursor = True
+        self.rung = Rung("", 1.0, 0.0)
+        self._range = (0.0, 1.0)
+        self._low, self._high, self._circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
+        self._path: list[QPainterPath] | None = None
+        self.setMinimumSize(120, 120)
+
+    # -- what is drawn ------------------------------------------------------------------------------------
+
+    def set_curves(self, study: Study, channels: Sequence[Channel]) -> None:
+        """Draw these channels of the study. Raises NoAnswer where one has none."""
+        values = [row.values(study) for row in channels]
+        seen: dict[str, int] = {}
+        colours = []
+        for row in channels:
+            nth = seen[row.family] = seen.get(row.family, -1) + 1
+            colours.append(shade(self._theme.family(row.family), nth))
+        self.rung = readable(channels[0].unit.symbol, peak(values))
+        shown = [v / self.rung.size for v in values]
+        sides = [usual_range(v) for v in shown]
+        self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
+        self._scale()
+        self._theta = study.theta
+        self._rows = list(zip(channels, shown, colours, strict=True))
+        self._spans, self._message, self._path = spans(study.design.drive.motion), "", None
+        self._read()
+        self.update()
+
+    def show_message(self, text: str) -> None:
+        """Nothing but a line of text: what would fill this plot."""
+        self._rows, self._spans, self._message, self._path = [], [], text, None
+        self.update()
+
+    def _scale(self) -> None:
+        """Round values for the circles; where none is negative the centre is 0, so that shapes are true."""
+        low, high = self._range
+        if high == low:
+            high = low + 1.0
+        room = self.radius * (1.0 - HOLE if low < 0.0 else 1.0)
+        most = min(max(int(room / CIRCLE_PIXELS), 1), MOST_CIRCLES)
+        self._step = nice_step(high - low, most)
+        first, last = math.floor(low / self._step + 1e-9), math.ceil(high / self._step - 1e-9)
+        self._circles = [self._step * i for i in range(first, last + 1)]
+        self._low, self._high = self._circles[0], self._circles[-1]
+
+    # -- cursor -------------------------------------------------------------------------------------------
+
+    def set_angle(self, theta: float, there: Study | None = None) -> None:
+        """Turn the ray to cam angle theta [rad]; there: the same study at this very angle, for exact readings."""
+        self._angle = theta
+        self._read(there)
+        self.update()
+
+    def show_cursor(self, shown: bool) -> None:
+        """Pictures on paper have no cursor."""
+        self._with_cursor = shown
+        self.update()
+
+    def readings(self) -> list[str]:
+        """The values at the cursor, in the order of the curves."""
+        return [measure(value, self.rung.symbol) for value in self._values] if self._rows else []
+
+    def _read(self, there: Study | None = None) -> None:
+        if not self._rows:
+            return
+        n = self._theta.size
+        at = round(self._angle / (2.0 * math.pi) * n) % n
+        self._values = [
+            float(values[at]) if there is None else float(row.values(there)[0]) / self.rung.size
+            for row, values, _ in self._rows
+        ]
+
+    # -- geometry -----------------------------------------------------------------------------------------
+
+    @property
+    def centre(self) -> QPointF:
+        return QPointF(self.width() / 2.0, TITLE + (self.height() - TITLE) / 2.0)
+
+    @property
+    def radius(self) -> float:
+        """Of the outermost circle, pixels."""
+        return max(10.0, min(self.width() / 2.0, (self.height() - TITLE) / 2.0) - EDGE)
+
+    def distance(self, value: float) -> float:
+        """From the centre to a value's circle, pixels."""
+        hole = HOLE if self._low < 0.0 else 0.0
+        part = (min(max(value, self._low), self._high) - self._low) / (self._high - self._low)
+        return self.radius * (hole + (1.0 - hole) * part)
+
+    def place(self, angle: float, distance: float) -> QPointF:
+        """A place by cam angle [deg] and distance from the centre [pixels]."""
+        turn = math.radians(angle)
+        return self.centre + QPointF(distance * math.cos(turn), -distance * math.sin(turn))
+
+    def angle_at(self, pixel: QPointF) -> float:
+        """The cam angle [deg] of a place of the widget."""
+        away = pixel - self.centre
+        return math.degrees(math.atan2(-away.y(), away.x())) % 360.0
+
+    # -- painting -----------------------------------------------------------------------------------------
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._scale()
+        self._path = None
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
+        painter.fillRect(self.rect(), QColor(self._theme.paper))
+        if self._rows:
+            self._paint_paper(painter)
+            self._paint_curves(painter)
+            self._paint_title(painter)
+            if self._with_cursor:
+                self._paint_cursor(painter)
+        else:
+            painter.setFont(font(TEXT))
+            painter.setPen(QColor(self._theme.quiet))
+            room = self.rect().adjusted(16, 16, -16, -16)
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
+        painter.end()
+
+    def _paint_paper(self, painter: QPainter) -> None:
+        theme, centre, radius = self._theme, self.centre, self.radius
+        inner = self.distance(self._low)
+        painter.setPen(Qt.PenStyle.NoPen)
+        for span in self._spans[1::2]:
+            path = QPainterPath(centre)
+            box = QRectF(centre.x() - radius, centre.y() - radius, 2.0 * radius, 2.0 * radius)
+            path.arcTo(box, span.start, span.end - span.start)
+            path.closeSubpath()
+            painter.fillPath(path, brush(theme.band))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        faint, zero = theme.pen(theme.faint), QPen(QColor(theme.quiet), THIN)
+        for value in self._circles:
+            painter.setPen(zero if value == 0.0 or value == self._circles[-1] else faint)
+            painter.drawEllipse(centre, self.distance(value), self.distance(value))
+        painter.setPen(faint)
+        for angle in range(0, 360, SPOKES):
+            painter.drawLine(self.place(angle, inner), self.place(angle, radius))
+        painter.setFont(font(SMALL))
+        painter.setPen(QColor(theme.ink))
+        for angle in range(0, 360, SPOKES):
+            _centred(painter, self.place(angle, radius + 14.0), f"{angle}°")
+        for value in self._circles:
+            if self.distance(value) > 0.0:
+                text = number(value, decimals_of(self._step))
+                _centred(painter, self.place(LETTER_ANGLE, self.distance(value)), text, QColor(theme.paper))
+
+    def _paint_curves(self, painter: QPainter) -> None:
+        if self._path is None:
+            self._path = [self._curve(values) for _, values, _ in self._rows]
+        for path, (_, _, colour) in zip(self._path, self._rows, strict=True):
+            painter.setPen(self._theme.pen(colour, THIN))
+            painter.drawPath(path)
+
+    def _curve(self, values: np.ndarray) -> QPainterPath:
+        """One closed line, broken where a value is infinite."""
+        hole = HOLE if self._low < 0.0 else 0.0
+        part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
+        away = self.radius * (hole + (1.0 - hole) * part)
+        place = away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y())
+        path = QPainterPath()
+        finite = np.isfinite(values)
+        if finite.all():
+            path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place.tolist()]))
+            path.closeSubpath()
+            return path
+        for run in np.split(np.arange(values.size), np.flatnonzero(np.diff(finite)) + 1):
+            if finite[run[0]]:
+                path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place[run].tolist()]))
+        return path
+
+    def _paint_title(self, painter: QPainter) -> None:
+        """Names with their colours, and the unit."""
+        painter.setFont(font(TEXT))
+        metrics, theme = QFontMetricsF(font(TEXT)), self._theme
+        words = [(row.label, theme.letters(colour)) for row, _, colour in self._rows]
+        unit = self.rung.symbol
+        told = [
+            (f"{text}{',' if i < len(words) - 1 or unit else ''} ", colour) for i, (text, colour) in enumerate(words)
+        ]
+        if unit:
+            told.append((unit, theme.ink))
+        width = sum(metrics.horizontalAdvance(text) for text, _ in told)
+        x = max(4.0, min((self.width() - width) / 2.0, self.width() - width - BUTTON))
+        for text, colour in told:
+            painter.setPen(QColor(colour))
+            painter.drawText(QPointF(x, 6.0 + metrics.ascent()), text)
+            x += metrics.horizontalAdvance(text)
+
+    def _paint_cursor(self, painter: QPainter) -> None:
+        theme, angle = self._theme, math.degrees(self._angle)
+        painter.setPen(theme.pen(theme.quiet))
+        painter.drawLine(self.place(angle, self.distance(self._low)), self.place(angle, self.radius))
+        painter.setFont(font(SMALL))
+        metrics = QFontMetricsF(font(SMALL))
+        left = math.cos(self._angle) > 0.0  # the text stands inwards, where there is room
+        boxes: list[QRectF] = []
+        for value, (_, _, colour) in zip(self._values, self._rows, strict=True):
+            text = measure(value, self.rung.symbol)
+            width, height = metrics.horizontalAdvance(text) + 6.0, metrics.height()
+            at = self.place(angle, self.distance(value if math.isfinite(value) else self._high))
+            box = QRectF(at.x() - 8.0 - width if left else at.x() + 8.0, at.y() - height / 2.0, width, height)
+            while any(box.intersects(other) for other in boxes):
+                box.translate(0.0, height)
+            boxes.append(box)
+            if math.isfinite(value):
+                painter.setPen(QPen(QColor(theme.paper), THIN))
+                painter.setBrush(QColor(colour))
+                painter.drawEllipse(at, 3.5, 3.5)
+                painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.fillRect(box, brush(theme.paper, 0.85))
+            painter.setPen(QColor(theme.letters(colour)))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
+def _centred(painter: QPainter, at: QPointF, text: str, backing: QColor | None = None) -> None:
+    metrics = QFontMetricsF(painter.font())
+    box = QRectF(0.0, 0.0, metrics.horizontalAdvance(text) + 4.0, metrics.height())
+    box.moveCenter(at)
+    if backing is not None:
+        painter.fillRect(box, backing)
+    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
+def columns_for(count: int, width: float, height: float) -> int:
+    """Columns of a grid in which so many square plots become largest in the room given."""
+    sizes = {c: min(width / c, height / math.ceil(count / c)) for c in range(1, max(1, count) + 1)}
+    return max(sizes, key=lambda c: sizes[c])
+
+
+class PolarSheet(QWidget):
+    """Polar plots side by side, for files."""
+
+    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme) -> None:
+        super().__init__()
+        paper = QPalette(self.palette())
+        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
+        self.setPalette(paper)
+        self.setAutoFillBackground(True)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(8, 8, 8, 8)
+        columns = math.ceil(math.sqrt(len(rows)))
+        for place, row in enumerate(rows):
+            plot = PolarPlot(self, theme)
+            plot.set_curves(study, row)
+            plot.show_cursor(False)
+            grid.addWidget(plot, place // columns, place % columns)
+        self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
+
+
+def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
+    """Polar plots as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
+    if ending == ".svg":
+        return svg(PolarSheet(study, rows, LIGHT), study.design.name)
+    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO)))
+
+
+__all__ = ["PolarPlot", "PolarSheet", "columns_for", "polar_file"]

@@ -1,0 +1,195 @@
+"""What a drawing of a mechanism reads from a study: places over one turn in mm, by bodies, points and pairs.
+
+Nothing is computed here that is not a change of unit or of frame; no follower is known by name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from core.cam import CamShape
+from core.errors import NoAnswer
+from core.study import Study
+from core.train import FRAME, SLIDING, Pair, Train
+
+MM = 1e3  # mm in a metre
+UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
+UNIT_STEP = 1.04  # factor between the sizes that symbols may have
+FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """One body: origin (n,) [mm], angle (n,) [deg, counter-clockwise], own points [mm] in its frame, of which those
+    that coincide count once."""
+
+    name: str
+    z: np.ndarray
+    angle: np.ndarray
+    points: Mapping[str, complex]
+
+    def track(self, local: complex) -> np.ndarray:
+        """Where a point of the body is (n,) [mm]."""
+        return self.z if local == 0 else self.z + local * self._turn
+
+    @cached_property
+    def _turn(self) -> np.ndarray:
+        return np.exp(1j * np.deg2rad(self.angle))
+
+    @cached_property
+    def nodes(self) -> dict[str, complex]:
+        size = max((abs(p) for p in self.points.values()), default=0.0)
+        kept: dict[str, complex] = {}
+        for name, place in self.points.items():
+            if all(abs(place - other) > 1e-9 * size for other in kept.values()):
+                kept[name] = place
+        return kept
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One pair: where its point is (n,) [mm].
+
+    Of a sliding pair also: ``line``, its direction, and ``root``, a point of it [mm], in the frame of ``on``; ``low``
+    and ``high``, how far the point travels along it [mm]; ``own``, its direction in the frame of ``body``.
+    """
+
+    name: str
+    pair: Pair
+    track: np.ndarray
+    line: complex = 0j
+    root: complex = 0j
+    low: float = 0.0
+    high: float = 0.0
+    own: complex = 0j
+
+    @property
+    def fixed(self) -> bool:
+        return self.pair.on == FRAME
+
+
+def _still(n: int) -> Body:
+    return Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), {})
+
+
+def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
+    body, n = bodies[pair.body], bodies[pair.body].z.size
+    on = bodies.get(pair.on) or _still(n)
+    track = body.track(body.points[pair.point])
+    if pair.kind != SLIDING:
+        return Joint(name, pair, track)
+    path = (track - on.z) * np.exp(-1j * np.deg2rad(on.angle))
+    along = ((path - path[0]) * pair.axis.conjugate()).real
+    own = pair.axis * np.exp(1j * np.deg2rad(on.angle[0] - body.angle[0]))
+    return Joint(name, pair, track, pair.axis, complex(path[0]), float(along.min()), float(along.max()), complex(own))
+
+
+class Reading:
+    """A study as places in mm at its n cam angles.
+
+    Raises NoAnswer where the linkage has none; where only the cam has none, ``shape`` is None.
+    """
+
+    def __init__(self, study: Study) -> None:
+        self.study = study
+        self.train: Train = study.linkage
+        self.shape: CamShape | None = _shape(study)
+        self.sense: float = study.design.shaft.sense
+        self.cam_angle = np.rad2deg(study.theta)
+        self.turned = self.sense * self.cam_angle
+        self.bodies = {
+            name: Body(name, pose.z[0] * MM, np.rad2deg(pose.angle[0]), {k: p * MM for k, p in pose.points.items()})
+            for name, pose in self.train.bodies.items()
+        }
+        self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.train.pairs.items())
+        self.reference = self.bodies[self.train.follower_body].z
+        self.base_radius = study.design.drive.cam.base_radius_mm
+
+    @property
+    def samples(self) -> int:
+        return int(self.cam_angle.size)
+
+    @cached_property
+    def profile(self) -> np.ndarray:
+        """The cam's outline in its own frame (n,) [mm]; empty where there is no cam."""
+        return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.profile * MM
+
+    @cached_property
+    def pitch(self) -> np.ndarray:
+        """The pitch curve in the cam's own frame (n,) [mm]; empty where there is no cam."""
+        return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.pitch * MM
+
+    @cached_property
+    def face_radius(self) -> float:
+        """Radius of the follower's face on the cam [mm], 0 where it is an edge or there is no cam."""
+        if self.shape is None:
+            return 0.0
+        radius = float(np.abs(self.profile - self.pitch)[0])
+        return radius if radius > 1e-9 * abs(self.pitch[0]) else 0.0
+
+    @cached_property
+    def contact(self) -> np.ndarray:
+        """Where cam and follower touch, in the global frame (n,) [mm]."""
+        return self.profile * np.exp(1j * np.deg2rad(self.turned))
+
+    @cached_property
+    def bearing_room(self) -> float:
+        """Least distance of the cam's outline from its centre [mm]."""
+        return float(np.abs(self.profile).min()) if self.profile.size else self.base_radius
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """The instant centre Q of follower and cam (n,) [mm]; infinite where it lies at infinity or is not known."""
+        if self.shape is None:
+            return np.full(self.samples, complex(np.inf, np.inf))
+        return np.asarray(self.shape.centre.finite * MM)
+
+    # -- sizes --------------------------------------------------------------------------------------------
+
+    def tracks(self) -> Iterator[np.ndarray]:
+        """The way of every point of every body over the turn (n,) [mm]."""
+        for body in self.bodies.values():
+            for place in body.nodes.values():
+                yield body.track(place)
+
+    @cached_property
+    def core_box(self) -> tuple[complex, complex]:
+        """Lower left and upper right corner of all that moves, over the whole turn [mm]."""
+        sweep = float(np.abs(self.pitch).max()) if self.pitch.size else self.base_radius
+        boxes = [(-sweep, -sweep, sweep, sweep)]
+        for track in self.tracks():
+            boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
+        r, z = self.face_radius, self.reference
+        boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))
+        left, low, right, high = np.array(boxes).T
+        return complex(left.min(), low.min()), complex(right.max(), high.max())
+
+    @cached_property
+    def unit(self) -> float:
+        """Size of the symbols [mm], in proportion to the mechanism; in steps, so that a small edit leaves them alone."""
+        low, high = self.core_box
+        size = abs(high - low) / UNITS_ACROSS
+        return float(UNIT_STEP ** np.round(np.log(size) / np.log(UNIT_STEP)))
+
+    @cached_property
+    def near_centres(self) -> np.ndarray:
+        """Those places of the instant centre that are near enough to be kept in the picture (m,) [mm]."""
+        low, high = self.core_box
+        room = FAR * abs(high - low)
+        q = self.centre[np.isfinite(self.centre)]
+        inside = (np.abs(q.real - (low + high).real / 2) < (high - low).real / 2 + room) & (
+            np.abs(q.imag - (low + high).imag / 2) < (high - low).imag / 2 + room
+        )
+        return q[inside]
+
+
+def _shape(study: Study) -> CamShape | None:
+    try:
+        shape: CamShape = study.cam
+    except NoAnswer:
+        return None
+    return shape

@@ -1,0 +1,219 @@
+"""Outlines of the textbook's symbols as paths. Lengths in mm, y upwards; ``unit`` is the size of symbols [mm].
+
+Symbols are built at the size of a few units and then scaled, so that a mechanism of micrometres is drawn as one of
+kilometres is. Outlines are merged at a hundred times that size: Qt flattens curves to a fixed tolerance.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Iterable, Sequence
+from functools import lru_cache
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QPainterPath, QPolygonF, QTransform
+
+PIN, EYE, HUB = 0.6, 1.15, 1.45  # radii of a pin, of the eye around it, of a lever's hub, in units
+BAR, WEB = 0.62, 7.0  # half the width of a bar, reach of a lever's web, in units
+HATCH = 0.75  # distance of hatching lines, in units
+FINE = 100.0
+MOST_POINTS = 1200  # of a curve on paper
+KEPT = 64  # outlines of bodies that are remembered: most edits leave most bodies as they are
+
+
+def at(place: complex) -> QPointF:
+    return QPointF(place.real, place.imag)
+
+
+def scaled(path: QPainterPath, unit: float, place: complex = 0j, turn: complex = 1 + 0j) -> QPainterPath:
+    """A symbol drawn in units, turned by a unit vector, at its place [mm]."""
+    a, b = unit * turn.real, unit * turn.imag
+    return QTransform(a, b, -b, a, place.real, place.imag).map(path)
+
+
+def polyline(points: Iterable[complex], closed: bool = False) -> QPainterPath:
+    polygon = QPolygonF([at(p) for p in points])
+    path = QPainterPath()
+    path.addPolygon(polygon)
+    if closed:
+        path.closeSubpath()
+    return path
+
+
+def circle(radius: float, centre: complex = 0j) -> QPainterPath:
+    path = QPainterPath()
+    path.addEllipse(at(centre), radius, radius)
+    return path
+
+
+def outline(points: np.ndarray) -> QPainterPath:
+    """A closed curve through many points (n,)."""
+    from pyqtgraph.functions import arrayToQPolygonF  # one by one the points would take milliseconds
+
+    path = QPainterPath()
+    path.addPolygon(arrayToQPolygonF(points.real, points.imag))
+    path.closeSubpath()
+    return path
+
+
+def joined(*paths: QPainterPath) -> QPainterPath:
+    """Several paths as one, each with its own outline."""
+    whole = QPainterPath()
+    for path in paths:
+        whole.addPath(path)
+    return whole
+
+
+def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
+    path = QPainterPath()
+    for start, end in lines:
+        path.moveTo(at(start))
+        path.lineTo(at(end))
+    return path
+
+
+def curve(points: np.ndarray) -> QPainterPath:
+    """A closed curve (n,) thinned to what paper can show: points stay dense where it is long or where it bends."""
+    if points.size <= MOST_POINTS:
+        return outline(points)
+    step = np.diff(points, append=points[:1])
+    length = np.abs(step)
+    bend = np.abs(np.angle(step * np.conj(np.roll(step, 1)))) * (length > 0.0)
+    weight = length / (length.sum() or 1.0) + bend / (bend.sum() or 1.0)
+    marks = np.floor(np.cumsum(weight) / weight.sum() * MOST_POINTS)
+    kept = np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
+    return outline(points[kept])
+
+
+def bar(start: complex, end: complex, half_width: float) -> QPainterPath:
+    """A bar with round ends [mm]."""
+    length = abs(end - start)
+    path = QPainterPath()
+    path.addRoundedRect(
+        QRectF(-half_width, -half_width, length + 2 * half_width, 2 * half_width), half_width, half_width
+    )
+    turn = (end - start) / length if length else 1 + 0j
+    return scaled(path, 1.0, start, turn)
+
+
+def _merged(paths: Sequence[QPainterPath], unit: float, place: complex) -> QPainterPath:
+    """Paths drawn in units as one outline, at its place [mm]."""
+    whole = QPainterPath()
+    for path in paths:
+        whole = whole.united(scaled(path, FINE))
+    return scaled(whole.simplified(), unit / FINE, place)
+
+
+@lru_cache(maxsize=KEPT)
+def lever(hub: complex, ends: tuple[complex, ...], unit: float) -> QPainterPath:
+    """A lever of several arms from one hub, stiffened by a web between neighbours."""
+    local = sorted(((end - hub) / unit for end in ends), key=cmath.phase)
+    paths = [circle(HUB)]
+    for end in local:
+        paths += [bar(0j, end, BAR), circle(EYE, end)]
+    for one, other in zip(local, local[1:] + local[:1], strict=True):
+        if 0.0 < math.degrees(cmath.phase(other / one)) < 170.0:
+            reach = min(WEB, 0.4 * abs(one), 0.4 * abs(other))
+            web = [0j, reach * one / abs(one), reach * other / abs(other)]
+            paths.append(polyline(web, closed=True))
+    return _merged(paths, unit, hub)
+
+
+@lru_cache(maxsize=KEPT)
+def plate(corners: tuple[complex, ...], unit: float) -> QPainterPath:
+    """A body of three or more points without a fixed one: a plate with eyes."""
+    centre = sum(corners) / len(corners)
+    local = sorted(((c - centre) / unit for c in corners), key=cmath.phase)
+    paths = [polyline(local, closed=True)]
+    for one, other in zip(local, local[1:] + local[:1], strict=True):
+        paths += [bar(one, other, BAR), circle(EYE, one)]
+    return _merged(paths, unit, centre)
+
+
+@lru_cache(maxsize=KEPT)
+def link(ends: tuple[complex, ...], unit: float) -> QPainterPath:
+    """A bar between two points, with eyes."""
+    start, end = ends
+    local = (end - start) / unit
+    return _merged([bar(0j, local, BAR), circle(EYE), circle(EYE, local)], unit, start)
+
+
+def stem(length: float, half_width: float, eye: float) -> QPainterPath:
+    """A bar along +x from an eye about the origin, cut off square at its end; lengths in units."""
+    path = QPainterPath()
+    path.addRect(QRectF(0.0, -half_width, length, 2 * half_width))
+    return _merged([path, circle(eye)], 1.0, 0j)
+
+
+def hatched_box(left: float, right: float, low: float, high: float, gap: float) -> QPainterPath:
+    """The strokes at 45 degrees inside a box."""
+    lines = []
+    for i in range(math.ceil((left - high) / gap), math.floor((right - low) / gap) + 1):
+        c = i * gap  # x = y + c
+        start, end = max(low, left - c), min(high, right - c)
+        if end - start > 1e-6 * gap:
+            lines.append((complex(start + c, start), complex(end + c, end)))
+    return segments(lines)
+
+
+def hatching(start: complex, end: complex, depth: float, gap: float) -> QPainterPath:
+    """Short strokes at 45 degrees on the right of the line from start to end [mm]."""
+    length = abs(end - start)
+    along = (end - start) / length
+    across = -1j * along * depth
+    count = max(2, min(400, round(length / gap)))
+    places = [start + along * length * (i + 0.5) / count for i in range(count)]
+    return segments((p + 0.25 * depth * along, p + across - 0.75 * depth * along) for p in places)
+
+
+def pedestal() -> tuple[QPainterPath, QPainterPath]:
+    """The textbook's fixed pivot below the origin, in units: triangle, and hatched ground."""
+    half, height, wide = 1.9, 3.4, 2.9
+    triangle = polyline([0j, complex(-half, -height), complex(half, -height)], closed=True)
+    ground = segments([(complex(-wide, -height), complex(wide, -height))])
+    ground.addPath(hatching(complex(-wide, -height), complex(wide, -height), 0.85, HATCH))
+    return triangle, ground
+
+
+def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPainterPath]:
+    """A shaft in its bearing, radii in mm: bush, hatching of the bush, shaft with centre lines."""
+    bush = circle(outer)
+    gap = (outer - inner) * 0.55
+    lines = []
+    for i in range(-60, 61):
+        c = i * gap
+        if abs(c) >= outer:
+            continue
+        reach, hole = math.sqrt(outer * outer - c * c), inner * inner - c * c
+        turn = cmath.exp(0.25j * math.pi)
+        if hole <= 0.0:
+            lines.append((complex(-reach, c) * turn, complex(reach, c) * turn))
+        else:
+            gone = math.sqrt(hole)
+            lines += [(complex(-reach, c) * turn, complex(-gone, c) * turn),
+                      (complex(gone, c) * turn, complex(reach, c) * turn)]  # fmt: skip
+    shaft = joined(circle(inner), segments([(-outer * 1.5 + 0j, outer * 1.5 + 0j), (-1.5j * outer, 1.5j * outer)]))
+    return bush, segments(lines), shaft
+
+
+def cross(size: float) -> QPainterPath:
+    return segments([(complex(-size, 0), complex(size, 0)), (complex(0, -size), complex(0, size))])
+
+
+def arrow_head(tip: complex, along: complex, size: float) -> QPainterPath:
+    """A slim filled head [mm]; ``along`` is a unit vector."""
+    back = tip - along * size
+    side = 1j * along * size * 0.27
+    return polyline([tip, back + side, back - side], closed=True)
+
+
+def arc_arrow(radius: float, start: float, span: float, head: float) -> tuple[QPainterPath, QPainterPath]:
+    """An arc about the origin from ``start`` over ``span`` [deg, counter-clockwise] and the head at its end."""
+    stop = span - math.copysign(math.degrees(0.7 * head / radius), span)
+    angles = [math.radians(start + stop * i / 40.0) for i in range(41)]
+    line = polyline([cmath.rect(radius, a) for a in angles])
+    end = cmath.rect(radius, math.radians(start + span))
+    chord = end - cmath.rect(radius, math.radians(start + span) - math.copysign(head / radius, span))
+    return line, arrow_head(end, chord / abs(chord), head)

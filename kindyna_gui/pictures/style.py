@@ -1,0 +1,162 @@
+"""The look of every drawing: colours by quantity, papers, pens, fonts.
+
+A drawing office: the mechanism and the curves carry the colour, everything else is quiet. The colours of the
+quantities are those of Okabe and Ito, which colour-blind readers keep apart; each family of ``core.channels`` has one,
+the same in every picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QBrush, QColor, QFont, QPen
+
+BLACK, ORANGE, SKY, GREEN, YELLOW = "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442"
+BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+WHITE = "#FFFFFF"
+
+FAMILIES: Mapping[str, str] = MappingProxyType(
+    {
+        "displacement": BLUE,
+        "velocity": GREEN,
+        "acceleration": VERMILION,
+        "jerk": PURPLE,
+        "pressure-angle": ORANGE,
+        "force": BLACK,
+        "torque": SKY,
+        "curvature": "#8C6D1F",
+        "length": "#5A6B7B",
+        "angle": "#6A51A3",
+        "ratio": "#7A7A7A",
+    }
+)
+"""Family of a channel -> colour. Black turns white on dark paper."""
+
+
+THIN, OUTLINE = 1.0, 1.5  # widths in pixels at every zoom
+
+
+@dataclass(frozen=True)
+class Theme:
+    """One paper and what is quiet on it.
+
+    ink    outlines of the mechanism, texts; quiet: axes, hatching, construction lines; faint: grid; band: every other
+           segment of the motion; limit: lines that must not be crossed
+    cam, roller, slider, shaft, links   fills of the mechanism, links in turn
+    ratio  dots per pixel of the device: Qt counts the width of cosmetic pens in dots
+    """
+
+    name: str
+    paper: str
+    ink: str
+    quiet: str
+    faint: str
+    band: str
+    limit: str
+    cam: str
+    cam_line: str
+    roller: str
+    slider: str
+    shaft: str
+    links: tuple[str, ...]
+    ratio: float = 1.0
+
+    def pen(self, colour: str, width: float = THIN, dash: tuple[float, ...] = ()) -> QPen:
+        """A pen of so many pixels at every zoom; dashes in pixels."""
+        made = QPen(QColor(colour), width * self.ratio)
+        made.setCosmetic(True)
+        made.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+        made.setCapStyle(Qt.PenCapStyle.FlatCap if dash else Qt.PenCapStyle.RoundCap)
+        if dash:
+            made.setDashPattern([part / width for part in dash])
+        return made
+
+    def letters(self, colour: str) -> str:
+        """A colour for texts: the same hue, dark enough to be read on light paper."""
+        base = QColor(colour)
+        light = 0.2126 * base.redF() + 0.7152 * base.greenF() + 0.0722 * base.blueF()
+        pale = QColor(self.paper).lightnessF() > 0.5 and light > 0.5
+        return base.darker(140).name() if pale else base.name()
+
+    def family(self, name: str) -> str:
+        """The colour of a quantity on this paper."""
+        colour = FAMILIES.get(name, self.quiet)
+        return self.ink if colour == BLACK else colour
+
+
+LIGHT = Theme(
+    name="light",
+    paper=WHITE,
+    ink="#1C2126",
+    quiet="#6E7780",
+    faint="#E3E6E9",
+    band="#F4F5F6",
+    limit="#C62828",
+    cam="#F7EFD9",
+    cam_line="#6B5416",
+    roller="#FFFFFF",
+    slider="#DCE8DF",
+    shaft="#D5D8DB",
+    links=("#D6E3EE", "#E9DDEA", "#F3E0D2", "#DDE7D3"),
+)
+DARK = Theme(
+    name="dark",
+    paper="#1B1F23",
+    ink="#F2F4F5",
+    quiet="#9AA4AD",
+    faint="#30363C",
+    band="#22272C",
+    limit="#FF6B6B",
+    cam="#3A3524",
+    cam_line="#D9C68A",
+    roller="#262B30",
+    slider="#2C3A31",
+    shaft="#454C53",
+    links=("#2B3A47", "#3B2F3D", "#43352A", "#323B29"),
+)
+THEMES: Mapping[str, Theme] = MappingProxyType({theme.name: theme for theme in (LIGHT, DARK)})
+
+# dashes and gaps, pixels
+DASHED = (7.0, 4.0)  # the reference design
+CHAIN = (10.0, 3.0, 1.5, 3.0)  # pitch curve, centre lines
+DOTTED = (1.5, 3.0)  # base circle
+SPARSE = (2.0, 4.0)  # construction lines
+
+TEXT, SMALL = 12, 11  # heights of letters, pixels
+FONTS = ("DejaVu Sans", "Noto Sans", "Liberation Sans", "Segoe UI", "Helvetica Neue", "Arial", "NanumGothic")
+
+
+def no_pen() -> QPen:
+    return QPen(Qt.PenStyle.NoPen)
+
+
+def brush(colour: str, opacity: float = 1.0) -> QBrush:
+    made = QColor(colour)
+    made.setAlphaF(opacity)
+    return QBrush(made)
+
+
+def font(pixels: int = TEXT, bold: bool = False) -> QFont:
+    """The font of all drawings; the first of ``FONTS`` that the machine has."""
+    made = QFont()
+    made.setFamilies(list(FONTS))
+    made.setPixelSize(pixels)
+    made.setBold(bold)
+    return made
+
+
+def shade(colour: str, number: int) -> str:
+    """The colour of the curve of this number (0, 1, ...) among curves of one family in one plot: darker in turn,
+    lighter where dark already."""
+    base = QColor(colour)
+    if number == 0:
+        return base.name()
+    steps = (200, 280, 130)
+    step = steps[(number - 1) % len(steps)]
+    dark = base.lightnessF() < 0.2
+    if dark:
+        return QColor.fromHsvF(0.0, 0.0, min(0.75, 0.3 + 0.15 * number)).name()
+    return base.darker(step).name()

@@ -1,0 +1,140 @@
+"""Numbers for reading: a unit in which the values need no exponent, round steps, a true minus sign."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+MINUS, THIN_SPACE = "\u2212", "\u2009"
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+@dataclass(frozen=True)
+class Rung:
+    """A unit to show values in: its symbol, how many of the channel's own unit it is, and the peak value, counted in
+    itself, from which it serves."""
+
+    symbol: str
+    size: float
+    least: float
+
+
+def _ladder(*rungs: tuple[str, float, float]) -> tuple[Rung, ...]:
+    return tuple(Rung(*rung) for rung in rungs)
+
+
+LADDERS: Mapping[str, tuple[Rung, ...]] = MappingProxyType(
+    {
+        "mm": _ladder(("km", 1e6, 20.0), ("m", 1e3, 20.0), ("mm", 1.0, 0.05), ("µm", 1e-3, 0.0)),
+        "mm/s": _ladder(("m/s", 1e3, 1.0), ("mm/s", 1.0, 0.05), ("µm/s", 1e-3, 0.0)),
+        "mm/s²": _ladder(("m/s²", 1e3, 1.0), ("mm/s²", 1.0, 0.05), ("µm/s²", 1e-3, 0.0)),
+        "mm/s³": _ladder(("m/s³", 1e3, 1.0), ("mm/s³", 1.0, 0.05), ("µm/s³", 1e-3, 0.0)),
+        "N": _ladder(("GN", 1e9, 2.0), ("MN", 1e6, 2.0), ("kN", 1e3, 2.0), ("N", 1.0, 0.2), ("mN", 1e-3, 0.0)),
+        "N·m": _ladder(
+            ("GN·m", 1e9, 2.0), ("MN·m", 1e6, 2.0), ("kN·m", 1e3, 2.0), ("N·m", 1.0, 0.2), ("mN·m", 1e-3, 0.0)
+        ),
+        "1/mm": _ladder(("1/µm", 1e3, 2.0), ("1/mm", 1.0, 0.2), ("1/m", 1e-3, 0.2), ("1/km", 1e-6, 0.0)),
+        "m/s": _ladder(("km/s", 1e3, 2.0), ("m/s", 1.0, 0.2), ("mm/s", 1e-3, 0.0)),
+    }
+)
+"""Unit of a channel -> the units it may be shown in, coarsest first."""
+
+MOST, FINEST = 1e5, 1e-3  # a peak outside of these takes a power of ten into the unit
+
+
+def readable(symbol: str, peak: float) -> Rung:
+    """The unit in which values of size ``peak`` (in ``symbol``) are read without an exponent."""
+    rungs = LADDERS.get(symbol, ()) or (Rung(symbol, 1.0, 0.0),)
+    if not 0.0 < peak < math.inf:
+        return next((rung for rung in rungs if rung.size == 1.0), rungs[-1])
+    rung = next((rung for rung in rungs if peak / rung.size >= rung.least), rungs[-1])
+    shown = peak / rung.size
+    if FINEST <= shown < MOST:
+        return rung
+    power = 3 * math.floor(math.log10(shown) / 3.0)
+    ten = f"10{str(power).translate(_SUPERSCRIPT)}"
+    return Rung(f"{ten} {rung.symbol}".rstrip(), rung.size * 10.0**power, 0.0)
+
+
+_DOTS: Mapping[str, str] = MappingProxyType({"\u0307": "", "\u0308": "²", "\u20db": "³"})
+_DOTTED = re.compile(f"(.)([{''.join(_DOTS)}])(²?)")
+
+
+def _derivative(match: re.Match[str]) -> str:
+    letter, dots, power = match[1], match[2], match[3]
+    if dots != "\u20db" and letter.isascii():
+        return match[0]
+    text = f"d{_DOTS[dots]}{letter}/dt{_DOTS[dots]}"
+    return f"({text}){power}" if power else text
+
+
+def legible(text: str) -> str:
+    """A formula with those derivatives written out whose dots the usual fonts lose: over Greek letters, and three."""
+    return _DOTTED.sub(_derivative, text)
+
+
+def number(value: float, decimals: int) -> str:
+    """Fixed decimals, thin spaces between thousands from five digits on, never minus zero."""
+    text = f"{abs(value):.{max(0, decimals)}f}"
+    whole, _, rest = text.partition(".")
+    if len(whole) > 4:
+        whole = f"{int(whole):,}".replace(",", THIN_SPACE)
+    text = f"{whole}.{rest}" if rest else whole
+    return MINUS + text if value < 0.0 and text.strip(f"0.{THIN_SPACE}") else text
+
+
+def digits(value: float, most: int = 4) -> str:
+    """A value with so many significant digits."""
+    if not math.isfinite(value):
+        return "∞" if value > 0.0 else f"{MINUS}∞" if value < 0.0 else "none"
+    if value == 0.0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    return number(value, min(most - 1 - size, 12))
+
+
+def short(value: float, most: int = 6) -> str:
+    """A value with at most so many significant digits and no needless zeros."""
+    text = digits(value, most)
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def measure(value: float, symbol: str, most: int = 4) -> str:
+    """A value with its unit; no space before a degree sign."""
+    return with_unit(digits(value, most), symbol)
+
+
+def with_unit(text: str, symbol: str) -> str:
+    """No space before a degree sign."""
+    return f"{text}{'' if symbol == '°' else ' '}{symbol}".rstrip()
+
+
+def decimals_of(step: float) -> int:
+    """Decimals that a scale of this step needs."""
+    return max(0, -math.floor(math.log10(step) + 1e-9))
+
+
+def nice_below(value: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten that is not above ``value`` (> 0)."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return power * max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
+
+
+def nice_step(span: float, most: int) -> float:
+    """The smallest of 1, 2, 5 times a power of ten that cuts ``span`` into at most ``most`` pieces."""
+    least = span / max(1, most)
+    power = 10.0 ** math.floor(math.log10(least))
+    return power * next(step for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-12))
+
+
+def ticks(low: float, high: float, most: int) -> tuple[list[float], float]:
+    """Round values from ``low`` to ``high`` and their step; two at least."""
+    for pieces in range(max(1, most), max(1, most) + 4):
+        step = nice_step(high - low, pieces)
+        first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+        if last > first:
+            break
+    return [step * i for i in range(first, last + 1)], step

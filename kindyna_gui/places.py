@@ -1,0 +1,42 @@
+"""Where the program's own files are: inside the installed package, else in the checkout."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+_PACKAGE = Path(__file__).resolve().parent
+FIRST_EXAMPLE = "transfer_lift"
+
+
+def resources() -> Path:
+    """The folder of examples, help, icons and translations."""
+    installed = _PACKAGE / "resources"
+    return installed if installed.is_dir() else _PACKAGE.parent / "resources"
+
+
+def example(name: str) -> Path:
+    """The file of one of the designs that come with the program."""
+    return resources() / "examples" / f"{name}.toml"
+
+
+def examples() -> list[tuple[str, Path]]:
+    """All of them in the order of their names: name for the user, file."""
+    found = sorted((resources() / "examples").glob("*.toml"))
+    return [(path.stem.replace("_", " ").capitalize(), path) for path in found]
+
+
+def default_design() -> Path:
+    """The design that is opened where none is named."""
+    return example(FIRST_EXAMPLE)
+
+
+def icon_file(name: str) -> str:
+    """The file of an icon; empty where there is none."""
+    path = resources() / "icons" / f"{name}.svg"
+    return str(path) if path.is_file() else ""
+
+
+def help_text(name: str) -> str:
+    """A page of the help (Markdown); says so where the page is missing."""
+    path = resources() / "help" / f"{name}.md"
+    return path.read_text(encoding="utf-8") if path.is_file() else f"The page {name} is missing."

@@ -1,0 +1,87 @@
+"""Curves over one turn, one plot in each dock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeyEvent, QPalette
+from PySide6.QtWidgets import QLabel, QVBoxLayout
+
+from core.channels import Channel
+from core.study import Study
+from kindyna_gui.exports import save_numbers, save_picture
+from kindyna_gui.live_plot import LivePlot
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.player import Player
+from kindyna_gui.player_keys import obey
+from kindyna_gui.session import Session
+from kindyna_gui.shown import missing, rows_of, split, stages_of
+from kindyna_gui.view import View
+
+
+class PlotView(View):
+    """One plot of a few quantities of one unit; those that a design lacks are named with the reason."""
+
+    def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
+        super().__init__(session, player)
+        self.quantities = tuple(quantities)
+        self.stages = stages_of(self.quantities)
+        self.plot = LivePlot()
+        self.note = QLabel()
+        self.note.setMargin(3)
+        self.note.setIndent(6)
+        self.note.setWordWrap(True)
+        self.note.setMinimumSize(1, 1)
+        self.note.hide()
+        coloured(self.note, QUIET)
+        self.note.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
+        self.rows: tuple[Channel, ...] = ()
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.plot, 1)
+        column.addWidget(self.note)
+        self.set_content_layout(column)
+        self.content.setBackgroundRole(QPalette.ColorRole.Base)
+        self.content.setAutoFillBackground(True)
+        self.plot.angle_moved.connect(self._turn)
+        self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        for text, slot in (
+            ("Export picture...", lambda: save_picture(self, self.quantities[0])),
+            ("Export numbers...", lambda: save_numbers(self, self.rows, self.quantities[0])),
+        ):
+            action = QAction(text, self.plot)
+            action.triggered.connect(slot)
+            self.plot.addAction(action)
+
+    def refresh(self, study: Study) -> None:
+        drawn, told = split(study, rows_of(study, self.quantities))
+        self.rows = tuple(drawn)
+        if drawn:
+            self.plot.set_curves(study, drawn)
+        else:
+            self.plot.show_message("\n".join(told) or missing(self.quantities))
+        self.note.setText("; ".join(told))
+        self.note.setVisible(bool(drawn and told))
+
+    def follow(self, theta: float) -> None:
+        self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
+
+    def _turn(self, theta: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(theta)
+
+    def picture(self, ending: str) -> bytes:
+        """The plot on paper, without the cursor."""
+        from kindyna_gui.pictures.files import curves_file
+
+        self.pull()
+        return curves_file(self.session.study, [self.rows], ending)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+__all__ = ["PlotView"]

@@ -1,0 +1,153 @@
+"""The window and each of its views as pictures, drawn without a display."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import pi
+from typing import Any
+
+from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QElapsedTimer, QEvent, QIODevice
+from PySide6.QtGui import QImageWriter
+from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
+
+from core.design import Design
+from core.study import Study
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.look import dress
+from kindyna_gui.main_window import MainWindow
+from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+
+REST_MS = 320  # after which views that wait for a pause have caught up, labels have found their sides
+VECTORS = ("velocities", "forces")
+
+
+class NoSettings(Settings):
+    """Settings of a window that nobody has used before: nothing is read, nothing is kept."""
+
+    def __init__(self) -> None:
+        self._kept = _Nothing()  # type: ignore[assignment]
+
+
+class _Nothing:
+    def value(self, key: str, default: Any = None) -> Any:
+        return default
+
+    def setValue(self, key: str, value: Any) -> None:
+        """Forgotten."""
+
+    def sync(self) -> None:
+        """Nothing to write."""
+
+
+def hidden_window(design: Design, size: tuple[int, int]) -> MainWindow:
+    """A window with a design that nobody sees, laid out and drawn."""
+    app = ensure_app(offscreen=True)
+    dress(app)
+    window = MainWindow(Session(design), Player(), NoSettings())
+    window.resize(*size)
+    window.show()
+    rest()
+    return window
+
+
+def dismiss(window: MainWindow) -> None:
+    """Close a hidden window without a question."""
+    window.session.stack.setClean()
+    window.close()
+    window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+def rest(milliseconds: int = REST_MS) -> None:
+    """Let the window do what it wants until it is at rest."""
+    clock = QElapsedTimer()
+    clock.start()
+    while clock.elapsed() < milliseconds:
+        QApplication.processEvents()
+
+
+def png(widget: QWidget) -> bytes:
+    """A widget as it stands on the screen."""
+    data = QByteArray()
+    buffer = QBuffer(data)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    QImageWriter(buffer, b"PNG").write(widget.grab().toImage())
+    return bytes(data.data())
+
+
+def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
+    """File name -> picture of the window and of each view, where the pressure angle is largest. Raises NoAnswer."""
+    study = Study(design)
+    top = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta
+    window = hidden_window(design, size)
+    try:
+        window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)
+        rest()
+        made = {"window.png": png(window)}
+        for name in VIEWS:
+            view = window.show_view(name)
+            rest()
+            for ending in FORMS.get(name, _as_it_is)(view):
+                made[f"{name}{ending}.png"] = png(view)
+        window.show_view("graph")
+        rest()
+        made["window_graph.png"] = png(window)
+    finally:
+        dismiss(window)
+    return made
+
+
+# -- what a view is to be shown as: endings of the pictures' names; the picture is taken after each ------------
+
+
+def _as_it_is(view: View) -> Iterator[str]:
+    yield ""
+
+
+def _with_vectors(view: View) -> Iterator[str]:
+    """The mechanism, and again with velocities and forces."""
+    assert isinstance(view, MechanismView)
+    yield ""
+    for name in VECTORS:
+        view.show_layer(name, True)
+    rest()
+    yield "_vectors"
+    for name in VECTORS:
+        view.show_layer(name, False)
+    rest()
+
+
+def _tab_by_tab(view: View) -> Iterator[str]:
+    """The first page as the view itself, the others by their titles."""
+    tabs = view.findChild(QTabWidget)
+    assert tabs is not None
+    for page in range(tabs.count()):
+        tabs.setCurrentIndex(page)
+        rest(60)
+        yield f"_{tabs.tabText(page).lower()}" if page else ""
+    tabs.setCurrentIndex(0)
+
+
+def _straight_and_polar(view: View) -> Iterator[str]:
+    from kindyna_gui.graph_view import FORMS as GRAPHS
+    from kindyna_gui.graph_view import GraphView
+
+    assert isinstance(view, GraphView)
+    for form in GRAPHS:
+        view.set_form(form)
+        rest(60)
+        yield "" if form == "straight" else f"_{form}"
+    view.set_form("straight")
+
+
+FORMS: dict[str, Callable[[View], Iterator[str]]] = {
+    "mechanism": _with_vectors,
+    "parameters": _tab_by_tab,
+    "graph": _straight_and_polar,
+}
+"""Views that are taken more than once."""

@@ -1,0 +1,280 @@
+"""The segments of the motion as a table model: every cell that can be edited is a path of the design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QColor, QFont
+
+from core.design import UNITS, Info, Motion, Segment, Unit, info_of
+from core.laws import LAWS, find_law
+from core.motion import Join
+from core.study import Study
+from kindyna_gui.look import ASSUMED, QUIET, WRONG
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.session import Refusal, Session
+from kindyna_gui.wording import law_label, parsed, segment_of, sentence, shortest, value_text
+
+Index = QModelIndex | QPersistentModelIndex
+LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
+_SEGMENT: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segment) if (i := info_of(f))})
+GAP = "\u2002"  # between the numbers and the text right of them
+_PER = ("", "/rad", "/rad²", "/rad³")
+_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+
+
+@dataclass(frozen=True)
+class Column:
+    """One row of the table of columns: heading, what it means, and the key of the file that it edits."""
+
+    title: str
+    help: str
+    key: str
+    info: Info
+
+
+COLUMNS = (
+    Column("Law", "motion law of the segment", "law", Info("Law", choices=tuple(LAWS))),
+    Column("From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]),
+    Column("To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]),
+    Column("Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]),
+    Column("Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]),
+    Column(f"{GAP}Join", "what is continuous at the end of the segment, else the first jump there", "", Info("")),
+)
+
+
+def difference(to: float, start: float) -> float:
+    """to - start, as a reader would reckon it: 76.5 - 35 is 41.5 and nothing else."""
+    return float(Decimal(shortest(to)) - Decimal(shortest(start)))
+
+
+def join_text(join: Join, motion: Motion) -> str:
+    """``s v a`` where these are continuous; ``Δv 49.1``, the first that jumps and how far."""
+    jumping = [k for k in range(4) if join.jumps[k]]
+    if not jumping or jumping[0] == 3:
+        return "s v a" if jumping else "s v a j"
+    return f"Δ{'sva'[jumping[0]]} {_jump(join, jumping[0], motion)}"
+
+
+def join_help(join: Join, motion: Motion) -> str:
+    """The join in a sentence: what is continuous there, and how far the rest jumps."""
+    jumping = [k for k in range(4) if join.jumps[k]]
+    smooth = [_ORDERS[k] for k in range(4) if k not in jumping]
+    rows = [f"continuous in {', '.join(smooth)}"] if smooth else []
+    unit = UNITS[motion.unit].symbol
+    rows += [f"{_ORDERS[k]} jumps by {_jump(join, k, motion)} {unit}{_PER[k]}" for k in jumping]
+    return "\n".join(map(sentence, rows))
+
+
+def _jump(join: Join, order: int, motion: Motion) -> str:
+    return digits(float(join.jump[order]) / motion.scale, 3)
+
+
+class SegmentsModel(QAbstractTableModel):
+    """The segments in order. What is typed is an edit of the session; what it refuses stays in its cell, in red.
+
+    told   (str): what is wrong with the last edit, empty when nothing is
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._motion = session.design.drive.motion
+        self._joins: tuple[Join, ...] = ()
+        self._wrong: dict[str, str] = {}  # path -> the text that was refused
+        self._trying = ""
+        session.refused.connect(self._refused)
+        session.accepted.connect(self._accepted)
+        session.restored.connect(self.withdraw)
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def show(self, study: Study) -> None:
+        """Show the motion of a study."""
+        motion = study.design.drive.motion
+        same = len(motion.segments) == len(self._motion.segments) and self._joins
+        if not same:
+            self.beginResetModel()
+        self._motion, self._joins = motion, study.program.joins
+        if same:
+            self._all_changed()
+        else:
+            self._wrong.clear()
+            self.endResetModel()
+
+    def _all_changed(self) -> None:
+        last = self.index(self.rowCount() - 1, self.columnCount() - 1)
+        self.dataChanged.emit(self.index(0, 0), last)
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
+
+    def _refused(self, refusal: Refusal) -> None:
+        if segment_of(refusal.path) is not None:
+            self._wrong = {refusal.path: self._trying}
+            self.told.emit(refusal.at(refusal.path))
+            self._all_changed()
+
+    def _accepted(self, path: str) -> None:
+        if path in self._wrong:
+            self.withdraw()
+
+    def withdraw(self) -> None:
+        """Forget what was refused."""
+        if self._wrong:
+            self._wrong.clear()
+            self.told.emit("")
+            self._all_changed()
+
+    # -- the table ----------------------------------------------------------------------------------------
+
+    @property
+    def unit(self) -> Unit:
+        """Of the motion."""
+        return UNITS[self._motion.unit]
+
+    def unit_of(self, column: int) -> Unit:
+        return self.unit if column == RISE else UNITS["deg"]
+
+    def rowCount(self, parent: Index | None = None) -> int:
+        return 0 if parent is not None and parent.isValid() else len(self._motion.segments)
+
+    def columnCount(self, parent: Index | None = None) -> int:
+        return len(COLUMNS)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        if orientation == Qt.Orientation.Vertical:
+            return str(section + 1) if role == Qt.ItemDataRole.DisplayRole else None
+        column = COLUMNS[section]
+        if role == Qt.ItemDataRole.DisplayRole:
+            unit = {FROM: " °", TO: " °", SPAN: " °", RISE: f" {self.unit.symbol}"}.get(section, "")
+            return column.title + unit
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return sentence(column.help)
+        return (_LEFT if section in (LAW, JOIN) else _RIGHT) if role == Qt.ItemDataRole.TextAlignmentRole else None
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        row, column = index.row(), index.column()
+        base = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        fixed = (
+            column == JOIN
+            or (column == FROM and row == 0)
+            or (column == TO and row == self.rowCount() - 1)
+            or (column == RISE and self.still(row))
+        )
+        return base if fixed else base | Qt.ItemFlag.ItemIsEditable
+
+    def still(self, row: int) -> bool:
+        law = find_law(self._motion.segments[row].curve.law)
+        return law is not None and law.still
+
+    def path(self, row: int, column: int) -> str:
+        """What a cell edits; empty where it edits nothing."""
+        if column in (FROM, TO):
+            row, column = (row - 1 if column == FROM else row), SPAN
+        key = COLUMNS[column].key
+        key = f"{key}_{self._motion.unit}" if column == RISE else key
+        return f"motion.segments[{row}].{key}" if key and row >= 0 else ""
+
+    def value(self, row: int, column: int) -> Any:
+        """What the design has there: slug, number, or text."""
+        segment = self._motion.segments[row]
+        ends = [round(sum(s.span_deg for s in self._motion.segments[:i]), 10) for i in (row, row + 1)]
+        return {
+            LAW: segment.curve.law,
+            FROM: ends[0],
+            TO: 360.0 if row == self.rowCount() - 1 else ends[1],
+            SPAN: segment.span_deg,
+            RISE: segment.rise,
+            JOIN: GAP + join_text(self._joins[row], self._motion) if self._joins else "",
+        }[column]
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        if not index.isValid():
+            return None
+        row, column = index.row(), index.column()
+        if role == Qt.ItemDataRole.TextAlignmentRole:
+            return _LEFT if column in (LAW, JOIN) else _RIGHT
+        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
+            return self._text(row, column, role)
+        if role == Qt.ItemDataRole.ForegroundRole:
+            return self._colour(row, column)
+        if role == Qt.ItemDataRole.FontRole and self.assumed(row, column):
+            font = QFont()
+            font.setItalic(True)
+            return font
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return self._tip(row, column)
+        return None
+
+    def _text(self, row: int, column: int, role: int) -> Any:
+        path = self.path(row, column)
+        if path in self._wrong and column not in (FROM, TO):
+            return self._wrong[path]
+        value = self.value(row, column)
+        if role == Qt.ItemDataRole.EditRole:
+            return value
+        return law_label(value) if column == LAW else shortest(value) if isinstance(value, float) else value
+
+    def _colour(self, row: int, column: int) -> QColor | None:
+        if self.refused(row, column):
+            return QColor(WRONG)
+        if column == JOIN and self._joins:
+            smooth = not any(self._joins[row].jumps[:3])
+            return QColor(QUIET if smooth else WRONG)
+        if self.assumed(row, column):
+            return QColor(ASSUMED)
+        return None if self.flags(self.index(row, column)) & Qt.ItemFlag.ItemIsEditable else QColor(QUIET)
+
+    def _tip(self, row: int, column: int) -> str:
+        if column == JOIN:
+            return join_help(self._joins[row], self._motion) if self._joins else ""
+        if column == LAW:
+            law = find_law(self.value(row, LAW))
+            told = law.source if law is not None else ""
+        else:
+            told = COLUMNS[column].help
+        mark = "\nAssumed, not taken from a source" if self.assumed(row, column) else ""
+        return sentence(told) + mark
+
+    def assumed(self, row: int, column: int) -> bool:
+        return column in (LAW, SPAN, RISE) and self.path(row, column) in self._session.design.assumed
+
+    def refused(self, row: int, column: int) -> bool:
+        """What stands in the cell is not in the design."""
+        return column not in (FROM, TO) and self.path(row, column) in self._wrong
+
+    # -- to the session -----------------------------------------------------------------------------------
+
+    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
+        """Enter a slug, or a text that should be a number; False where the session refuses it."""
+        row, column = index.row(), index.column()
+        path = self.path(row, column)
+        self._trying = str(value)
+        if column == LAW:
+            return self._session.edit(path, value, f"Change law of segment {row + 1} to {law_label(value)}")
+        number = parsed(str(value), self.unit_of(column))
+        if number is None:
+            self._session.refuse(path, "a number is wanted, such as 12.5")
+            return False
+        if column in (FROM, TO):
+            return self._move_join(row if column == FROM else row + 1, path, number)
+        name = COLUMNS[column].title.lower()
+        text = f"Change {name} of segment {row + 1} to {value_text(number, self.unit_of(column))}"
+        return self._session.edit(path, number, text)
+
+    def _move_join(self, row: int, path: str, angle: float) -> bool:
+        """Put the start of a segment at a cam angle [deg]."""
+        span = difference(angle, self.value(row - 1, FROM))
+        self._trying = shortest(span)
+        return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
+
+
+__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "SegmentsModel"]

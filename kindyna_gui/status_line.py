@@ -1,0 +1,89 @@
+"""The status line: how many limits are exceeded, what was done last, what is assumed, where the cam stands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from math import pi
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
+
+from core.errors import KindynaError
+from core.findings import ERROR, NOTE, WARNING, Finding
+from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+
+PAUSE_MS = 80
+STAY_MS = 6000  # of a message
+
+
+class StatusLine(QStatusBar):
+    """What the session and the player are at; the findings are those of the stages on screen, no other is computed."""
+
+    def __init__(self, session: Session, player: Player, show_findings: Callable[[], object]) -> None:
+        super().__init__()
+        self._session, self._player = session, player
+        self.findings = QToolButton(autoRaise=True)
+        self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.findings.clicked.connect(lambda: show_findings())
+        self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
+        self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.angle.setMinimumWidth(self.fontMetrics().horizontalAdvance("cam angle 359.9°  "))
+        self.angle.setToolTip("Cam angle of all views")
+        self.assumed.setToolTip("Values that are not taken from a source")
+        for label in (self.saved, self.assumed):
+            coloured(label, QUIET)
+            label.setContentsMargins(6, 0, 6, 0)
+        for widget in (self.findings, self.saved, self.assumed, self.angle):
+            self.addPermanentWidget(widget)
+        self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._soon.timeout.connect(self.count_findings)
+        session.design_changed.connect(self._design_changed)
+        session.file_changed.connect(self._file_changed)
+        player.angle_changed.connect(self._angle_changed)
+        self._design_changed()
+        self._file_changed()
+        self._angle_changed(player.theta)
+
+    def tell(self, text: str) -> None:
+        """Say what has been done, for a while."""
+        self.showMessage(text, STAY_MS)
+
+    def recount(self) -> None:
+        """Count the findings once things are at rest."""
+        self._soon.start()
+
+    def count_findings(self) -> None:
+        """Show how many limits are exceeded."""
+        stages = tuple(self._session.stages_on_screen())
+        try:
+            found = self._session.study.findings(stages) if stages else ()
+            text, severity = counted(found)
+            tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
+        except KindynaError as error:
+            text, severity, tip = "no answer", ERROR, str(error)
+        self.findings.setText(text)
+        self.findings.setIcon(sign(severity))
+        self.findings.setToolTip(tip)
+
+    def _design_changed(self) -> None:
+        number = len(self._session.design.assumed)
+        self.assumed.setText(f"{number} assumed" if number else "")
+        self.recount()
+
+    def _file_changed(self) -> None:
+        named = "saved" if self._session.path is not None else "not saved to a file"
+        self.saved.setText("unsaved changes" if self._session.modified else named)
+
+    def _angle_changed(self, theta: float) -> None:
+        self.angle.setText(f"cam angle {theta * 180.0 / pi:.1f}°")
+
+
+def counted(findings: Iterable[Finding]) -> tuple[str, str]:
+    """``1 error, 2 warnings`` and the gravest severity; ``none`` where nothing is found."""
+    numbers = Counter(f.severity for f in findings)
+    told = [f"{n} {s}{'s' if n > 1 else ''}" for s in (ERROR, WARNING, NOTE) if (n := numbers[s])]
+    gravest = next((s for s in (ERROR, WARNING, NOTE) if numbers[s]), "none")
+    return ", ".join(told) or "no findings", gravest

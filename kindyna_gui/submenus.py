@@ -1,0 +1,114 @@
+"""Menus whose entries depend on the state of things; each is made anew when it opens."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QActionGroup
+from PySide6.QtWidgets import QMenu
+
+from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.places import examples
+from kindyna_gui.wording import choice_tip
+
+if TYPE_CHECKING:
+    from kindyna_gui.main_window import MainWindow
+
+
+def fill_new(window: MainWindow, menu: QMenu) -> None:
+    """A design of each kind."""
+    for slug, row in FOLLOWER_KINDS.items():
+        action = menu.addAction(row.label)
+        action.setStatusTip(f"Begin a design of this kind: {row.label}")
+        action.triggered.connect(partial(_without_state, window.documents.new, slug))
+
+
+def fill_recent(window: MainWindow, menu: QMenu) -> None:
+    """Files opened or saved lately."""
+    for number, path in enumerate(window.settings.recent, 1):
+        action = menu.addAction(f"&{number}  {_plain(path.name)}")
+        action.setToolTip(str(path))
+        action.setStatusTip(str(path))
+        action.triggered.connect(partial(_without_state, window.documents.open_path, path))
+    empty = menu.isEmpty()
+    menu.menuAction().setEnabled(not empty)
+    if not empty:
+        menu.addSeparator()
+        menu.addAction("&Clear list", window.settings.clear_recent)
+
+
+def fill_examples(window: MainWindow, menu: QMenu) -> None:
+    """The examples that come with the program."""
+    for name, path in examples():
+        action = menu.addAction(_plain(name))
+        action.setStatusTip(f"Begin with the example {path.stem}")
+        action.triggered.connect(partial(_without_state, window.documents.open_example, path))
+
+
+def fill_layouts(window: MainWindow, menu: QMenu) -> None:
+    """The layouts of the follower, where its kind has any."""
+    follower = window.session.design.drive.follower
+    menu.menuAction().setVisible(isinstance(follower, CamSlider))
+    if not isinstance(follower, CamSlider):
+        return
+    group = QActionGroup(menu)
+    for letter in LAYOUTS:
+        action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
+        action.setCheckable(True)
+        action.setChecked(letter == follower.layout)
+        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; the pivot goes to its side of the cam")
+        group.addAction(action)
+        action.triggered.connect(partial(_without_state, window.choose_layout, letter))
+
+
+def fill_exports(window: MainWindow, menu: QMenu) -> None:
+    """Everything that can be written besides the design."""
+    for text, tip, slot in (
+        ("&Tables...", "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder", window.exports.tables),
+        ("&Report...", "Write the whole report as text", window.exports.report),
+        ("&Picture of the mechanism...", "Write the drawing as PNG or SVG", partial(window.export_picture, "mechanism")),
+        ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation),
+    ):
+        action = menu.addAction(text)
+        action.setStatusTip(tip)
+        action.triggered.connect(partial(_without_state, lambda call: call(), slot))
+
+
+def fill_pictures(window: MainWindow, menu: QMenu) -> None:
+    """The pictures that are on the screen."""
+    for name, row in VIEWS.items():
+        view = window.view(name)
+        if row.picture and view is not None and view.on_screen():
+            action = menu.addAction(f"{row.title}...")
+            action.setStatusTip(f"Write the picture {row.title} as PNG or SVG")
+            action.triggered.connect(partial(_without_state, window.export_picture, name))
+    menu.menuAction().setEnabled(not menu.isEmpty())
+
+
+def fill_docks(window: MainWindow, menu: QMenu) -> None:
+    """Every dock, checked where it is shown."""
+    for dock in window.docks.values():
+        action = dock.toggleViewAction()
+        action.setStatusTip(f"Show or hide {dock.windowTitle()}")
+        menu.addAction(action)
+
+
+def fill_layers(window: MainWindow, menu: QMenu) -> None:
+    """What the drawing of the mechanism can show and hide."""
+    view = window.view("mechanism")
+    for action in view.layer_actions() if view is not None else ():
+        menu.addAction(action)
+    menu.menuAction().setVisible(not menu.isEmpty())
+
+
+def _without_state(slot: object, argument: object, *_: object) -> None:
+    """Call a slot without the checked state that ``triggered`` brings."""
+    assert callable(slot)
+    slot(argument)
+
+
+def _plain(text: str) -> str:
+    """A text without keys of access."""
+    return text.replace("&", "&&")

@@ -1,0 +1,101 @@
+"""What every test of the window gets: one application, settings of its own, and no word from Qt left unheard."""
+
+import gc
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent, QMessageLogContext, QSettings, QtMsgType, qInstallMessageHandler
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu
+from window_user import Open, User, settle
+
+from kindyna_gui.look import dress
+from kindyna_gui.main_window import open_window
+from kindyna_gui.pictures.app import ensure_app
+
+HARMLESS = (
+    "This plugin does not support propagateSizeHints()",
+    "This plugin does not support raise()",
+    "This plugin does not support grabbing the keyboard",
+)
+
+
+@pytest.fixture(scope="session")
+def app() -> QApplication:
+    made = ensure_app()
+    dress(made)
+    return made
+
+
+@pytest.fixture(autouse=True)
+def settings_apart(own_settings: Path) -> None:
+    """QSettings asks for the home directory once and then never again."""
+    for format in (QSettings.Format.NativeFormat, QSettings.Format.IniFormat):
+        QSettings.setPath(format, QSettings.Scope.UserScope, str(own_settings / ".config"))
+
+
+@pytest.fixture(autouse=True)
+def nothing_unheard() -> Iterator[None]:
+    """A warning of Qt, or an exception inside a slot, fails the test."""
+    heard: list[str] = []
+
+    def listen(kind: QtMsgType, context: QMessageLogContext, text: str) -> None:
+        if kind != QtMsgType.QtDebugMsg and not text.startswith(HARMLESS):
+            heard.append(text)
+
+    def caught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        heard.append(repr(error))
+        usual(kind, error, trace)
+
+    usual, sys.excepthook = sys.excepthook, caught
+    before = qInstallMessageHandler(listen)
+    yield
+    qInstallMessageHandler(before)
+    sys.excepthook = usual
+    assert heard == []
+
+
+@pytest.fixture
+def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
+    """Opens windows, shown and active; at the end each is closed and gone."""
+    users: list[User] = []
+
+    def open(path: Path | None = None, size: tuple[int, int] | None = (1280, 800)) -> User:
+        """size None: what the settings ask for."""
+        window = open_window(app, path)
+        users.append(User(window, monkeypatch))
+        if size is not None:
+            window.resize(*size)
+        window.show()
+        window.activateWindow()
+        assert QTest.qWaitForWindowActive(window)
+        settle()
+        return users[-1]
+
+    yield open
+    for user in users:
+        user.session.stack.setClean()
+        user.window.close()
+        user.window.deleteLater()
+    users.clear()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    settle()
+    # pyqtgraph's menus stay until Python's next great tidying
+    left = [type(w).__name__ for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu)]
+    assert left == [], "windows were left behind"
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """A user at a window that shows the lift example."""
+    return open_user()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def tidy() -> Iterator[None]:
+    """Python's rubbish goes before Qt does."""
+    yield
+    gc.collect()

@@ -1,0 +1,256 @@
+"""The program as its users start it: with and without a display, headless, with wrong words, without Qt."""
+
+import json
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from mechanisms import LIFT, PUSHER
+
+from core.project import save
+from core.study import Study
+from kindyna_gui import __main__ as entry
+from kindyna_gui.display import lacking, obstacle
+from kindyna_gui.places import default_design, example, examples, help_text, icon_file, resources
+
+PICTURES = {"mechanism.png", "mechanism.svg", "motion.png", "cam.png", "forces.png"}
+TABLES = {"profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"}
+NO_DISPLAY = ("DISPLAY", "WAYLAND_DISPLAY", "QT_QPA_PLATFORM", "XDG_RUNTIME_DIR")
+
+
+def run(*words: str, folder: Path, code: str | None = None, **environment: str) -> subprocess.CompletedProcess[str]:
+    """The program in a process of its own, without a display unless one is named."""
+    env = {name: value for name, value in os.environ.items() if name not in NO_DISPLAY} | environment
+    start = ["-m", "kindyna_gui", *words] if code is None else ["-c", code, *words]
+    return subprocess.run(
+        [sys.executable, *start], cwd=folder, env=env, capture_output=True, text=True, timeout=120, check=False
+    )
+
+
+@pytest.fixture
+def lift(tmp_path: Path) -> Path:
+    path = tmp_path / "lift.toml"
+    save(LIFT, path)
+    return path
+
+
+# -- without a display ------------------------------------------------------------------------------------
+
+
+def test_without_a_display_the_main_job_is_done(tmp_path: Path) -> None:
+    done = run(folder=tmp_path)
+    first, rest = done.stdout.split("\n", 1)
+    assert "no display" in first
+    assert "out/" in first
+    assert rest.startswith("Transfer unit, lift drive\n====")
+    assert done.stderr == ""
+    assert done.returncode == 0
+    made = {path.name for path in (tmp_path / "out").iterdir()}
+    assert made == PICTURES | TABLES | {"report.txt"}
+    assert (tmp_path / "out" / "report.txt").read_text(encoding="utf-8") == rest
+    assert json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["kind"] == "cam"
+    assert len((tmp_path / "out" / "profile.csv").read_text().splitlines()) == 3601
+
+
+def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -> None:
+    path = tmp_path / "pusher.toml"
+    loose = PUSHER.drive.loads.__class__(follower_mass_kg=1.5)
+    save(PUSHER.__class__("loose", PUSHER.shaft, PUSHER.drive.__class__(
+        PUSHER.drive.motion, PUSHER.drive.follower, PUSHER.drive.cam, loose
+    )), path)  # fmt: skip
+    done = run(str(path), folder=tmp_path)
+    assert done.returncode == 1
+    assert "leaves the cam" in done.stdout
+    assert {path.name for path in (tmp_path / "out").iterdir()} == PICTURES | TABLES | {"report.txt"}
+
+
+@pytest.mark.parametrize("text", [None, "format = 1\n", "format = 1\nname = 'x'\n[follower]\nkind = 'translating'\n"])
+def test_a_bad_file_leaves_nothing_behind(text: str | None, tmp_path: Path) -> None:
+    if text is not None:
+        (tmp_path / "bad.toml").write_text(text, encoding="utf-8")
+    done = run("bad.toml", folder=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.strip()
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_place_that_cannot_be_written_leaves_nothing_behind(lift: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("a file stands here")
+    done = run(str(lift), folder=tmp_path)
+    assert done.returncode == 2
+    assert len(done.stderr.splitlines()) == 1
+    assert (tmp_path / "out").read_text() == "a file stands here"
+
+
+def test_a_display_that_does_not_answer_is_no_display(lift: Path, tmp_path: Path) -> None:
+    done = run(str(lift), folder=tmp_path, DISPLAY=":9731")
+    assert done.returncode == 0
+    assert done.stdout.startswith("the display :9731 does not answer")
+
+
+def test_a_reader_that_goes_away_is_no_fault(lift: Path, tmp_path: Path) -> None:
+    env = {name: value for name, value in os.environ.items() if name not in NO_DISPLAY}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "kindyna_gui", str(lift)],
+        cwd=tmp_path, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    told = process.stderr.read().decode()
+    process.stderr.close()
+    assert process.wait(timeout=120) == 0
+    assert told == ""
+
+
+# -- headless ---------------------------------------------------------------------------------------------
+
+
+def test_headless_report_paints_pictures(lift: Path, tmp_path: Path) -> None:
+    done = run("--headless", "report", str(lift), "--out", "made", "--samples", "720", folder=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert {path.name for path in (tmp_path / "made").iterdir()} == PICTURES | {"report.txt", "summary.json"}
+    assert (tmp_path / "made" / "mechanism.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_pictures_are_the_same_with_and_without_a_display(lift: Path, tmp_path: Path) -> None:
+    for name, more in (("one", {}), ("two", {"DISPLAY": ":9731"})):
+        words = ("--headless", "report", str(lift), "--out", name, "--samples", "360")
+        assert run(*words, folder=tmp_path, **more).returncode == 0
+    for picture in PICTURES:
+        assert (tmp_path / "one" / picture).read_bytes() == (tmp_path / "two" / picture).read_bytes()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("export", "lift.toml", "--only", "motion"), ("check", "lift.toml"), ("report", "lift.toml"), ("--help",)],
+)
+def test_qt_is_imported_only_for_pictures(words: tuple[str, ...], lift: Path, tmp_path: Path) -> None:
+    code = (
+        "import sys; from kindyna_gui.__main__ import main; code = main(['--headless', *sys.argv[1:]]);"
+        "print(code, sorted({m.split('.')[0] for m in sys.modules} & {'PySide6', 'shiboken6', 'pyqtgraph', 'scipy'}))"
+    )
+    done = run(*words, folder=tmp_path, code=code)
+    assert done.stdout.splitlines()[-1] == "0 []", done.stderr
+
+
+def test_headless_exit_codes(lift: Path, tmp_path: Path) -> None:
+    for words in (("report", "missing.toml"), ("nonsense",), (), ("export", str(lift), "--only", "blend")):
+        done = run("--headless", *words, folder=tmp_path)
+        assert done.returncode == 2
+        assert len(done.stderr.splitlines()) == 1
+        assert done.stdout == ""
+
+
+# -- words ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("words", [["a", "b"], ["--nonsense"], ["a.toml", "--headless", "check"], ["--head"]])
+def test_wrong_words_are_told_in_one_line(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.main(words) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert len(err.splitlines()) == 1
+    assert err.startswith("kindyna: ")
+    assert "--help" in err
+
+
+def test_help(capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.main(["--help"]) == 0
+    out = capsys.readouterr().out
+    assert "kindyna [DESIGN]" in out
+    assert "--headless" in out
+
+
+# -- without Qt -------------------------------------------------------------------------------------------
+
+NO_QT = """
+import sys
+class Without:
+    def find_spec(self, name, path=None, target=None):
+        if name.startswith(("PySide6", "shiboken6", "pyqtgraph")):
+            raise ImportError("libEGL.so.1: cannot open shared object file: No such file or directory")
+sys.meta_path.insert(0, Without())
+from kindyna_gui.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_without_the_libraries_of_qt_report_and_tables_are_made(lift: Path, tmp_path: Path) -> None:
+    done = run(str(lift), folder=tmp_path, code=NO_QT)
+    assert done.returncode == 0
+    (told,) = done.stderr.splitlines()
+    assert told.startswith("pictures left out: libEGL.so.1")
+    assert "libegl1" in told
+    assert {path.name for path in (tmp_path / "out").iterdir()} == TABLES | {"report.txt"}
+
+
+def test_a_window_without_the_libraries_of_qt_is_replaced_by_the_report(lift: Path, tmp_path: Path) -> None:
+    done = run(str(lift), folder=tmp_path, code=NO_QT, QT_QPA_PLATFORM="xcb")
+    assert done.returncode == 0
+    first = done.stdout.splitlines()[0]
+    assert "libEGL.so.1" in first
+    assert "libxcb-cursor0" in first
+
+
+def test_a_mistake_of_our_own_is_not_taken_for_a_missing_library(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "kindyna_gui.pictures.files", None)
+    with pytest.raises(ImportError):
+        entry.paint(Study(LIFT, 36))
+
+
+# -- displays ---------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def wayland(tmp_path: Path) -> Iterator[Path]:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as server:
+        server.bind(str(tmp_path / "wayland-0"))
+        server.listen()
+        yield tmp_path
+
+
+def test_what_counts_as_a_display(wayland: Path) -> None:
+    assert obstacle({}, "linux").startswith("no display")
+    assert obstacle({}, "darwin") == ""
+    assert obstacle({"QT_QPA_PLATFORM": "offscreen"}, "linux") == ""
+    assert obstacle({"WAYLAND_DISPLAY": "wayland-0", "XDG_RUNTIME_DIR": str(wayland)}, "linux") == ""
+    assert obstacle({"WAYLAND_DISPLAY": "wayland-1", "XDG_RUNTIME_DIR": str(wayland)}, "linux") == (
+        "the display wayland-1 does not answer"
+    )
+    for name in (":9731", "unix:9731.0", "localhost:9731.0", "nonsense", ":x", "::1"):
+        assert obstacle({"DISPLAY": name}, "linux") == f"the display {name} does not answer"
+
+
+def test_a_display_over_the_network_answers() -> None:
+    with socket.socket() as server:
+        for number in range(3700, 3760):
+            try:
+                server.bind(("127.0.0.1", 6000 + number))
+                break
+            except OSError:
+                continue
+        server.listen()
+        assert obstacle({"DISPLAY": f"localhost:{number}.0"}, "linux") == ""
+
+
+def test_the_plugin_of_qt_is_only_tried_for_x() -> None:
+    assert lacking({"QT_QPA_PLATFORM": "offscreen"}) == ""
+    assert lacking({"WAYLAND_DISPLAY": "wayland-0"}) == ""
+
+
+# -- places -----------------------------------------------------------------------------------------------
+
+
+def test_the_programs_own_files_are_found() -> None:
+    assert default_design() == example("transfer_lift")
+    assert default_design().is_file()
+    assert (resources() / "examples") == default_design().parent
+    assert default_design() in [path for _, path in examples()]
+    assert icon_file("no such icon") == ""
+    assert "missing" in help_text("no such page")

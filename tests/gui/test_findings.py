@@ -1,0 +1,176 @@
+"""Findings, certificate, flywheel, and the count in the status line."""
+
+from math import degrees
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import User, settle, wait_for
+
+from core.study import Study
+from kindyna_gui.certificate_view import PROVES, CertificateView
+from kindyna_gui.findings_view import FindingsView
+from kindyna_gui.flywheel_view import FlywheelView
+from kindyna_gui.number_box import NumberBox
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.tables import RowsTable
+
+
+def findings(user: User) -> FindingsView:
+    view = user.window.show_view("findings")
+    assert isinstance(view, FindingsView)
+    wait_for(lambda: view.up_to_date)
+    return view
+
+
+def click(table: RowsTable, row: int) -> None:
+    QTest.mouseClick(
+        table.viewport(), Qt.MouseButton.LeftButton, pos=table.visualRect(table.rows.index(row, 0)).center()
+    )
+    settle()
+
+
+def cells(table: RowsTable) -> list[tuple[str, ...]]:
+    return [row.cells for row in table.rows.rows]
+
+
+def test_no_finding_says_so(user: User) -> None:
+    view = findings(user)
+    assert view.findings == ()
+    assert view.empty.isVisible()
+    assert not view.table.isVisible()
+
+
+def test_findings_are_listed_the_gravest_first(user: User) -> None:
+    user.enter("cam.base_radius_mm", "200")
+    view = findings(user)
+    assert [f.code for f in view.findings] == ["undercut", "pressure-angle"]
+    assert view.findings == Study(user.design, user.session.study.samples).findings()
+    first, second = cells(view.table)
+    assert first[0].startswith("Undercut: ")
+    assert first[1:] == ("Roller radius Rr", "317.16")
+    assert second[1] == "Base radius Br"
+    assert all(row.icon is not None for row in view.table.rows.rows)
+
+
+def test_a_click_turns_the_cam_and_leads_to_the_field(user: User) -> None:
+    user.enter("cam.base_radius_mm", "200")
+    view = findings(user)
+    user.window.player.play()
+    click(view.table, 1)
+    assert not user.window.player.playing
+    assert degrees(user.window.player.theta) == pytest.approx(view.findings[1].cam_angle_deg)
+    focused = QApplication.focusWidget()
+    assert isinstance(focused, NumberBox)
+    assert focused is user.parameters().forms["cam"].fields["cam.base_radius_mm"].editor
+
+
+def test_enter_does_what_a_click_does(user: User) -> None:
+    user.enter("cam.base_radius_mm", "200")
+    view = findings(user)
+    view.table.setFocus()
+    view.table.selectRow(0)
+    user.press(Qt.Key.Key_Return)
+    assert QApplication.focusWidget() is user.parameters().forms["cam"].fields["cam.roller_radius_mm"].editor
+
+
+def test_a_finding_of_a_segment_leads_to_its_row(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "constant-velocity", "a")
+    view = findings(user)
+    assert [f.code for f in view.findings] == ["jump-velocity"] * 2
+    click(view.table, 1)
+    assert user.motion().chosen == 2
+    assert degrees(user.window.player.theta) == pytest.approx(76.5)
+
+
+def test_a_finding_of_all_loads_leads_to_their_form(user: User) -> None:
+    user.enter("loads.external_force_n", "200000")
+    user.parameters().tabs.setCurrentIndex(0)
+    click(findings(user).table, 0)
+    shown = user.parameters()
+    assert shown.tabs.currentWidget() is shown.forms["loads"]
+
+
+def test_the_list_waits_for_a_pause(user: User) -> None:
+    view = findings(user)
+    box = user.number("cam.base_radius_mm")
+    for _ in range(3):
+        QTest.keyClick(box, Qt.Key.Key_Down)
+    assert not view.up_to_date
+    wait_for(lambda: view.up_to_date)
+
+
+def test_the_status_line_counts(user: User) -> None:
+    status = user.window.status
+    wait_for(lambda: status.findings.text() == "no findings")
+    user.enter("cam.base_radius_mm", "200")
+    wait_for(lambda: status.findings.text() == "1 error, 1 warning")
+    user.window.docks["findings"].close()
+    assert not user.window.docks["findings"].isVisible()
+    QTest.mouseClick(status.findings, Qt.MouseButton.LeftButton)
+    settle()
+    view = user.window.view("findings")
+    assert view is not None
+    assert view.on_screen()
+
+
+def test_the_status_line_counts_only_what_is_on_screen(user: User) -> None:
+    user.enter("cam.base_radius_mm", "200")
+    for dock in user.window.docks.values():
+        dock.hide()
+    user.window.centralWidget().hide()
+    settle()
+    assert user.window.stages_on_screen() == ()
+    button = user.window.status.findings
+    wait_for(lambda: "no view is on screen" in button.toolTip())
+    assert button.text() == "no findings"
+
+
+def test_the_status_line_shows_angle_and_state(user: User) -> None:
+    status = user.window.status
+    assert status.assumed.text() == "9 assumed"
+    assert status.saved.text() == "not saved to a file"
+    user.window.player.set_theta(1.0)
+    assert status.angle.text() == "cam angle 57.3°"
+    user.enter("follower.rod_mm", "850")
+    assert status.saved.text() == "unsaved changes"
+
+
+def test_the_certificate_says_what_it_proves(user: User) -> None:
+    view = user.window.show_view("certificate")
+    assert isinstance(view, CertificateView)
+    wait_for(lambda: view.up_to_date)
+    proof = user.session.study.certificate()
+    rows = cells(view.table)
+    assert len(rows) == len(proof)
+    for row, (name, residual) in zip(rows, proof.items(), strict=True):
+        assert row[0].lower().replace(" ", "_") == name
+        assert row[1].lower() == PROVES[name].lower()
+        assert row[2:] == (f"{residual.value:.1e}", f"{residual.bound:.1e}", "kept")
+
+
+def test_the_flywheel_has_its_figures(user: User) -> None:
+    user.choose("Dyna", "Flywheel")
+    view = user.window.view("flywheel")
+    assert isinstance(view, FlywheelView)
+    wait_for(lambda: view.up_to_date)
+    wheel = user.session.study.flywheel
+    told = {row[0]: row[1:] for row in cells(view.table)}
+    assert told["Inertia for 2 % fluctuation of speed"] == (digits(wheel.needed_inertia, 5), "kg·m²")
+    assert told["Inertia fitted"][0] == "0"
+    user.enter("shaft.flywheel_inertia_kg_m2", "100")
+    wait_for(lambda: view.up_to_date)
+    told = {row[0]: row[1:] for row in cells(view.table)}
+    assert told["Inertia fitted"] == ("100.00", "kg·m²")
+
+
+def test_a_table_goes_to_the_clipboard(user: User) -> None:
+    view = user.window.show_view("certificate")
+    assert isinstance(view, CertificateView)
+    wait_for(lambda: view.up_to_date)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_C, modifier=Qt.KeyboardModifier.ControlModifier)
+    lines = QApplication.clipboard().text().splitlines()
+    assert lines[0].startswith("Check\tWhat it proves")
+    assert len(lines) == 1 + len(cells(view.table))

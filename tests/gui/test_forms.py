@@ -1,0 +1,272 @@
+"""kindyna_gui.forms, fields: parameters are made from metadata, typed, stepped, refused and taken back."""
+
+from html import escape
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import User, settle
+
+from core.design import CamSlider, entries, get
+from core.project import dumps, load, save
+from kindyna_gui.forms import SECTIONS
+from kindyna_gui.number_box import NumberBox, WordBox
+from kindyna_gui.places import example
+from kindyna_gui.wording import shortest
+
+ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"
+LIFT = load(example("transfer_lift"))
+
+
+def follower(user: User) -> CamSlider:
+    made = user.design.drive.follower
+    assert isinstance(made, CamSlider)
+    return made
+
+
+# -- what is shown ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
+def test_every_entry_has_its_row(user: User, name: str) -> None:
+    user.window.documents.open_example(example(name))
+    shown = user.parameters()
+    for section in SECTIONS:
+        rows = {entry.path: entry for entry in entries(user.design, section)}
+        assert set(shown.forms[section].fields) == set(rows)
+        for path, field in shown.forms[section].fields.items():
+            entry = rows[path]
+            assert field.unit is None or field.unit.text() == entry.unit.symbol
+            assert entry.info.label.partition("_")[0] in field.label.text()
+            for part in (entry.path, entry.info.help, entry.info.allowed(entry.unit)):
+                assert escape(part) in field.label.toolTip()
+            if isinstance(field.editor, NumberBox):
+                assert field.editor.text() == shortest(entry.value)
+            else:
+                assert field.editor.currentData() == entry.value
+            assert field.mark is not None
+            assert field.mark.isChecked() == (path in user.design.assumed)
+
+
+def test_rows_stand_in_the_order_of_the_file(user: User) -> None:
+    text = dumps(user.design)
+    for form in user.parameters().forms.values():
+        places = [text.index(f"\n{path.partition('.')[2]} = ") for path in form.fields]
+        assert places == sorted(places)
+
+
+def test_fields_follow_undo_and_other_files(user: User) -> None:
+    user.enter(ROD, "850")
+    user.choose("Edit", "Undo Change rod L2 to 850 mm")
+    assert user.number(ROD).text() == "845"
+    user.choose("File", "Examples", "Card picker")
+    assert user.parameters().field(ROD) is None
+    assert user.number("follower.offset_mm").text() == "0"
+
+
+# -- typing -----------------------------------------------------------------------------------------------
+
+
+def test_typed_and_entered(user: User) -> None:
+    user.enter(ROD, "850")
+    assert follower(user).rod_mm == 850.0
+    assert user.steps == ["Change rod L2 to 850 mm"]
+    assert user.session.stack.undoText() == "Change rod L2 to 850 mm"
+
+
+def test_typed_and_left_by_tab(user: User) -> None:
+    box = user.number(ROD)
+    user.type("850")
+    assert follower(user).rod_mm == 845.0
+    user.press(Qt.Key.Key_Tab)
+    assert follower(user).rod_mm == 850.0
+    assert not box.hasFocus()
+
+
+def test_a_number_that_is_only_looked_at_stays(user: User) -> None:
+    for path in user.parameters().forms["follower"].fields:
+        user.field(path)
+        user.press(Qt.Key.Key_Tab)
+    assert user.design == LIFT
+    assert user.steps == []
+
+
+def test_each_entry_is_a_step(user: User) -> None:
+    user.enter(ROD, "850")
+    user.enter(ROD, "851")
+    assert user.steps == ["Change rod L2 to 850 mm", "Change rod L2 to 851 mm"]
+
+
+def test_undo_by_key_while_the_field_has_the_focus(user: User) -> None:
+    user.enter(ROD, "850")
+    assert user.number(ROD).hasFocus()
+    user.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert follower(user).rod_mm == 845.0
+    assert user.number(ROD).text() == "845"
+
+
+def test_words_are_chosen_from_a_list(user: User) -> None:
+    box = user.field("shaft.rotation").editor
+    assert isinstance(box, WordBox)
+    box.setFocus()
+    user.press(Qt.Key.Key_Down)
+    assert user.design.shaft.rotation == "cw"
+    assert user.steps == ["Change rotation to clockwise"]
+
+
+def test_the_name_is_typed_above(user: User) -> None:
+    name = user.parameters().name
+    name.setFocus()
+    name.selectAll()
+    user.type("Mine")
+    user.press(Qt.Key.Key_Return)
+    assert user.design.name == "Mine"
+    name.selectAll()
+    user.type("  ")
+    user.press(Qt.Key.Key_Return)
+    assert (user.design.name, name.refused) == ("Mine", True)
+    user.choose("Edit", "Undo Change name to Mine")
+    assert (name.text(), name.refused) == (LIFT.name, False)
+
+
+# -- stepping ---------------------------------------------------------------------------------------------
+
+
+def test_keys_step_live_and_are_one_step_back(user: User) -> None:
+    box = user.number(ROD)
+    rods = []
+    user.session.design_changed.connect(lambda: rods.append(follower(user).rod_mm))
+    for _ in range(3):
+        QTest.keyClick(box, Qt.Key.Key_Up)
+    assert rods == [846.0, 847.0, 848.0]
+    assert user.steps == ["Change rod L2 to 848 mm"]
+    user.press(Qt.Key.Key_Return, Qt.Key.Key_Up)
+    assert user.steps == ["Change rod L2 to 848 mm", "Change rod L2 to 849 mm"]
+
+
+def test_dragging_the_name_is_one_step(user: User) -> None:
+    label = user.field(ROD).label
+    start = QPoint(5, 5)
+    rods = []
+    user.session.design_changed.connect(lambda: rods.append(follower(user).rod_mm))
+    for gesture in range(2):
+        QTest.mousePress(label, Qt.MouseButton.LeftButton, pos=start)
+        for x in range(1, 31):
+            QTest.mouseMove(label, start + QPoint(x, 0))
+            QApplication.processEvents()
+        QTest.mouseRelease(label, Qt.MouseButton.LeftButton, pos=start + QPoint(30, 0))
+        assert len(user.steps) == gesture + 1
+    assert rods == [846.0 + i for i in range(10)]
+    assert user.steps == ["Change rod L2 to 850 mm", "Change rod L2 to 855 mm"]
+    assert user.number(ROD).hasFocus()
+
+
+# -- refusing ---------------------------------------------------------------------------------------------
+
+
+def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> None:
+    field, before = user.field(ROD), user.session.study
+    user.enter(ROD, "-5")
+    assert user.session.study is before
+    assert user.steps == []
+    assert field.editor.refused
+    assert field.message.isVisible()
+    assert field.message.text().startswith("Outside its range; allowed: ")
+    assert user.number(ROD).text() == "-5"
+    tabs = user.parameters().tabs
+    assert not tabs.tabIcon(0).isNull()
+    assert tabs.tabIcon(1).isNull()
+    user.enter(ROD, "850")
+    assert (field.editor.refused, field.message.isVisible()) == (False, False)
+    assert follower(user).rod_mm == 850.0
+    assert tabs.tabIcon(0).isNull()
+
+
+def test_what_is_no_number_is_told(user: User) -> None:
+    field = user.field(ROD)
+    user.enter(ROD, "8,5")
+    assert field.message.text() == "A number is wanted, such as 12.5"
+    assert user.number(ROD).text() == "8,5"
+    user.press(Qt.Key.Key_Escape)
+    assert (user.number(ROD).text(), field.message.isVisible(), field.editor.refused) == ("845", False, False)
+
+
+def test_undo_takes_a_refused_text_back(user: User) -> None:
+    user.enter(ROD, "850")
+    user.enter(X, "-900")
+    assert user.field(X).editor.refused
+    user.choose("Edit", "Undo Change rod L2 to 850 mm")
+    field = user.field(X)
+    assert (user.number(X).text(), field.editor.refused, field.trouble) == ("873.746", False, "")
+
+
+def test_a_refused_text_outlives_other_edits(user: User) -> None:
+    user.enter(X, "2900")
+    user.enter("follower.pivot_y_mm", "-60")
+    assert user.number(X).text() == "2900"
+    assert user.field(X).editor.refused
+    assert follower(user).pivot_y_mm == -60.0
+
+
+def test_a_fault_shows_at_the_other_field_too(user: User) -> None:
+    user.enter(X, "-900")
+    layout = user.field("follower.layout")
+    assert "Layout: has the cam left of the pivot" in user.field(X).message.text()
+    assert layout.message.text().startswith("Has the cam left of the pivot")
+    assert not layout.editor.refused
+    user.enter(X, "870")
+    assert layout.message.isHidden()
+
+
+def test_what_has_no_answer_on_screen_is_refused(user: User) -> None:
+    assert "linkage" in user.window.stages_on_screen()
+    user.enter(ARM, "10")
+    assert follower(user).roller_arm_mm == 651.081
+    assert "make the roller arm" in user.field(ARM).message.text()
+    assert "Refused: Roller arm Zl" in user.window.statusBar().currentMessage()
+
+
+def test_a_step_into_the_wrong_is_refused_and_back_is_right(user: User) -> None:
+    user.enter("cam.base_radius_mm", "1")
+    user.enter("follower.fixed_angle_deg", "360")
+    box = user.number("follower.fixed_angle_deg")
+    QTest.keyClick(box, Qt.Key.Key_Up)
+    assert box.text() == "360"  # the range ends here
+
+
+def test_a_layout_takes_its_pivot_along(user: User) -> None:
+    box = user.field("follower.layout").editor
+    assert isinstance(box, WordBox)
+    user.window.session.stages_on_screen = tuple  # whether it can be built is another matter
+    box.setCurrentIndex(box.findData("c"))
+    box.activated.emit(box.currentIndex())
+    settle()
+    assert (follower(user).layout, follower(user).pivot_x_mm) == ("c", -873.746)
+    assert user.number(X).text() == "-873.746"
+    assert user.steps == ["Change layout to c"]
+
+
+# -- assumption -------------------------------------------------------------------------------------------
+
+
+def test_a_click_on_the_asterisk_marks_as_assumed(user: User, tmp_path: Path) -> None:
+    mark = user.field(ROD).mark
+    assert mark is not None
+    QTest.mouseClick(mark, Qt.MouseButton.LeftButton)
+    assert user.design.assumed == (ROD, *LIFT.assumed)
+    assert user.steps == ["Mark rod L2 as assumed"]
+    save(user.design, tmp_path / "mine.toml")
+    assert ROD in load(tmp_path / "mine.toml").assumed
+    QTest.mouseClick(mark, Qt.MouseButton.LeftButton)
+    assert user.design == LIFT
+    assert user.steps[1] == "Mark rod L2 as known"
+    user.choose("Edit", "Undo Mark rod L2 as known")
+    assert mark.isChecked()
+
+
+def test_an_assumed_value_stays_assumed_when_changed(user: User) -> None:
+    user.enter("loads.friction", "0.2")
+    assert user.design.assumed == LIFT.assumed
+    assert get(user.design, "loads.friction") == 0.2

@@ -1,0 +1,385 @@
+"""kindyna_gui.main_window, documents, settings: files, questions, layout, and what is computed for whom."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
+from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
+from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
+from window_user import Open, User, settle, wait_for
+
+from core.project import load
+from core.study import evaluations
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import Answer, ask_to_save, show_faults
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.main_window import MainWindow
+from kindyna_gui.places import example
+from kindyna_gui.settings import MOST_RECENT, Settings
+
+LIFT, PICKER = example("transfer_lift"), example("card_picker")
+ROD = "follower.rod_mm"
+
+
+@pytest.fixture
+def mine(tmp_path: Path) -> Path:
+    """A file of the user's own."""
+    path = tmp_path / "mine.toml"
+    shutil.copy(LIFT, path)
+    return path
+
+
+def only(user: User, *names: str) -> None:
+    """Leave nothing on screen but these docks."""
+    for name, dock in user.window.docks.items():
+        dock.setVisible(name in names)
+    user.window.centralWidget().hide()
+    for name in names:
+        user.window.show_view(name)
+    settle()
+
+
+# -- what is computed for whom ----------------------------------------------------------------------------
+
+
+def test_with_only_the_displacement_on_screen_a_length_costs_nothing(user: User) -> None:
+    only(user, "displacement")
+    before = evaluations.copy()
+    assert user.session.edit("follower.rod_mm", 850.0, "a")
+    settle()
+    assert evaluations["cam"] == before["cam"]
+    assert evaluations["dynamics"] == before["dynamics"]
+    assert evaluations["linkage"] == before["linkage"]
+
+
+def test_a_dock_behind_another_computes_nothing(user: User) -> None:
+    only(user, "displacement", "velocity", "torque", "contact_force")
+    user.window.show_view("displacement")
+    user.window.docks["torque"].hide()
+    user.window.docks["contact_force"].hide()
+    settle()
+    assert user.window.stages_on_screen() == ("motion",)
+    before = evaluations.copy()
+    user.session.edit("loads.slider_mass_kg", 250.0, "a")
+    settle()
+    assert evaluations["dynamics"] == before["dynamics"]
+    user.window.show_view("torque")
+    wait_for(lambda: evaluations["dynamics"] > before["dynamics"])
+
+
+def test_views_are_made_when_they_are_first_seen(user: User) -> None:
+    made = {name for name in VIEWS if user.window.view(name) is not None}
+    assert made == {
+        "mechanism", "parameters", "motion", "displacement", "pressure_angle", "torque", "findings"
+    }  # fmt: skip
+
+
+def test_no_other_window_flashes_up(user: User) -> None:
+    """A widget that is shown before it has its place is a window for a moment."""
+    seen: list[str] = []
+
+    def watch(window: object) -> None:
+        if window is not None and window is not user.window.windowHandle():
+            seen.append(str(window))
+
+    QApplication.instance().focusWindowChanged.connect(watch)  # type: ignore[union-attr]
+    for name in VIEWS:
+        user.window.show_view(name)
+        settle()
+    user.choose("File", "Examples", "Card picker")
+    QApplication.instance().focusWindowChanged.disconnect(watch)  # type: ignore[union-attr]
+    assert seen == []
+
+
+# -- opening and saving -----------------------------------------------------------------------------------
+
+
+def test_the_window_begins_with_the_lift_paused_at_zero(user: User) -> None:
+    assert user.design == load(LIFT)
+    assert (user.window.player.theta, user.window.player.playing) == (0.0, False)
+    assert user.window.windowTitle() == "Transfer unit, lift drive[*] \u2013 KINDYNA"
+    assert not user.window.isWindowModified()
+
+
+def test_open_edit_save_and_open_again(user: User, mine: Path) -> None:
+    user.picks("design_to_open", mine)
+    user.choose("File", "Open...")
+    assert user.window.windowTitle() == "mine.toml[*] \u2013 KINDYNA"
+    user.enter(ROD, "850")
+    assert user.window.isWindowModified()
+    user.choose("File", "Save")
+    assert not user.window.isWindowModified()
+    expected = LIFT.read_text(encoding="utf-8").replace("rod_mm = 845.0", "rod_mm = 850.0")
+    assert mine.read_text(encoding="utf-8") == expected
+    user.choose("Edit", "Undo Change rod L2 to 850 mm")
+    assert user.window.isWindowModified()
+    user.answers(Answer.DISCARD)
+    user.choose("File", "Open...")
+    assert user.number(ROD).text() == "850"
+
+
+def test_saving_takes_what_is_being_typed(user: User, mine: Path) -> None:
+    user.window.documents.open_path(mine)
+    user.number(ROD)
+    user.type("850")
+    user.press(Qt.Key.Key_S, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert "rod_mm = 850.0" in mine.read_text(encoding="utf-8")
+    assert user.number(ROD).hasFocus()
+
+
+def test_an_example_asks_for_a_name_when_it_is_saved(user: User, tmp_path: Path) -> None:
+    before = LIFT.read_text(encoding="utf-8")
+    user.enter(ROD, "850")
+    suggested = user.picks("design_to_save", tmp_path / "new.toml")
+    user.choose("File", "Save")
+    assert suggested[0].name == "Transfer unit, lift drive.toml"
+    assert user.session.path == tmp_path / "new.toml"
+    assert LIFT.read_text(encoding="utf-8") == before
+    assert user.window.statusBar().currentMessage() == f"Saved {tmp_path / 'new.toml'}"
+
+
+def test_save_as_that_is_cancelled_changes_nothing(user: User) -> None:
+    user.enter(ROD, "850")
+    user.picks("design_to_save", None)
+    user.choose("File", "Save as...")
+    assert user.session.path is None
+    assert user.window.isWindowModified()
+
+
+def test_a_bad_file_is_told_with_all_its_faults(user: User, tmp_path: Path) -> None:
+    bad = tmp_path / "bad.toml"
+    text = LIFT.read_text(encoding="utf-8").replace("rod_mm = 845.0", "rod_mm = -845.0").replace("speed_rpm", "speed")
+    bad.write_text(text, encoding="utf-8")
+    user.picks("design_to_open", bad)
+    user.choose("File", "Open...")
+    what, lines = user.faults[0]
+    assert what == "bad.toml cannot be opened."
+    assert any(line.startswith("follower.rod_mm = -845.0") for line in lines)
+    assert any("shaft.speed" in line for line in lines)
+    assert user.design == load(LIFT)
+    assert user.session.path is None
+
+
+def test_a_file_that_cannot_be_written_is_told(user: User, tmp_path: Path) -> None:
+    user.picks("design_to_save", tmp_path / "nowhere" / "new.toml")
+    user.choose("File", "Save as...")
+    assert user.faults[0][0] == "new.toml cannot be saved."
+    assert user.session.path is None
+
+
+def test_faults_are_shown_in_a_box(user: User) -> None:
+    shown: list[tuple[str, str, str]] = []
+
+    def look() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QMessageBox)
+        shown.append((box.text(), box.informativeText(), box.detailedText()))
+        box.accept()
+
+    lines = [f"fault {i}" for i in range(20)]
+    QTimer.singleShot(0, user.window, look)
+    show_faults(user.window, "bad.toml cannot be opened.", lines)
+    assert shown[0][0] == "bad.toml cannot be opened."
+    assert shown[0][1].endswith("fault 11\n... and 8 more")
+    assert shown[0][2].splitlines() == lines
+
+
+@pytest.mark.parametrize("answer", list(Answer))
+def test_the_box_about_unsaved_changes(user: User, answer: Answer) -> None:
+    def press() -> None:
+        box = QApplication.activeModalWidget()
+        assert isinstance(box, QMessageBox)
+        assert box.text() == "mine.toml has unsaved changes."
+        box.button(QMessageBox.StandardButton[answer.name.capitalize()]).click()
+
+    QTimer.singleShot(0, user.window, press)
+    assert ask_to_save(user.window, "mine.toml") is answer
+
+
+def test_names_of_files_get_their_ending() -> None:
+    assert dialogs.with_suffix("", ".toml") is None
+    assert dialogs.with_suffix("a/b", ".toml") == Path("a/b.toml")
+    assert dialogs.with_suffix("a/b.toml", ".toml") == Path("a/b.toml")
+    assert dialogs.with_suffix("b.v2", ".toml") == Path("b.v2.toml")
+    assert dialogs.with_suffix("b.SVG", ".png", (".png", ".svg")) == Path("b.SVG")
+
+
+def test_a_design_is_dropped_on_the_window(user: User, mine: Path) -> None:
+    def drop(path: Path) -> bool:
+        data = QMimeData()
+        data.setUrls([QUrl.fromLocalFile(str(path))])
+        what = (Qt.DropAction.CopyAction, data, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.NoModifier)
+        enter = QDragEnterEvent(QPoint(5, 5), *what)
+        enter.setAccepted(False)
+        QApplication.sendEvent(user.window, enter)
+        if enter.isAccepted():
+            QApplication.sendEvent(user.window, QDropEvent(QPointF(5.0, 5.0), *what))
+        return enter.isAccepted()
+
+    assert not drop(mine.with_suffix(".txt"))
+    assert drop(mine)
+    assert user.session.path == mine
+
+
+# -- unsaved changes --------------------------------------------------------------------------------------
+
+
+LEAVING = {
+    "close": lambda user: user.window.close(),
+    "open": lambda user: user.choose("File", "Open..."),
+    "new": lambda user: user.choose("File", "New", "Translating follower"),
+    "example": lambda user: user.choose("File", "Examples", "Card picker"),
+    "drop": lambda user: user.window.documents.open_path(PICKER),
+}
+
+
+def left(user: User, way: str) -> bool:
+    return not user.window.isVisible() if way == "close" else hasattr(user.design.drive.follower, "offset_mm")
+
+
+@pytest.mark.parametrize("way", LEAVING)
+def test_cancel_stays(user: User, way: str) -> None:
+    user.enter(ROD, "850")
+    user.picks("design_to_open", PICKER)
+    asked = user.answers(Answer.CANCEL)
+    LEAVING[way](user)
+    assert asked == ["Transfer unit, lift drive"]
+    assert not left(user, way)
+    assert user.number(ROD).text() == "850"
+
+
+@pytest.mark.parametrize("way", LEAVING)
+def test_discard_leaves(user: User, way: str) -> None:
+    user.enter(ROD, "850")
+    user.picks("design_to_open", PICKER)
+    user.answers(Answer.DISCARD)
+    LEAVING[way](user)
+    assert left(user, way)
+
+
+@pytest.mark.parametrize("way", LEAVING)
+def test_save_saves_and_leaves(user: User, way: str, mine: Path) -> None:
+    user.window.documents.open_path(mine)
+    user.enter(ROD, "850")
+    user.picks("design_to_open", PICKER)
+    asked = user.answers(Answer.SAVE)
+    LEAVING[way](user)
+    assert asked == ["mine.toml"]
+    assert left(user, way)
+    assert "rod_mm = 850.0" in mine.read_text(encoding="utf-8")
+
+
+def test_saving_that_fails_stays(user: User) -> None:
+    user.enter(ROD, "850")
+    user.answers(Answer.SAVE)
+    user.picks("design_to_save", None)
+    user.window.close()
+    assert user.window.isVisible()
+
+
+def test_without_changes_nothing_is_asked(user: User) -> None:
+    asked = user.answers(Answer.CANCEL)
+    user.choose("File", "Examples", "Card picker")
+    user.window.close()
+    assert asked == []
+    assert not user.window.isVisible()
+
+
+# -- recent files -----------------------------------------------------------------------------------------
+
+
+def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, tmp_path: Path) -> None:
+    assert not user.action("File", "Open recent").isEnabled()
+    paths = [tmp_path / f"design{i}.toml" for i in range(MOST_RECENT + 2)]
+    for path in paths:
+        shutil.copy(LIFT, path)
+        user.window.documents.open_path(path)
+    user.window.documents.open_path(paths[5])
+    names = ["design5.toml", *(p.name for p in reversed(paths) if p != paths[5])][:MOST_RECENT]
+    entries = user.entries("File", "Open recent")
+    assert entries == [*(f"{i}  {name}" for i, name in enumerate(names, 1)), "Clear list"]
+    user.choose("File", "Open recent", entries[2])
+    assert user.session.path == tmp_path / names[2]
+    assert Settings().folder == tmp_path
+    user.choose("File", "Open recent", "Clear list")
+    assert not user.action("File", "Open recent").isEnabled()
+
+
+def test_a_recent_file_that_has_gone_is_told_and_dropped(user: User, mine: Path) -> None:
+    user.window.documents.open_path(mine)
+    mine.unlink()
+    user.choose("File", "Open recent", "1  mine.toml")
+    assert user.faults[0][0] == "mine.toml cannot be opened."
+    assert not user.action("File", "Open recent").isEnabled()
+
+
+# -- layout -----------------------------------------------------------------------------------------------
+
+
+def shown(window: MainWindow) -> set[str]:
+    return {name for name, dock in window.docks.items() if not dock.isHidden()}
+
+
+def test_the_layout_is_kept_and_can_be_reset(open_user: Open, user: User) -> None:
+    first = shown(user.window)
+    user.window.docks["motion"].close()
+    user.window.show_view("certificate")
+    user.window.close()
+    again = open_user(size=None)
+    assert shown(again.window) == first - {"motion"}
+    wait_for(lambda: again.window.view("certificate") is not None)
+    assert again.window.view("findings") is None
+    again.choose("View", "Reset layout")
+    assert shown(again.window) == first
+    wait_for(lambda: again.window.view("findings") is not None)
+
+
+def test_a_layout_of_another_version_is_forgotten(open_user: Open, user: User) -> None:
+    first = shown(user.window)
+    user.window.docks["motion"].close()
+    user.window.close()
+    kept = Settings()
+    kept._kept.setValue("window/state", b"of another program")
+    kept._kept.sync()
+    again = open_user()
+    assert shown(again.window) == first
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (1280, 720)])
+def test_the_first_layout_has_room_for_everything(open_user: Open, size: tuple[int, int]) -> None:
+    window: MainWindow = open_user(size=size).window
+    assert window.size().toTuple() == size
+    least = {"parameters": (300, 250), "motion": (300, 200), "displacement": (300, 150), "pressure_angle": (300, 150),
+             "torque": (300, 150), "findings": (400, 80)}  # fmt: skip
+    for name, (width, height) in least.items():
+        dock = window.docks[name]
+        assert dock.width() >= width, name
+        assert dock.height() >= height, name
+    assert window.centre.width() >= 450
+    assert window.centre.height() >= 400
+    for name in ("parameters", "motion"):
+        view = window.view(name)
+        assert view is not None
+        assert view.minimumSizeHint().width() <= window.docks[name].width(), f"{name} is clipped"
+
+
+def test_tabs_need_no_titles(user: User) -> None:
+    bare = {name for name, dock in user.window.docks.items() if dock.titleBarWidget() is not None}
+    assert bare == set(user.window.docks) - {"parameters", "motion"}
+    for name in ("velocity", "acceleration", "jerk"):
+        user.window.docks[name].hide()
+    wait_for(lambda: user.window.docks["displacement"].titleBarWidget() is None)
+
+
+def test_the_look_does_not_follow_a_dark_desktop(app: QApplication, open_user: Open) -> None:
+    dark = QPalette(QColor("#202020"))
+    assert dark.windowText().color().lightnessF() > 0.8
+    app.setPalette(dark)
+    window = open_user().window
+    picture = window.grab().toImage()
+    edge = [picture.pixelColor(x, picture.height() - 4) for x in range(4, picture.width(), 50)]
+    assert sum(colour.lightnessF() > 0.8 for colour in edge) > 0.9 * len(edge)
+    for child in window.findChildren(QWidget):
+        text, ground = child.palette().windowText().color(), child.palette().window().color()
+        assert text.lightnessF() < ground.lightnessF(), type(child).__name__

@@ -1,0 +1,239 @@
+"""kindyna_gui.menus, submenus: every entry is there, does something, and has its own keys."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
+from window_user import User, plain, settle, wait_for
+
+from core.design import FOLLOWER_KINDS, LAYOUTS, kind_of
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.menus import MENUS, TOOLBAR, Item
+from kindyna_gui.places import examples
+
+TITLES = ["File", "Edit", "Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "View", "Help"]
+
+
+def all_actions(place: QWidget) -> Iterator[QAction]:
+    """Every entry of a menu and of the menus in it, each opened first."""
+    for action in place.actions():
+        menu = action.menu()
+        if isinstance(menu, QMenu):
+            menu.aboutToShow.emit()
+            yield from all_actions(menu)
+        elif not action.isSeparator():
+            yield action
+
+
+def test_the_menus_are_those_of_the_program_of_1995(user: User) -> None:
+    assert [plain(a.text()) for a in user.window.menuBar().actions()] == TITLES
+
+
+def test_every_entry_says_what_it_does(user: User) -> None:
+    assert [a.text() for a in all_actions(user.window.menuBar()) if not a.statusTip()] == []
+
+
+def test_no_two_entries_share_their_keys(user: User) -> None:
+    keys = Counter(
+        key.toString() for a in all_actions(user.window.menuBar()) for key in a.shortcuts() if not key.isEmpty()
+    )
+    assert [key for key, number in keys.items() if number > 1] == []
+    assert keys["Ctrl+S"] == keys["Ctrl+Z"] == 1
+
+
+def test_no_two_entries_of_a_menu_share_their_letter(user: User) -> None:
+    for title, rows in MENUS:
+        letters = Counter(row.text.replace("&&", "").partition("&")[2][:1].lower() for row in rows if row is not None)
+        assert [x for x, number in letters.items() if number > 1 and x] == [], title
+        assert "" not in letters, title
+
+
+def test_every_slot_exists(user: User) -> None:
+    for _, rows in MENUS:
+        for row in rows:
+            if isinstance(row, Item):
+                place: object = user.window
+                for name in row.slot.split("."):
+                    place = getattr(place, name)
+                assert callable(place)
+                assert row.argument is None or row.slot != "show_view" or row.argument in VIEWS
+
+
+@pytest.mark.parametrize("name", [name for name, row in VIEWS.items() if name not in ("parameters",)])
+def test_every_view_can_be_shown(user: User, name: str) -> None:
+    view = user.window.show_view(name)
+    wait_for(lambda: view.on_screen() and view.up_to_date)
+    assert not view.in_trouble
+    assert user.window.view(name) is view
+
+
+@pytest.mark.parametrize(
+    ("way", "name"),
+    [(("Make", "Motion table"), "motion"), (("Compo", "Mechanism"), "mechanism"), (("Kine", "Velocity"), "velocity"),
+     (("Kine", "Acceleration"), "acceleration"), (("Kine", "Jerk"), "jerk"), (("Kine", "Curvature"), "curvature"),
+     (("Dyna", "Contact force"), "contact_force"), (("Dyna", "Torque"), "torque"), (("Graph", "New graph..."), "graph")],
+)  # fmt: skip
+def test_views_come_to_the_front_by_their_menus(user: User, way: tuple[str, ...], name: str) -> None:
+    user.choose(*way)
+    view = user.window.view(name)
+    assert view is not None
+    wait_for(view.on_screen)
+
+
+@pytest.mark.parametrize(
+    ("way", "path"),
+    [(("Compo", "Follower"), "follower.layout"), (("Compo", "Cam"), "cam.base_radius_mm"),
+     (("Dyna", "Loads"), "loads.slider_mass_kg"), (("Stability", "Camshaft data"), "shaft.rotation")],
+)  # fmt: skip
+def test_forms_come_to_the_front_by_their_menus(user: User, way: tuple[str, ...], path: str) -> None:
+    user.window.docks["parameters"].hide()
+    user.choose(*way)
+    field = user.parameters().field(path)
+    assert field is not None
+    wait_for(field.editor.hasFocus)
+
+
+# -- entries that depend on the state of things -----------------------------------------------------------
+
+
+def test_examples_begin_without_a_file(user: User) -> None:
+    names = [name for name, _ in examples()]
+    assert user.entries("File", "Examples") == names
+    for name, path in examples():
+        user.choose("File", "Examples", name)
+        assert user.session.path is None
+        assert not user.session.modified
+        assert user.design.name in path.read_text(encoding="utf-8")
+
+
+def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
+    assert user.entries("File", "New") == [row.label for row in FOLLOWER_KINDS.values()]
+    for slug, row in FOLLOWER_KINDS.items():
+        user.choose("File", "New", row.label)
+        assert kind_of(user.design.drive.follower) == slug
+        assert user.design.name.lower() == f"new {row.label.lower()}"
+
+
+def test_layouts_are_there_where_the_follower_has_any(user: User) -> None:
+    entries = user.entries("Compo", "Layout")
+    assert [text[0] for text in entries] == list(LAYOUTS)
+    chosen = user.action("Compo", "Layout", entries[1])
+    assert chosen.isChecked()
+    user.session.stages_on_screen = tuple
+    user.choose("Compo", "Layout", entries[2])
+    assert user.steps == ["Change layout to c"]
+    user.choose("Edit", "Undo Change layout to c")
+    user.choose("File", "Examples", "Card picker")
+    assert "Layout" not in user.entries("Compo")
+
+
+def test_docks_are_shown_and_hidden(user: User) -> None:
+    dock = user.window.docks["motion"]
+    user.choose("View", "Docks", "Motion")
+    assert dock.isHidden()
+    user.choose("View", "Docks", "Motion")
+    assert not dock.isHidden()
+
+
+def test_layers_are_those_of_the_drawing(user: User) -> None:
+    view = user.window.view("mechanism")
+    assert view is not None
+    texts = [plain(a.text()) for a in view.layer_actions()]
+    assert texts
+    assert user.entries("View", "Layers of the drawing") == texts
+
+
+def test_pictures_on_screen_can_be_exported(user: User) -> None:
+    assert user.entries("Graph", "Export picture") == [
+        "Mechanism...", "Displacement...", "Pressure angle...", "Torque..."
+    ]  # fmt: skip
+    user.choose("Kine", "Velocity")
+    wait_for(lambda: "Velocity..." in user.entries("Graph", "Export picture"))
+    assert "Displacement..." not in user.entries("Graph", "Export picture")
+
+
+# -- undo, player -----------------------------------------------------------------------------------------
+
+
+def test_undo_and_redo_name_their_step(user: User) -> None:
+    assert user.entries("Edit") == ["Undo", "Redo"]
+    assert not user.action("Edit", "Undo").isEnabled()
+    user.enter("follower.rod_mm", "850")
+    assert user.entries("Edit") == ["Undo Change rod L2 to 850 mm", "Redo"]
+    user.choose("Edit", "Undo Change rod L2 to 850 mm")
+    assert user.entries("Edit") == ["Undo", "Redo Change rod L2 to 850 mm"]
+    user.choose("Edit", "Redo Change rod L2 to 850 mm")
+    assert user.entries("Edit")[0] == "Undo Change rod L2 to 850 mm"
+
+
+def test_an_ampersand_in_a_name_stays(user: User) -> None:
+    user.session.edit("name", "Cam & Co", "Change name to Cam & Co")
+    assert user.entries("Edit")[0] == "Undo Change name to Cam & Co"
+
+
+def test_the_player_obeys_the_menu(user: User) -> None:
+    player = user.window.player
+    user.choose("Kine", "Play")
+    assert player.playing
+    wait_for(lambda: player.theta > 0.0)
+    user.choose("Kine", "Play")
+    assert not player.playing
+    player.set_theta(0.0)
+    user.choose("Kine", "Step forward")
+    assert user.window.status.angle.text() == "cam angle 1.0°"
+    user.choose("Kine", "Step back")
+    user.choose("Kine", "Reverse")
+    assert (player.theta, player.forward) == (0.0, False)
+    assert user.action("Kine", "Reverse").isChecked()
+    player.play()
+    assert user.action("Kine", "Play").isChecked()
+    player.play(False)
+
+
+def test_the_player_turns_as_fast_as_the_shaft(user: User) -> None:
+    assert user.window.player.omega == user.session.study.omega
+    user.enter("shaft.speed_rpm", "30")
+    assert user.window.player.omega == user.session.study.omega
+
+
+def test_the_toolbar_has_the_menus_actions(user: User) -> None:
+    bar = user.window.findChild(QWidget, "toolbar")
+    assert bar is not None
+    shown = [a for a in bar.actions() if not a.isSeparator()]
+    assert shown == [user.window.actions_by_key[key] for key in TOOLBAR if key is not None]
+    assert all(not a.icon().isNull() for a in shown)
+    assert all(button.toolTip() for button in bar.findChildren(QToolButton) if button.defaultAction() is not None)
+
+
+# -- help -------------------------------------------------------------------------------------------------
+
+
+def test_help_has_pages_that_lead_to_each_other(user: User) -> None:
+    user.choose("Help", "Tour")
+    pages = user.window._help
+    assert pages is not None
+    wait_for(pages.isVisible)
+    assert pages.text.toPlainText().startswith("Tour")
+    user.choose("Help", "Laws and conventions")
+    text = pages.text.toPlainText()
+    assert "Modified sine" in text
+    assert "{laws}" not in text
+    pages.list.setCurrentRow(0)
+    assert "laws.md" in pages.text.toHtml()
+    pages.text.anchorClicked.emit("laws.md")
+    assert pages.list.currentRow() == 1
+    pages.close()
+
+
+def test_shortcuts_work_from_anywhere(user: User) -> None:
+    user.number("follower.rod_mm")
+    user.press(Qt.Key.Key_F5)
+    assert user.window.player.playing
+    user.press(Qt.Key.Key_F5)
+    assert not user.window.player.playing
+    assert QKeySequence("F5") in user.action("Kine", "Play").shortcuts()
+    assert QApplication.focusWidget() is not None
+    settle()

@@ -1,0 +1,179 @@
+"""kindyna_gui.number_box: every digit is shown, none that was not touched is changed."""
+
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QVBoxLayout, QWidget
+
+from core.design import UNITS, Info
+from kindyna_gui.number_box import NumberBox
+
+LENGTH = Info("Length", low=0.0, high=1e9, open_low=True)
+SHARE = Info("Share", low=0.0, high=1.0, step=0.05)
+
+
+class Bench:
+    """Two boxes in a window, and all they say."""
+
+    def __init__(self) -> None:
+        self.window = QWidget()
+        self.length, self.share = NumberBox(LENGTH, UNITS["mm"]), NumberBox(SHARE)
+        self.length.show_value(1302.162)
+        self.share.show_value(0.5)
+        self.said: list[object] = []
+        layout = QVBoxLayout(self.window)
+        for box in (self.length, self.share):
+            layout.addWidget(box)
+            box.entered.connect(self.said.append)
+            for name in ("unreadable", "finished", "withdrawn"):
+                getattr(box, name).connect(lambda name=name: self.said.append(name))
+        self.window.show()
+        self.window.activateWindow()
+        assert QTest.qWaitForWindowActive(self.window)
+        self.length.setFocus()
+        self.length.selectAll()
+
+    def type(self, text: str, *keys: Qt.Key) -> None:
+        QTest.keyClicks(self.length, text)
+        for key in keys:
+            QTest.keyClick(self.length, key)
+
+
+@pytest.fixture
+def bench(app: QApplication) -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.window.close()
+    made.window.deleteLater()
+
+
+def wheel(box: NumberBox, clicks: int) -> None:
+    where = QPointF(5.0, 5.0)
+    event = QWheelEvent(
+        where, box.mapToGlobal(where), QPoint(), QPoint(0, 120 * clicks), Qt.MouseButton.NoButton,
+        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False,
+    )  # fmt: skip
+    QApplication.sendEvent(box, event)
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(value=st.floats(-1e12, 1e12))
+def test_shown_values_are_exact(app: QApplication, value: float) -> None:
+    box = NumberBox(Info("Any"))
+    box.show_value(value)
+    box.confirm()
+    assert box.value == value
+    assert float(box.text()) == value
+    box.deleteLater()
+
+
+def test_looking_and_leaving_changes_nothing(bench: Bench) -> None:
+    bench.length.show_value(0.1 + 0.2)
+    QTest.keyClick(bench.length, Qt.Key.Key_Return)
+    QTest.keyClick(bench.length, Qt.Key.Key_Tab)
+    assert set(bench.said) == {"finished"}
+    assert bench.length.value == 0.1 + 0.2
+
+
+def test_a_typed_number_counts_on_enter(bench: Bench) -> None:
+    bench.type("12.5")
+    assert (bench.said, bench.length.typing, bench.length.pending) == ([], True, True)
+    bench.type("", Qt.Key.Key_Return)
+    assert bench.said == [12.5, "finished"]
+
+
+def test_a_typed_number_counts_when_the_focus_leaves(bench: Bench) -> None:
+    bench.type("12.5 mm", Qt.Key.Key_Tab)
+    assert bench.said == [12.5, "finished"]
+
+
+def test_another_spelling_of_the_same_number(bench: Bench) -> None:
+    bench.type("1302.1620", Qt.Key.Key_Return)
+    assert bench.said == [1302.162, "finished"]
+
+
+def test_what_is_no_number_stays_and_is_told(bench: Bench) -> None:
+    bench.type("12,5", Qt.Key.Key_Return)
+    assert bench.said == ["unreadable", "finished"]
+    assert (bench.length.text(), bench.length.value) == ("12,5", 1302.162)
+
+
+def test_escape_takes_back_what_was_typed(bench: Bench) -> None:
+    bench.type("99", Qt.Key.Key_Escape)
+    assert (bench.said, bench.length.text()) == (["withdrawn"], "1302.162")
+
+
+def test_undo_while_typing_takes_back_what_was_typed(bench: Bench) -> None:
+    bench.type("99")
+    QTest.keyClick(bench.length, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert (bench.said, bench.length.text()) == (["withdrawn"], "1302.162")
+
+
+@pytest.mark.parametrize(
+    ("start", "steps", "end"),
+    [(845.0, 1, 846.0), (1302.162, 1, 1312.162), (1302.162, -1, 1292.162), (0.1, 3, 0.103), (0.3, -1, 0.299),
+     (-65.0, 1, -64.9), (-20000.0, 1, -19900.0), (0.0, 1, 1.0), (7.44, 10, 7.54)],
+)  # fmt: skip
+def test_steps_are_as_large_as_the_number_asks(app: QApplication, start: float, steps: int, end: float) -> None:
+    box = NumberBox(Info("Any"))
+    box.show_value(start)
+    box.stepBy(steps)
+    assert box.text() == f"{end:g}" or float(box.text()) == end
+    box.deleteLater()
+
+
+def test_steps_of_the_field_stay_in_its_range(bench: Bench) -> None:
+    bench.share.stepBy(1)
+    assert bench.said == [0.55]
+    bench.share.stepBy(100)
+    bench.share.stepBy(1)
+    assert bench.said == [0.55, 1.0]
+    for _ in range(30):
+        bench.share.stepBy(-1)
+    assert bench.share.text() == "0"
+
+
+def test_a_length_never_steps_to_nothing(bench: Bench) -> None:
+    assert bench.length.stepped(0.5, -1000) == 0.5
+    assert bench.length.stepped(1e9, 5) == 1e9
+
+
+def test_arrow_keys_and_pages(bench: Bench) -> None:
+    for key in (Qt.Key.Key_Up, Qt.Key.Key_PageUp, Qt.Key.Key_Down):
+        QTest.keyClick(bench.length, key)
+    assert bench.said == [1312.162, 1412.162, 1402.162]
+
+
+def test_the_wheel_counts_only_in_the_chosen_box(bench: Bench) -> None:
+    wheel(bench.share, 1)
+    assert bench.said == []
+    wheel(bench.length, 1)
+    assert bench.said == [1312.162]
+
+
+def test_a_click_on_the_arrow_is_a_gesture(bench: Bench) -> None:
+    look = QStyleOptionSpinBox()
+    bench.share.initStyleOption(look)
+    up = bench.share.style().subControlRect(
+        QStyle.ComplexControl.CC_SpinBox, look, QStyle.SubControl.SC_SpinBoxUp, bench.share
+    )
+    QTest.mouseClick(bench.share, Qt.MouseButton.LeftButton, pos=up.center())
+    assert bench.said == ["finished", 0.55, "finished"]  # the other box was left first
+
+
+def test_a_refused_box_has_a_red_frame(bench: Bench) -> None:
+    def reddest() -> float:
+        picture = bench.length.grab().toImage()
+        colours = [picture.pixelColor(x, 0) for x in range(10, picture.width() - 10)]
+        return max(c.red() - max(c.green(), c.blue()) for c in colours)
+
+    before = reddest()
+    bench.length.set_refused(True)
+    assert reddest() > before + 50
+    bench.length.show_value(1.0)
+    assert not bench.length.refused

@@ -1,0 +1,519 @@
+"""The drawing of a mechanism: everything stands where the Train says, moves without being made anew, and is legible."""
+
+import statistics
+import time
+from dataclasses import replace
+from math import pi
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, PUSHER, with_cam, with_drive, with_follower, with_loads, with_shaft
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QFontMetricsF
+from PySide6.QtWidgets import QApplication, QGraphicsLineItem
+
+from core.design import Motion, SingleCam, Translating
+from core.errors import NoAnswer
+from core.instant_centres import Centres
+from core.motion import Angles, MotionState
+from core.study import Study
+from core.train import FRAME, REVOLUTE, SLIDING, Pair, Pose, Train
+from kindyna_gui.pictures.files import Sheet, png
+from kindyna_gui.pictures.items import Tag
+from kindyna_gui.pictures.mechanism import LAYERS, MechanismScene
+from kindyna_gui.pictures.shapes import BAR
+from kindyna_gui.pictures.style import DARK, LIGHT, SMALL, font
+
+pytestmark = pytest.mark.usefixtures("app")
+
+SAMPLES = 360
+INDICES = (0, 1, 50, 58, 121, 180, 299, 304, 359)
+
+
+def mirrored(design: SingleCam) -> SingleCam:
+    """The lift seen from behind: layout c, everything the other way round."""
+    motion, follower = design.drive.motion, design.drive.follower
+    segments = tuple(replace(s, rise=-s.rise) for s in motion.segments)
+    turned = replace(follower, layout="c", pivot_x_mm=-follower.pivot_x_mm, fixed_angle_deg=-follower.fixed_angle_deg)
+    return with_shaft(with_drive(design, motion=Motion(-motion.start, segments), follower=turned), rotation="cw")
+
+
+def sized(design: SingleCam, factor: float) -> SingleCam:
+    """Every length times the factor."""
+
+    def part(old: object) -> object:
+        return replace(old, **{k: v * factor for k, v in vars(old).items() if k.endswith("_mm")})  # type: ignore[type-var]
+
+    drive = design.drive
+    segments = tuple(replace(s, rise=s.rise * factor) for s in drive.motion.segments)
+    motion = Motion(drive.motion.start * factor, segments)
+    return with_drive(design, motion=motion, follower=part(drive.follower), cam=part(drive.cam))
+
+
+DESIGNS = {
+    "lift": LIFT,
+    "lift cw": with_shaft(LIFT, rotation="cw"),
+    "lift mirrored": mirrored(LIFT),
+    "pusher": PUSHER,
+    "pusher cw": with_shaft(PUSHER, rotation="cw"),
+    "pusher downwards": with_follower(PUSHER, direction_deg=-90.0, offset_mm=-15.0),
+    "lift of a millimetre": sized(LIFT, 1e-3),
+    "lift of a kilometre": sized(LIFT, 1e3),
+}
+designs = pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+
+
+def scene_of(design: SingleCam, samples: int = SAMPLES) -> MechanismScene:
+    return MechanismScene(Study(design, samples))
+
+
+def place(point: QPointF) -> complex:
+    return complex(point.x(), point.y())
+
+
+# -- places -----------------------------------------------------------------------------------------------
+
+
+@designs
+def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: SingleCam) -> None:
+    scene, train = scene_of(design), Study(design, SAMPLES).linkage
+    size = abs(scene.fit_rect().width())
+    found = 0
+    for i in INDICES:
+        scene.set_index(i)
+        for key, part in scene.parts.items():
+            kind, _, name = key.partition(".")
+            if kind in ("body", "block", "stem"):
+                body = name if kind == "body" else train.pairs[name].body
+                for point, local in train.bodies[body].points.items():
+                    there = place(part.item.mapToScene(QPointF(local.real * 1e3, local.imag * 1e3)))
+                    assert there == pytest.approx(
+                        complex(train.bodies[body].point(point)[0][i]) * 1e3, abs=1e-12 * size
+                    )
+                    found += 1
+            if kind == "pin":
+                pair = train.pairs[name]
+                there = complex(train.bodies[pair.body].point(pair.point)[0][i]) * 1e3
+                assert place(part.item.pos()) == pytest.approx(there, abs=1e-12 * size)
+                found += 1
+    assert found >= len(INDICES) * len(train.pairs)
+
+
+@designs
+def test_the_turned_cam_touches_the_roller_at_every_cam_angle(design: SingleCam) -> None:
+    scene, study = scene_of(design), Study(design, SAMPLES)
+    profile, radius = study.cam.flank.profile * 1e3, design.drive.cam.roller_radius_mm
+    cam, roller, dot = (scene.item(key) for key in ("cam", "roller", "contact"))
+    for i in range(SAMPLES):
+        scene.set_index(i)
+        touch = place(cam.mapToScene(QPointF(profile[i].real, profile[i].imag)))
+        assert abs(abs(touch - place(roller.pos())) / radius - 1.0) < 1e-9
+        assert abs(place(dot.pos()) - touch) < 1e-9 * radius
+
+
+@designs
+def test_the_normal_runs_from_the_contact_through_the_roller_centre_to_the_instant_centre(design: SingleCam) -> None:
+    scene, study = scene_of(design), Study(design, SAMPLES)
+    line = scene.item("normal")
+    assert isinstance(line, QGraphicsLineItem)
+    for i in INDICES:
+        scene.set_index(i)
+        start, end = place(line.line().p1()), place(line.line().p2())
+        centre = complex(study.cam.centre.finite[i]) * 1e3
+        contact = place(scene.item("contact").pos())
+        assert place(scene.item("centre").pos()) == pytest.approx(centre, rel=1e-12, abs=1e-9 * abs(end - start))
+        for point in (contact, place(scene.item("roller").pos()), centre):
+            share = (point - start) / (end - start)
+            assert abs(share.imag) < 1e-9
+            assert -1e-9 < share.real < 1.0 + 1e-9
+
+
+def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> None:
+    study = Study(LIFT, SAMPLES)
+    weight = study.cam.centre.weight.copy()
+    weight[7] = 0.0
+    cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
+    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega}
+    scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
+    scene.set_index(7)
+    line = scene.item("normal").line()  # type: ignore[attr-defined]
+    assert line.length() > 2.0 * scene.fit_rect().width()
+    assert scene.item("centre").opacity() == 0.0
+    scene.set_index(8)
+    assert scene.item("centre").opacity() == 1.0
+
+
+# -- motion -----------------------------------------------------------------------------------------------
+
+
+def test_nothing_is_made_anew_in_motion() -> None:
+    scene = scene_of(LIFT)
+    for layer in LAYERS:
+        scene.set_layer(layer, True)
+    before = list(scene.items())
+    for i in range(0, SAMPLES, 7):
+        scene.set_index(i)
+    after = list(scene.items())
+    assert len(before) == len(after)
+    assert all(one is other for one, other in zip(before, after, strict=True))
+
+
+def test_a_frame_is_quick() -> None:
+    scene = scene_of(LIFT, 3600)
+    for layer in LAYERS:
+        scene.set_layer(layer, True)
+    times = []
+    for i in range(0, 3600, 30):
+        start = time.perf_counter()
+        scene.set_index(i)
+        times.append(time.perf_counter() - start)
+    assert statistics.median(times) < 2e-3
+
+
+def test_index_fraction_and_angle_say_the_same() -> None:
+    scene = scene_of(LIFT)
+    scene.set_fraction(0.25)
+    assert scene.index == 90
+    scene.set_angle(pi)
+    assert scene.index == 180
+    scene.set_index(SAMPLES + 3)
+    assert scene.index == 3
+    scene.set_angle(2.0 * pi)
+    assert scene.index == 0
+    scene.set_index(58)
+    assert scene.overlay is not None
+    assert scene.overlay.text == "Cam angle 58.0°"
+
+
+def test_another_study_keeps_angle_and_layers() -> None:
+    scene = scene_of(LIFT, 360)
+    scene.set_layer("labels", False)
+    scene.set_layer("velocities", True)
+    scene.set_index(90)
+    scene.update_study(Study(PUSHER, 720))
+    assert scene.index == 180
+    assert not scene.item("label.cam").isVisible()
+    assert scene.item("velocities.follower.roller").isVisible()
+
+
+def test_a_study_without_position_is_refused_and_the_old_drawing_stays() -> None:
+    scene = scene_of(LIFT)
+    parts = dict(scene.parts)
+    with pytest.raises(NoAnswer):
+        scene.update_study(Study(with_follower(LIFT, rod_mm=1.0), SAMPLES))
+    assert scene.parts == parts
+
+
+def test_a_linkage_without_cam_is_still_drawn() -> None:
+    motion = replace(LIFT.drive.motion, start=0.0)
+    design = with_cam(with_drive(LIFT, motion=motion), base_radius_mm=0.5, roller_radius_mm=549.5)
+    with pytest.raises(NoAnswer):
+        _ = Study(design, SAMPLES).cam
+    scene = scene_of(design)
+    for layer in LAYERS:
+        scene.set_layer(layer, True)
+    assert "body.arm" in scene.parts
+    assert "cam" not in scene.parts
+    assert png(Sheet(scene, 300, 200), 1.0)
+
+
+# -- layers -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("layer", [name for name in LAYERS if name != "scale"])
+def test_each_layer_is_shown_and_hidden(layer: str) -> None:
+    scene = scene_of(LIFT)
+    assert scene.layer_shown(layer) is LAYERS[layer].shown
+    scene.set_layer(layer, True)
+    keys = [key for key, part in scene.parts.items() if layer in part.layers]
+    assert keys
+    assert all(scene.item(key).isVisible() for key in keys)
+    scene.set_layer(layer, False)
+    assert not any(scene.item(key).isVisible() for key in keys)
+
+
+def test_the_scale_bar_is_shown_and_hidden() -> None:
+    scene = scene_of(LIFT)
+    assert scene.overlay is not None
+    assert scene.overlay.bar.isVisible()
+    scene.set_layer("scale", False)
+    assert not scene.overlay.bar.isVisible()
+
+
+def test_hidden_vectors_cost_no_forces() -> None:
+    from core.study import evaluations
+
+    scene = scene_of(LIFT)
+    assert evaluations["dynamics"] == 0
+    scene.set_layer("forces", True)
+    assert evaluations["dynamics"] == 1
+
+
+# -- vectors ----------------------------------------------------------------------------------------------
+
+
+def test_arrows_are_the_velocities_to_one_scale() -> None:
+    scene, study = scene_of(LIFT), Study(LIFT, SAMPLES)
+    scene.set_layer("velocities", True)
+    scene.set_index(58)
+    assert scene.overlay is not None
+    points = {
+        "arm.arm_pin": ("arm", "arm_pin"),
+        "slider.slider_pin": ("slider", "slider_pin"),
+        "roller": ("roller", "roller"),
+    }
+    scales = []
+    for body, point in points.values():
+        z = study.linkage.bodies[body].point(point)
+        keys = [k for k in scene.parts if k.startswith("velocities.") and k.endswith(point)]
+        path = scene.item(keys[0]).path()  # type: ignore[attr-defined]
+        start = complex(path.elementAt(0).x, path.elementAt(0).y)
+        tip = complex(path.elementAt(3).x, path.elementAt(3).y)
+        assert start == pytest.approx(complex(z[0][58]) * 1e3, rel=1e-12)
+        scales.append((tip - start) / complex(z[1][58] * study.omega))
+    assert scales == pytest.approx([scales[0].real] * 3, rel=1e-9)
+    assert "velocities.arm.pivot" not in scene.parts
+
+
+def test_the_force_on_the_slider_balances_in_the_drawing() -> None:
+    """Contact on the roller and the pivot's force are drawn where they act, to one scale."""
+    scene, study = scene_of(LIFT), Study(LIFT, SAMPLES)
+    scene.set_layer("forces", True)
+    scene.set_index(40)
+    forces = study.dynamics
+
+    def drawn(key: str) -> tuple[complex, complex]:
+        path = scene.item(key).path()  # type: ignore[attr-defined]
+        start, tip = path.elementAt(0), path.elementAt(3)
+        return complex(start.x, start.y), complex(tip.x - start.x, tip.y - start.y)
+
+    start, contact = drawn("forces.contact")
+    assert start == pytest.approx(place(scene.item("contact").pos()), rel=1e-12)
+    _, pivot = drawn("forces.pivot")
+    assert contact / pivot == pytest.approx(
+        complex(-forces.contact[40] * study.cam.flank.normal[40] / forces.pairs["pivot"][40]), rel=1e-9
+    )
+
+
+def test_infinite_forces_have_no_arrow() -> None:
+    jammed = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=6.0)
+    study = Study(jammed, SAMPLES)
+    infinite = np.flatnonzero(np.isinf(study.dynamics.contact))
+    assert infinite.size
+    scene = scene_of(jammed)
+    scene.set_layer("forces", True)
+    scene.set_index(int(infinite[0]))
+    assert scene.item("forces.contact").path().isEmpty()  # type: ignore[attr-defined]
+    scene.set_index(0)
+    assert not scene.item("forces.contact").path().isEmpty()  # type: ignore[attr-defined]
+
+
+# -- sight ------------------------------------------------------------------------------------------------
+
+
+@designs
+def test_the_frame_holds_the_whole_turn_and_never_moves(design: SingleCam) -> None:
+    scene, study = scene_of(design), Study(design, SAMPLES)
+    rect = scene.fit_rect()
+    for i in INDICES:
+        scene.set_index(i)
+        assert scene.fit_rect() == rect
+        for body in study.linkage.bodies.values():
+            for name in body.points:
+                z = complex(body.point(name)[0][i]) * 1e3
+                assert rect.contains(QPointF(z.real, z.imag))
+        pitch = scene.item("pitch")
+        box = pitch.mapToScene(pitch.path()).boundingRect()  # type: ignore[attr-defined]
+        assert rect.contains(box)
+
+
+@designs
+def test_symbols_keep_their_size_whatever_the_size_of_the_mechanism(design: SingleCam) -> None:
+    scene = scene_of(design)
+    assert scene.reading is not None
+    rect = scene.fit_rect()
+    assert 60.0 < np.hypot(rect.width(), rect.height()) / scene.reading.unit < 200.0
+
+
+def test_a_mechanism_of_any_size_gives_the_same_picture() -> None:
+    pictures = []
+    for design in (LIFT, sized(LIFT, 1e-6), sized(LIFT, 1e3)):
+        scene = scene_of(design)
+        scene.set_layer("scale", False)
+        scene.set_index(58)
+        pictures.append(image(Sheet(scene, 480, 360)))
+    for other in pictures[1:]:
+        assert np.mean(np.abs(other - pictures[0]).max(axis=2) > 40) < 2e-3
+
+
+def image(sheet: Sheet) -> np.ndarray:
+    """What a PNG of one dot per pixel shows (height, width, 3)."""
+    from io import BytesIO
+
+    from PIL import Image
+
+    with Image.open(BytesIO(png(sheet, 1.0))) as opened:
+        return np.asarray(opened.convert("RGB")).astype(int)
+
+
+def seen(scene: MechanismScene, tag: Tag, scale: float) -> QRectF:
+    """The box of a text in the scene [mm]."""
+    box, at = tag.pixel_box(), tag.scenePos()
+    return QRectF(at.x() + box.left() / scale, at.y() - box.bottom() / scale, box.width() / scale, box.height() / scale)
+
+
+def distance(box: QRectF, z: complex) -> float:
+    x = max(box.left() - z.real, 0.0, z.real - box.right())
+    y = max(box.top() - z.imag, 0.0, z.imag - box.bottom())
+    return float(np.hypot(x, y))
+
+
+@designs
+@pytest.mark.parametrize("size", [(1200, 900), (640, 480), (360, 300)])
+def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
+    design: SingleCam, size: tuple[int, int]
+) -> None:
+    scene = scene_of(design)
+    reading = scene.reading
+    assert reading is not None
+    visible, scale = scene.fit(*size)
+    scene.look_at(visible, scale)
+    parts = {key.removeprefix("label."): part.item for key, part in scene.parts.items() if key.startswith("label.")}
+    assert {"cam", "roller"} <= set(parts)
+    for i in INDICES:
+        scene.set_index(i)
+        boxes = {}
+        for name, item in parts.items():
+            assert isinstance(item, Tag)
+            boxes[name] = box = seen(scene, item, scale)
+            assert visible.contains(box), name
+        assert distance(boxes["roller"], complex(reading.reference[i])) > reading.face_radius
+        turn = np.exp(1j * np.deg2rad(reading.turned[i]))
+        assert min(distance(boxes["cam"], complex(z)) for z in reading.profile[::3] * turn) > 0.0
+        assert distance(boxes["cam"], 0j) > reading.base_radius
+        for name, body in reading.bodies.items():
+            ends = [complex(body.track(p)[i]) for p in body.nodes.values()]
+            if len(ends) > 1 and name in boxes:
+                along = ends[0] + (ends[1] - ends[0]) * np.linspace(0.0, 1.0, 60)
+                assert min(distance(boxes[name], complex(z)) for z in along) > BAR * reading.unit
+        for joint in reading.joints:
+            if f"pin.{joint.name}" in boxes:
+                assert distance(boxes[f"pin.{joint.name}"], complex(joint.track[i])) > reading.unit
+        if size[0] > 400:
+            names = [n for n in boxes if n != "centre"]
+            for k, one in enumerate(names):
+                assert not any(boxes[one].intersects(boxes[other]) for other in names[k + 1 :]), one
+
+
+@pytest.mark.parametrize(
+    ("size", "texts"),
+    [((900, 675), ["0", "250", "500 mm"]), ((320, 240), ["0", "500", "1000 mm"])],
+)
+def test_the_scale_bar_is_round(size: tuple[int, int], texts: list[str]) -> None:
+    scene = scene_of(LIFT)
+    visible, scale = scene.fit(*size)
+    scene.look_at(visible, scale)
+    assert scene.overlay is not None
+    assert scene.overlay.bar.texts == texts
+    width = scene.overlay.bar.childItems()[0].boundingRect().width()
+    assert width == pytest.approx(float(texts[-1].split()[0]) * scale)
+
+
+def test_scales_of_vectors_are_round_and_as_long_as_the_arrows() -> None:
+    scene = scene_of(LIFT)
+    scene.set_layer("velocities", True)
+    scene.set_layer("forces", True)
+    assert scene.overlay is not None
+    assert [arrow.text for arrow in scene.overlay.vectors.values()] == ["velocity 0.5 m/s", "force 20 kN"]
+
+
+@pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
+def test_every_letter_is_in_the_font(theme: object, app: QApplication) -> None:
+    scene = MechanismScene(Study(LIFT, SAMPLES), theme)  # type: ignore[arg-type]
+    metrics = QFontMetricsF(font(SMALL))
+    texts = [item.text for item in scene.items() if isinstance(item, Tag)]
+    assert "Cam angle 0.0°" in texts
+    assert all(metrics.inFontUcs4(ord(letter)) for text in texts for letter in text)
+
+
+def test_the_picture_has_the_colours_of_its_parts() -> None:
+    scene = scene_of(LIFT)
+    for layer in LAYERS:
+        scene.set_layer(layer, True)
+    scene.set_index(58)
+    shown = image(Sheet(scene, 900, 675))
+    assert shown.shape == (675, 900, 3)
+    wanted = (LIGHT.paper, LIGHT.cam, LIGHT.slider, LIGHT.links[0], LIGHT.links[1], LIGHT.ink, LIGHT.family("velocity"))
+    for colour in wanted:
+        rgb = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+        assert (np.abs(shown - rgb).max(axis=2) < 12).any(), colour
+
+
+# -- other trains -----------------------------------------------------------------------------------------
+
+
+class Quick:
+    """A stand-in for a study: an inverted slider-crank with a coupler plate, and no cam."""
+
+    def __init__(self) -> None:
+        self.theta = np.arange(SAMPLES) * 2.0 * pi / SAMPLES
+        self.omega = 6.0
+        cam = SimpleNamespace(base_radius_mm=80.0)
+        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=SimpleNamespace(cam=cam))
+        end = 0.3 + 0.1 * np.exp(1j * self.theta)
+        rocker = np.angle(end - (0.3 - 0.3j))
+        bodies = {
+            "crank": self._pose(0.3 + 0j, self.theta, {"O2": 0j, "A": 0.1 + 0j}),
+            "rocker": self._pose(0.3 - 0.3j, rocker, {"O4": 0j, "tip": 0.5 + 0j}),
+            "block": self._pose(end, rocker, {"A": 0j}),
+            "coupler": self._pose(end, 0.3 * np.sin(self.theta), {"A": 0j, "B": 0.25 + 0j, "C": 0.1 + 0.15j}),
+        }
+        pairs = {
+            "O2": Pair(REVOLUTE, FRAME, "crank", "O2"),
+            "A": Pair(REVOLUTE, "crank", "block", "A"),
+            "O4": Pair(REVOLUTE, FRAME, "rocker", "O4"),
+            "slot": Pair(SLIDING, "rocker", "block", "A", 1 + 0j),
+        }
+        n, one = SAMPLES, np.ones(SAMPLES)
+        motion = MotionState(Angles(self.theta, np.zeros(n, dtype=int)), np.zeros((4, n)), np.zeros(n))
+        self.linkage = Train(motion, bodies, pairs, (), "block", "crank", "O2", one + 0j, {}, {}, 0.0 * one, one)
+
+    @property
+    def cam(self) -> None:
+        raise NoAnswer("no cam", "cam", "")
+
+    def _pose(self, z: np.ndarray | complex, angle: np.ndarray, points: dict[str, complex]) -> Pose:
+        where, turn = np.zeros((4, SAMPLES), dtype=complex), np.zeros((4, SAMPLES))
+        where[0], turn[0] = z, angle
+        return Pose(where, turn, points)
+
+
+def test_a_slide_on_a_moving_body_moves_with_it() -> None:
+    quick = Quick()
+    scene = MechanismScene(quick)  # type: ignore[arg-type]
+    assert "ground.slot" not in scene.parts
+    for i in INDICES:
+        scene.set_index(i)
+        rocker, rails = quick.linkage.bodies["rocker"], scene.item("rails.slot")
+        assert rails.rotation() == pytest.approx(np.rad2deg(rocker.angle[0][i]))
+        assert place(rails.pos()) == pytest.approx(300.0 - 300.0j)
+        box = scene.item("block.slot")
+        end = complex(quick.linkage.bodies["block"].z[0][i]) * 1e3
+        assert place(box.mapToScene(QPointF())) == pytest.approx(end)
+        on_rails = place(rails.mapFromScene(QPointF(end.real, end.imag)))
+        assert on_rails.imag == pytest.approx(0.0, abs=1e-9)
+        span = rails.path().boundingRect()  # type: ignore[attr-defined]
+        assert span.left() < on_rails.real < span.right()
+    assert scene.item("body.coupler").path().contains(QPointF(120.0, 50.0))  # type: ignore[attr-defined]
+
+
+def test_the_drawing_knows_no_follower_by_name() -> None:
+    from pathlib import Path
+
+    import kindyna_gui.pictures
+
+    words = ("cam-slider", "cam_slider", "CamSlider", "translating", Translating.__name__, '"arm"', '"rod"', '"slider"')
+    for path in Path(kindyna_gui.pictures.__file__).parent.glob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert not [word for word in words if word in text], path.name

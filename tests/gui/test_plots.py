@@ -1,0 +1,462 @@
+"""Curves over the cam angle: their values, units, limits, cursor and paper; and pictures as files."""
+
+from io import BytesIO
+from math import radians
+
+import numpy as np
+import pyqtgraph as pg
+import pytest
+from mechanisms import LIFT, PUSHER, with_follower, with_loads, with_shaft
+from PIL import Image
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QFontMetricsF
+from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+
+from core.channels import channel, channels
+from core.design import SingleCam
+from core.study import Study
+from kindyna_gui.pictures.files import paint, png, svg
+from kindyna_gui.pictures.items import Tag
+from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.pictures.plot_parts import angle_ticks, name_ticks, spans, stacked, value_ticks
+from kindyna_gui.pictures.ranges import shown_range, usual_range
+from kindyna_gui.pictures.style import FAMILIES, LIGHT, SMALL, font
+from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
+
+pytestmark = pytest.mark.usefixtures("app")
+
+SAMPLES = 720
+
+
+def plot_of(design: SingleCam, *slugs: str, size: tuple[int, int] = (700, 240), samples: int = SAMPLES) -> CurvePlot:
+    study = Study(design, samples)
+    plot = CurvePlot()
+    plot.resize(*size)
+    plot.grab()
+    plot.set_curves(study, [channel(study.kind, slug) for slug in slugs])
+    return plot
+
+
+def curves(plot: CurvePlot) -> list[pg.PlotCurveItem]:
+    return sorted(
+        (item for item in plot.items() if isinstance(item, pg.PlotCurveItem)),
+        key=lambda item: (item.zValue(), id(item)),
+    )
+
+
+def title(plot: CurvePlot) -> str:
+    return plot.getAxis("left").labelText
+
+
+def limits(plot: CurvePlot) -> list[str]:
+    return [limit.text for limit in plot._limits]
+
+
+# -- units ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("symbol", "peak", "shown", "size"),
+    [
+        ("N", 45_200.0, "kN", 1e3),
+        ("N", 850.0, "N", 1.0),
+        ("N", 0.05, "mN", 1e-3),
+        ("N", 3e6, "MN", 1e6),
+        ("N·m", 7_400.0, "kN·m", 1e3),
+        ("mm", 150.0, "mm", 1.0),
+        ("mm", 5_000.0, "mm", 1.0),
+        ("mm", 0.004, "µm", 1e-3),
+        ("mm", 2e5, "m", 1e3),
+        ("mm/s", 763.0, "mm/s", 1.0),
+        ("mm/s", 2_500.0, "m/s", 1e3),
+        ("mm/s²", 6_930.0, "m/s²", 1e3),
+        ("mm/s³", 251_000.0, "m/s³", 1e3),
+        ("1/mm", 0.0018, "1/m", 1e-3),
+        ("1/mm", 0.5, "1/mm", 1.0),
+        ("°", 45.0, "°", 1.0),
+        ("", 0.9, "", 1.0),
+        ("mm/s³", 4e9, "10⁶ m/s³", 1e9),
+        ("°/s²", 2e6, "10⁶ °/s²", 1e6),
+        ("N", 0.0, "N", 1.0),
+        ("N", float("inf"), "N", 1.0),
+    ],
+)
+def test_units_are_chosen_so_that_no_exponent_is_needed(symbol: str, peak: float, shown: str, size: float) -> None:
+    rung = readable(symbol, peak)
+    assert (rung.symbol, rung.size) == (shown, pytest.approx(size))
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        (number(-1234.5, 1), "−1234.5"),
+        (number(12345.0, 0), "12\u2009345"),
+        (number(-0.004, 2), "0.00"),
+        (digits(0.0012346), "0.001235"),
+        (digits(-45.678), "−45.68"),
+        (digits(1e7), "10\u2009000\u2009000"),
+        (digits(0.0), "0"),
+        (digits(float("inf")), "∞"),
+        (digits(float("-inf")), "−∞"),
+        (measure(45.0, "°"), "45.00°"),
+        (measure(1.5, "kN"), "1.500 kN"),
+        (short(250.0), "250"),
+        (short(0.25), "0.25"),
+        (short(45.0, 4), "45"),
+        (short(100.0), "100"),
+    ],
+)
+def test_numbers_for_reading(text: str, expected: str) -> None:
+    assert text == expected
+
+
+def test_steps_are_round() -> None:
+    assert [nice_below(v) for v in (0.0199, 1.0, 4.99, 5.0, 70.0)] == pytest.approx([0.01, 1.0, 2.0, 5.0, 50.0])
+    assert ticks(-16.0, 103.0, 2) == ([0.0, 100.0], 100.0)
+    assert ticks(-16.0, 87.0, 2) == ([0.0, 50.0], 50.0)
+    assert [text for _, text in value_ticks(-0.013, 0.012, 100.0)] == ["−0.01", "0.00", "0.01"]
+    assert len(value_ticks(-16.0, 87.0, 40.0)) >= 2
+
+
+# -- curves -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slug", [row.slug for row in channels(LIFT)])
+def test_a_curve_is_its_channel(slug: str) -> None:
+    row, study = channel("cam-slider", slug), Study(LIFT, SAMPLES)
+    plot = plot_of(LIFT, slug, size=(700, 400))
+    (curve,) = curves(plot)
+    x, y = curve.getData()
+    assert x[:-1] == pytest.approx(np.rad2deg(study.theta))
+    assert x[-1] == 360.0
+    values = row.values(study)
+    assert y[:-1] * plot.rung.size == pytest.approx(values, rel=1e-12, abs=1e-300)
+    assert y[-1] == y[0]
+    low, high = plot.getViewBox().viewRange()[1]
+    assert low < y.min() <= y.max() < high
+    assert plot.getViewBox().viewRange()[0] == [0.0, 360.0]
+    assert curve.opts["pen"].color().name().upper() == LIGHT.family(row.family).upper()
+    assert row.label in title(plot)
+    if plot.rung.symbol:
+        assert title(plot).endswith(f", {plot.rung.symbol}")
+
+
+def test_every_family_has_a_colour() -> None:
+    for design in (LIFT, PUSHER):
+        assert {row.family for row in channels(design)} <= set(FAMILIES)
+    assert len(set(FAMILIES.values())) == len(FAMILIES)
+
+
+@pytest.mark.parametrize(
+    ("slug", "unit", "factor"),
+    [
+        ("displacement_mm", "mm", 1.0),
+        ("acceleration_mm_s2", "m/s²", 1e-3),
+        ("jerk_mm_s3", "m/s³", 1e-3),
+        ("contact_force_n", "kN", 1e-3),
+        ("drive_torque_nm", "kN·m", 1e-3),
+        ("pitch_curvature_per_mm", "1/m", 1e3),
+    ],
+)
+def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) -> None:
+    plot = plot_of(LIFT, slug)
+    assert plot.rung.symbol == unit
+    _, y = curves(plot)[0].getData()
+    assert y[:-1] == pytest.approx(channel("cam-slider", slug).values(Study(LIFT, SAMPLES)) * factor)
+    for level in plot.getAxis("left")._tickLevels:
+        assert not [text for _, text in level if "e" in text]
+
+
+def test_curves_of_one_family_are_told_apart_and_named() -> None:
+    plot = plot_of(PUSHER, "bearing_x_n", "bearing_y_n", "contact_force_n")
+    pens = {curve.opts["pen"].color().name() for curve in curves(plot)}
+    assert len(pens) == 3
+    text = plot.getPlotItem().titleLabel.text
+    assert all(name in text for name in ("Camshaft bearing, x", "Camshaft bearing, y", "Contact force"))
+    assert title(plot) == "Force, N"
+    plot.set_curves(Study(PUSHER, SAMPLES), [channel("translating", "contact_force_n")])
+    assert not plot.getPlotItem().titleLabel.isVisible()
+
+
+def test_the_reference_is_dashed_and_in_the_same_unit() -> None:
+    plot, row = plot_of(LIFT, "contact_force_n"), channel("cam-slider", "contact_force_n")
+    other = Study(with_shaft(LIFT, speed_rpm=60.0), 360)
+    plot.set_curves(Study(LIFT, SAMPLES), [row], other)
+    reference, curve = curves(plot)
+    assert reference.opts["pen"].style() == Qt.PenStyle.CustomDashLine
+    assert curve.opts["pen"].style() == Qt.PenStyle.SolidLine
+    assert reference.getData()[1][:-1] * plot.rung.size == pytest.approx(row.values(other))
+    low, high = plot.getViewBox().viewRange()[1]
+    assert low < reference.getData()[1].min() < reference.getData()[1].max() < high
+
+
+def test_a_jump_is_a_jump() -> None:
+    """The lift's jerk jumps where its dwells end: between two neighbouring samples and nowhere else."""
+    _, y = curves(plot_of(LIFT, "jerk_mm_s3"))[0].getData()
+    steps = np.abs(np.diff(y))
+    assert np.sort(steps)[-4:].min() > 0.4 * np.ptp(y)
+    assert np.sort(steps)[-5] < 0.15 * np.ptp(y)
+
+
+def test_infinite_values_are_gaps() -> None:
+    jammed = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=6.0)
+    study = Study(jammed, SAMPLES)
+    force = study.dynamics.contact
+    assert np.isinf(force).any()
+    plot = plot_of(jammed, "contact_force_n")
+    (curve,) = curves(plot)
+    _, y = curve.getData()
+    assert np.isnan(y[:-1]).tolist() == np.isinf(force).tolist()
+    assert curve.opts["connect"] == "finite"
+    low, high = plot.getViewBox().viewRange()[1]
+    assert np.isfinite([low, high]).all()
+    assert np.nanmax(np.abs(y)) < 100.0 * (high - low)
+    plot.set_angle(float(study.theta[np.flatnonzero(np.isinf(force))[0]]))
+    assert plot.readings() == ["∞ N"]
+    assert png(plot, 1.0)
+
+
+def test_only_whole_curves_skip_the_check_for_gaps() -> None:
+    assert curves(plot_of(LIFT, "velocity_mm_s"))[0].opts["skipFiniteCheck"] is True
+
+
+# -- what the axis shows ----------------------------------------------------------------------------------
+
+
+def test_zero_belongs_to_forces_and_to_places_only_where_near() -> None:
+    assert plot_of(LIFT, "contact_force_n").getViewBox().viewRange()[1][0] < 0.0
+    assert plot_of(LIFT, "radius_mm").getViewBox().viewRange()[1][0] > 300.0
+    assert plot_of(LIFT, "displacement_mm").getViewBox().viewRange()[1][0] < 0.0
+
+
+def test_a_constant_has_room_around_it() -> None:
+    low, high = shown_range([np.full(5, 3.0)], {"length"}, [])
+    assert low < 3.0 < high
+    low, high = shown_range([np.zeros(5)], {"force"}, [])
+    assert low < 0.0 < high
+
+
+def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
+    values = np.append(np.linspace(1.0, 2.0, 100), [1e9, np.inf])
+    low, high = usual_range(values)
+    assert 0.4 < low <= 1.1
+    assert 1.9 < high < 3.0
+    assert usual_range(np.array([np.inf, np.nan])) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("design", "slug", "texts"),
+    [
+        (LIFT, "pressure_angle_deg", ["usual limit 45°"]),
+        (PUSHER, "pressure_angle_deg", ["usual limit 30°"]),
+        (LIFT, "pitch_curvature_per_mm", ["undercut from 6.667 1/m"]),
+        (LIFT, "contact_force_n", ["lifts off below 0 kN"]),
+        (LIFT, "displacement_mm", []),
+        (LIFT, "jam_factor", []),  # far below its limit
+    ],
+)
+def test_limits_stand_as_red_lines_with_their_value(design: SingleCam, slug: str, texts: list[str]) -> None:
+    plot = plot_of(design, slug)
+    assert limits(plot) == texts
+    low, high = plot.getViewBox().viewRange()[1]
+    assert all(low < limit.value < high for limit in plot._limits)
+
+
+# -- paper ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("width", "step"), [(700.0, 30), (400.0, 60), (200.0, 90), (90.0, 180)])
+def test_the_cam_angle_has_ticks_every_30_or_60_degrees_where_there_is_room(width: float, step: int) -> None:
+    shown = angle_ticks(width)
+    assert shown[0] == (0.0, "0")
+    assert shown[-1] == (360.0, "360")
+    assert shown[1][0] == step
+
+
+def test_segments_are_named_where_they_are_wide_enough() -> None:
+    segments = spans(LIFT.drive.motion)
+    assert [s.name for s in segments] == ["Dwell", "Modified sine", "Dwell", "Modified sine", "Dwell"]
+    assert [s.start for s in segments] == pytest.approx([0.0, 35.0, 76.5, 283.5, 325.0])
+    assert segments[-1].end == 360.0
+    wide, narrow = name_ticks(segments, 900.0), name_ticks(segments, 300.0)
+    assert [name for _, name in wide] == [s.name for s in segments]
+    assert [at for at, _ in wide] == pytest.approx([(s.start + s.end) / 2 for s in segments])
+    assert narrow == [(180.0, "Dwell")]
+
+
+def test_the_grid_is_one_static_item() -> None:
+    plot = plot_of(LIFT, "velocity_mm_s")
+    grid = plot._paper._grid
+    before = grid.path()
+    plot.set_angle(1.0)
+    plot.set_angle(2.0)
+    assert grid.path() == before
+    assert not any(plot.getAxis(side).grid for side in ("left", "bottom"))
+    xs = {before.elementAt(i).x for i in range(before.elementCount())}
+    assert {0.0, 30.0, 180.0, 330.0, 360.0} <= xs
+
+
+def test_an_empty_plot_says_what_would_fill_it() -> None:
+    plot = plot_of(LIFT, "velocity_mm_s")
+    plot.show_message("choose a curve")
+    assert curves(plot) == []
+    assert plot.readings() == []
+    assert "choose a curve" in [item.text for item in plot.items() if isinstance(item, Tag)]
+    plot.set_curves(Study(LIFT, SAMPLES), [channel("cam-slider", "jerk_mm_s3")])
+    assert len(curves(plot)) == 1
+
+
+def test_every_letter_is_in_the_font() -> None:
+    metrics = QFontMetricsF(font(SMALL))
+    plot = plot_of(LIFT, "pitch_curvature_per_mm")
+    plot.set_angle(1.0)
+    texts = [item.text for item in plot.items() if isinstance(item, Tag)] + [title(plot)]
+    for row in channels(LIFT) + channels(PUSHER):
+        texts += [row.label, readable(row.unit.symbol, 1e4).symbol, readable(row.unit.symbol, 1e12).symbol]
+    assert not [letter for text in texts for letter in text if not metrics.inFontUcs4(ord(letter))]
+
+
+# -- cursor -----------------------------------------------------------------------------------------------
+
+
+def test_the_cursor_tells_the_value_beside_its_line() -> None:
+    plot = plot_of(LIFT, "displacement_mm", samples=3600)
+    plot.set_angle(radians(10.0))
+    assert plot.readings() == ["150.0 mm"]
+    plot.set_angle(radians(180.0))
+    assert plot.readings() == ["0 mm"]
+    assert plot.angle == radians(180.0)
+    assert plot._cursor.value() == pytest.approx(180.0)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 1.0, 58.0, 90.0, 180.0, 304.0, 340.0, 355.0, 360.0])
+@pytest.mark.parametrize("slugs", [("velocity_mm_s",), ("slider_pin_n", "arm_pin_n", "pivot_n", "bearing_n")])
+@pytest.mark.parametrize("size", [(700, 240), (320, 150)])
+def test_the_cursors_values_stay_inside_the_plot_and_apart(
+    degrees: float, slugs: tuple[str, ...], size: tuple[int, int]
+) -> None:
+    plot = plot_of(LIFT, *slugs, size=size)
+    plot.set_angle(radians(degrees))
+    view = plot.getViewBox().sceneBoundingRect()
+    line = plot.getViewBox().mapViewToScene(QPointF(degrees, 0.0)).x()
+    boxes = []
+    for readout in plot._readings:
+        at = readout.tag.scenePos()
+        boxes.append(readout.tag.pixel_box().translated(at))
+        assert view.adjusted(-0.5, -0.5, 0.5, 0.5).contains(boxes[-1])
+        assert not boxes[-1].left() < line < boxes[-1].right()
+    if size[1] > 200:
+        for i, one in enumerate(boxes):
+            assert not any(one.adjusted(0, 0.5, 0, -0.5).intersects(other) for other in boxes[i + 1 :])
+
+
+def test_boxes_are_moved_apart_as_little_as_needed() -> None:
+    assert stacked([50.0, 20.0], 10.0, 100.0) == [50.0, 20.0]
+    assert stacked([50.0, 52.0], 10.0, 100.0) == [50.0, 60.0]
+    assert stacked([99.0, 98.0, 97.0], 10.0, 100.0) == [94.0, 84.0, 74.0]
+    assert stacked([-5.0], 10.0, 100.0) == [6.0]
+    assert stacked([], 10.0, 100.0) == []
+
+
+def test_drawing_the_cursor_tells_the_angle(qt_parent: QWidget) -> None:
+    plot = plot_of(LIFT, "velocity_mm_s")
+    plot.setParent(qt_parent)
+    qt_parent.show()
+    told: list[float] = []
+    plot.angle_moved.connect(told.append)
+    plot.set_angle(radians(90.0))
+    assert told == []
+
+    def spot(degrees: float) -> QPointF:
+        return plot.mapFromScene(plot.getViewBox().mapViewToScene(QPointF(degrees, 300.0)))
+
+    QTest.mousePress(plot.viewport(), Qt.MouseButton.LeftButton, pos=spot(90.0))
+    for degrees in (100.0, 130.0, 150.0):
+        QTest.mouseMove(plot.viewport(), spot(degrees))
+    QTest.mouseRelease(plot.viewport(), Qt.MouseButton.LeftButton, pos=spot(150.0))
+    assert told
+    assert told[-1] == pytest.approx(radians(150.0), abs=radians(1.0))
+    assert plot.angle == told[-1]
+
+
+@pytest.fixture
+def qt_parent() -> QWidget:
+    widget = QWidget()
+    widget.resize(700, 240)
+    return widget
+
+
+def test_paper_has_no_cursor() -> None:
+    plot = plot_of(LIFT, "velocity_mm_s")
+    plot.show_cursor(False)
+    plot.set_angle(1.0)
+    assert not plot._cursor.isVisible()
+    assert not any(readout.tag.isVisible() or readout.dot.isVisible() for readout in plot._readings)
+
+
+# -- files ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def pictures() -> dict[str, bytes]:
+    return paint(Study(LIFT, SAMPLES))
+
+
+def test_a_report_has_its_pictures(pictures: dict[str, bytes]) -> None:
+    assert list(pictures) == ["mechanism.png", "mechanism.svg", "motion.png", "cam.png", "forces.png"]
+    for name, data in pictures.items():
+        if name.endswith(".png"):
+            with Image.open(BytesIO(data)) as image:
+                assert min(image.size) > 1000
+                assert len(image.convert("RGB").getcolors(1 << 24)) > 30
+
+
+def test_the_same_design_gives_the_same_bytes(pictures: dict[str, bytes]) -> None:
+    assert paint(Study(LIFT, SAMPLES)) == pictures
+
+
+@pytest.mark.parametrize(
+    ("name", "families"),
+    [
+        ("motion.png", ("displacement", "velocity", "acceleration", "jerk")),
+        ("cam.png", ("pressure-angle", "curvature", "length")),
+        ("forces.png", ("force", "torque")),
+    ],
+)
+def test_the_colours_of_the_quantities_are_in_the_pictures(
+    pictures: dict[str, bytes], name: str, families: tuple[str, ...]
+) -> None:
+    with Image.open(BytesIO(pictures[name])) as image:
+        shown = np.asarray(image.convert("RGB")).astype(int)
+    for family in families:
+        colour = LIGHT.family(family)
+        rgb = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+        assert (np.abs(shown - rgb).max(axis=2) < 24).sum() > 200, family
+
+
+def test_the_svg_is_a_drawing_with_real_texts(pictures: dict[str, bytes]) -> None:
+    drawing = pictures["mechanism.svg"]
+    renderer = QSvgRenderer(drawing)
+    assert renderer.isValid()
+    text = drawing.decode("utf-8")
+    for word in ("Cam angle", "cam", "roller", "arm", "500 mm", "<title>lift</title>"):
+        assert word in text
+    assert 'viewBox="0 0 960 720"' in text
+    assert "<image" not in text
+
+
+def test_a_plot_becomes_svg_without_pixels() -> None:
+    data = svg(plot_of(LIFT, "acceleration_mm_s2", size=(900, 240)), "acceleration")
+    assert QSvgRenderer(data).isValid()
+    assert "<image" not in data.decode("utf-8")
+    assert "Modified sine" in data.decode("utf-8")
+
+
+def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
+    from kindyna_gui.pictures.files import different
+
+    rows = [channel("cam-slider", slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
+    assert different(Study(LIFT, SAMPLES), rows) == rows[:1]
+    assert different(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=50.0), SAMPLES), rows) == rows

@@ -1,0 +1,315 @@
+"""kindyna_gui.segments_view, segments_model: the motion as a table that keeps itself whole."""
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu
+from window_user import User, plain, settle, wait_for
+
+from core.design import Motion, edited
+from core.laws import LAWS
+from core.project import load
+from core.study import Study
+from kindyna_gui.number_box import NumberBox, WordBox
+from kindyna_gui.places import example
+from kindyna_gui.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, join_help, join_text
+
+LIFT = load(example("transfer_lift"))
+EDITING = QAbstractItemView.State.EditingState
+
+
+def motion(user: User) -> Motion:
+    return user.design.drive.motion
+
+
+def spans(user: User) -> list[float]:
+    return [s.span_deg for s in motion(user).segments]
+
+
+def column(user: User, number: int) -> list[str]:
+    return [user.cell(row, number).strip() for row in range(user.motion().model.rowCount())]
+
+
+def choose_law(user: User, row: int, slug: str) -> None:
+    """Open the list of a cell and click on a law."""
+    view = user.motion()
+    view.choose(row, LAW)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: QApplication.activePopupWidget() is not None)
+    words = view.table.findChild(WordBox)
+    assert words is not None
+    place = words.model().index(words.findData(slug), 0)
+    inside = words.view()
+    inside.scrollTo(place)
+    QTest.mouseClick(inside.viewport(), Qt.MouseButton.LeftButton, pos=inside.visualRect(place).center())
+    wait_for(lambda: view.table.state() != EDITING)
+
+
+# -- what is shown ----------------------------------------------------------------------------------------
+
+
+def test_the_table_shows_the_motion(user: User) -> None:
+    assert column(user, LAW) == ["Dwell", "Modified sine", "Dwell", "Modified sine", "Dwell"]
+    assert column(user, FROM) == ["0", "35", "76.5", "283.5", "325"]
+    assert column(user, TO) == ["35", "76.5", "283.5", "325", "360"]
+    assert column(user, SPAN) == ["35", "41.5", "207", "41.5", "35"]
+    assert column(user, RISE) == ["0", "-150", "0", "150", "0"]
+    assert column(user, JOIN) == ["s v a", "s v a", "s v a", "s v a", "s v a j"]
+
+
+def test_numbers_are_flush_right(user: User) -> None:
+    model = user.motion().model
+    for number in (FROM, TO, SPAN, RISE):
+        for place in (model.index(0, number), None):
+            align = (
+                model.data(place, Qt.ItemDataRole.TextAlignmentRole)
+                if place is not None
+                else model.headerData(number, Qt.Orientation.Horizontal, Qt.ItemDataRole.TextAlignmentRole)
+            )
+            assert align & Qt.AlignmentFlag.AlignRight
+
+
+def test_what_cannot_change_cannot_be_edited(user: User) -> None:
+    model = user.motion().model
+    fixed = {
+        (row, number)
+        for row in range(5)
+        for number in range(6)
+        if not model.flags(model.index(row, number)) & Qt.ItemFlag.ItemIsEditable
+    }
+    assert fixed == {*((row, JOIN) for row in range(5)), (0, FROM), (4, TO), (0, RISE), (2, RISE), (4, RISE)}
+
+
+def test_joins_say_what_jumps() -> None:
+    design = edited(LIFT, "motion.segments[1].law", "constant-velocity")
+    drive = design.drive.motion
+    joins = Study(design).program.joins
+    assert join_text(joins[0], drive) == "Δv \u2212207"
+    assert join_help(joins[0], drive).splitlines()[:2] == [
+        "Continuous in displacement, acceleration, jerk",
+        "Velocity jumps by \u2212207 mm/rad",
+    ]
+    design = edited(LIFT, "motion.segments[1].law", "simple-harmonic")
+    assert join_text(Study(design).program.joins[0], design.drive.motion).startswith("Δa ")
+    assert join_text(joins[4], drive) == "s v a j"
+
+
+def test_differences_are_reckoned_in_decimals() -> None:
+    assert difference(76.5, 35.0) == 41.5
+    assert difference(0.3, 0.1) == 0.2
+
+
+# -- typing -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("row", "number", "text", "expected", "step"),
+    [
+        (1, SPAN, "45", [35.0, 45.0, 203.5, 41.5, 35.0], "Change span of segment 2 to 45°"),
+        (1, TO, "80", [35.0, 45.0, 203.5, 41.5, 35.0], "Move start of segment 3 to 80°"),
+        (2, FROM, "80 °", [35.0, 45.0, 203.5, 41.5, 35.0], "Move start of segment 3 to 80°"),
+    ],
+)
+def test_angles_are_typed(user: User, row: int, number: int, text: str, expected: list[float], step: str) -> None:
+    user.enter_cell(row, number, text)
+    assert spans(user) == expected
+    assert user.steps == [step]
+    user.choose("Edit", f"Undo {step}")
+    assert user.design == LIFT
+
+
+def test_rises_are_typed_and_balanced(user: User) -> None:
+    user.enter_cell(1, RISE, "-120")
+    assert column(user, RISE) == ["0", "-120", "0", "120", "0"]
+    assert user.steps == ["Change rise of segment 2 to -120 mm"]
+
+
+def test_a_key_begins_to_type(user: User) -> None:
+    view = user.motion()
+    view.choose(1, SPAN)
+    view.table.setFocus()
+    QTest.keyClick(view.table, Qt.Key.Key_5)
+    wait_for(lambda: view.table.state() == EDITING)
+    user.type("0")
+    user.press(Qt.Key.Key_Tab)
+    wait_for(lambda: spans(user)[1] == 50.0)
+
+
+def test_a_law_is_chosen_from_the_list(user: User) -> None:
+    choose_law(user, 1, "cycloidal")
+    assert motion(user).segments[1].curve.law == "cycloidal"
+    assert user.steps == ["Change law of segment 2 to Cycloidal"]
+    assert column(user, LAW)[1] == "Cycloidal"
+
+
+def test_all_laws_are_offered(user: User) -> None:
+    view = user.motion()
+    view.choose(1, LAW)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_F2)
+    words = view.table.findChild(WordBox)
+    assert words is not None
+    assert [words.itemData(i) for i in range(words.count())] == list(LAWS)
+    wait_for(lambda: QApplication.activePopupWidget() is not None)
+    words.hidePopup()
+    user.press(Qt.Key.Key_Escape)
+    assert user.design == LIFT
+
+
+def test_what_becomes_a_dwell_gives_its_rise_back(user: User) -> None:
+    choose_law(user, 1, "dwell")
+    assert column(user, RISE) == ["0"] * 5
+    user.choose("Edit", "Undo Change law of segment 2 to Dwell")
+    assert user.design == LIFT
+
+
+def test_steps_in_a_cell_are_live_and_one_step_back(user: User) -> None:
+    view = user.motion()
+    view.choose(1, SPAN)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_F2)
+    wait_for(lambda: isinstance(QApplication.focusWidget(), NumberBox))
+    user.press(Qt.Key.Key_Up)
+    assert spans(user)[1] == 42.5
+    user.press(Qt.Key.Key_Up, Qt.Key.Key_Up)
+    assert spans(user)[1:3] == [44.5, 204.0]
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: view.table.state() != EDITING)
+    assert user.steps == ["Change span of segment 2 to 44.5°"]
+
+
+# -- refusing ---------------------------------------------------------------------------------------------
+
+
+def test_a_wrong_span_stays_in_its_cell_in_red(user: User) -> None:
+    user.enter_cell(1, SPAN, "400")
+    view = user.motion()
+    assert user.design == LIFT
+    assert user.cell(1, SPAN) == "400"
+    assert view.model.refused(1, SPAN)
+    assert view.message.isVisible()
+    assert view.message.text().splitlines()[0] == "Outside its range; allowed: above 0 ... 360 °"
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Escape)
+    assert (user.cell(1, SPAN), view.message.isVisible()) == ("41.5", False)
+
+
+def test_a_span_its_neighbour_cannot_give_is_refused(user: User) -> None:
+    user.enter_cell(1, SPAN, "300")
+    assert user.design == LIFT
+    assert "Segment 3, span: outside its range" in user.motion().message.text()
+    user.enter_cell(1, SPAN, "45")
+    assert spans(user)[1] == 45.0
+    assert not user.motion().message.isVisible()
+
+
+def test_what_is_no_number_is_refused(user: User) -> None:
+    user.enter_cell(1, RISE, "much")
+    assert user.cell(1, RISE) == "much"
+    assert user.motion().message.text() == "A number is wanted, such as 12.5"
+
+
+def test_undo_takes_a_refused_cell_back(user: User) -> None:
+    user.enter_cell(1, SPAN, "45")
+    user.enter_cell(1, SPAN, "400")
+    user.choose("Edit", "Undo Change span of segment 2 to 45°")
+    assert user.cell(1, SPAN) == "41.5"
+    assert not user.motion().message.isVisible()
+
+
+# -- start and stroke -------------------------------------------------------------------------------------
+
+
+def test_the_stroke_is_changed_by_the_menu(user: User) -> None:
+    user.choose("Make", "Stroke")
+    assert QApplication.focusWidget() is user.motion().fields["motion.stroke_mm"].editor
+    user.type("160")
+    user.press(Qt.Key.Key_Return)
+    assert column(user, RISE) == ["0", "-160", "0", "160", "0"]
+    assert motion(user).start == 160.0
+    assert user.steps == ["Change stroke to 160 mm"]
+
+
+@pytest.mark.parametrize("text", ["0", "-150", "1e300"])
+def test_an_absurd_stroke_is_refused(user: User, text: str) -> None:
+    user.enter("motion.stroke_mm", text)
+    assert user.design == LIFT
+    assert user.motion().fields["motion.stroke_mm"].message.text().startswith("Outside its range")
+
+
+def test_where_nothing_moves_there_is_no_stroke_to_change(user: User) -> None:
+    user.window.session.stages_on_screen = tuple
+    user.enter_cell(1, RISE, "0")
+    assert not user.motion().fields["motion.stroke_mm"].editor.isEnabled()
+
+
+def test_the_start_is_a_field(user: User) -> None:
+    user.choose("Make", "Start")
+    user.type("140")
+    user.press(Qt.Key.Key_Return)
+    assert motion(user).start == 140.0
+
+
+# -- segments come and go ---------------------------------------------------------------------------------
+
+
+def test_insert_and_delete_by_the_menu(user: User) -> None:
+    user.choose("Make", "Motion table")
+    user.motion().choose(2)
+    user.choose("Make", "Insert segment")
+    assert spans(user) == [35.0, 41.5, 103.5, 103.5, 41.5, 35.0]
+    assert user.motion().chosen == 3
+    user.choose("Make", "Delete segment")
+    assert user.design == LIFT
+    assert user.steps == ["Insert segment behind segment 3", "Delete segment 4"]
+
+
+def test_insert_and_delete_by_keys_and_buttons(user: User) -> None:
+    view = user.motion()
+    view.choose(1)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Insert)
+    assert column(user, LAW)[:3] == ["Dwell", "Modified sine", "Dwell"]
+    assert len(spans(user)) == 6
+    user.press(Qt.Key.Key_Delete)
+    assert user.design == LIFT
+    QTest.mouseClick(view.insert_button, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(view.delete_button, Qt.MouseButton.LeftButton)
+    assert user.design == LIFT
+
+
+def test_the_last_segment_stays(user: User) -> None:
+    user.window.session.stages_on_screen = tuple
+    view = user.motion()
+    for _ in range(10):
+        view.delete()
+        settle()
+    assert len(spans(user)) == 1
+    assert not view.delete_button.isEnabled()
+
+
+# -- assumption -------------------------------------------------------------------------------------------
+
+
+def test_a_cell_is_marked_as_assumed_by_its_menu(user: User) -> None:
+    view = user.motion()
+    place = view.table.visualRect(view.model.index(1, LAW)).center()
+    view.table.customContextMenuRequested.emit(QPoint(place))
+    menu = view.table.findChild(QMenu)
+    assert menu is not None
+    action = next(a for a in menu.actions() if plain(a.text()).startswith("Assumed"))
+    assert not action.isChecked()
+    action.trigger()
+    menu.close()
+    assert user.design.assumed == ("motion.segments[1].law", *LIFT.assumed)
+    assert user.steps == ["Mark law of segment 2 as assumed"]
+    assert view.model.assumed(1, LAW)
+    assert not view.model.assumed(1, SPAN)
+
+
+def test_the_motion_of_another_file_takes_the_place(user: User) -> None:
+    user.motion()
+    user.choose("File", "Examples", "Card picker")
+    assert column(user, LAW) == ["Dwell", "Cycloidal", "Cycloidal", "Dwell"]
+    assert user.motion().model.assumed(1, LAW)

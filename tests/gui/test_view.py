@@ -1,0 +1,177 @@
+"""kindyna_gui.view, docks: a view computes when, and only when, it can be seen."""
+
+from collections.abc import Iterator
+
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMainWindow
+from window_user import settle, wait_for
+
+from core.project import load
+from core.study import Study
+from kindyna_gui.docks import RIGHT, Dock, ViewRow
+from kindyna_gui.places import example
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+from kindyna_gui.view import View
+
+ROD = "follower.rod_mm"
+
+
+class Recorder(View):
+    """Counts what it is asked."""
+
+    stages = ("motion", "linkage")
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.rods: list[float] = []
+        self.angles: list[float] = []
+
+    def refresh(self, study: Study) -> None:
+        _ = study.linkage
+        self.rods.append(study.design.drive.follower.rod_mm)  # type: ignore[union-attr]
+
+    def follow(self, theta: float) -> None:
+        self.angles.append(theta)
+
+
+class Reader(Recorder):
+    pause_ms = 30
+
+
+class Place:
+    """A bare window with two docks behind each other."""
+
+    def __init__(self) -> None:
+        self.session, self.player = Session(load(example("transfer_lift"))), Player()
+        self.window = QMainWindow()
+        self.first, self.second = (self._dock(name) for name in ("first", "second"))
+        self.window.tabifyDockWidget(self.first, self.second)
+        self.first.raise_()
+        self.window.resize(600, 400)
+        self.window.show()
+        assert QTest.qWaitForWindowExposed(self.window)
+        settle()
+
+    def _dock(self, name: str) -> Dock:
+        row = ViewRow(name, Recorder, RIGHT)
+        dock = Dock(name, row, lambda: Recorder(self.session, self.player))
+        self.window.addDockWidget(RIGHT, dock, Qt.Orientation.Vertical)
+        return dock
+
+    def shown(self, dock: Dock) -> Recorder:
+        assert isinstance(dock.view, Recorder)
+        return dock.view
+
+    def change(self, rod: float) -> None:
+        assert self.session.edit(ROD, rod, "change")
+        settle()
+
+
+@pytest.fixture
+def place(app: QApplication) -> Iterator[Place]:
+    made = Place()
+    yield made
+    made.window.close()
+    made.window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+@pytest.fixture
+def reader(app: QApplication) -> Iterator[Reader]:
+    made = Reader(Session(load(example("transfer_lift"))), Player())
+    made.show()
+    assert QTest.qWaitForWindowExposed(made)
+    wait_for(lambda: made.up_to_date)
+    yield made
+    made.close()
+    made.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+
+
+def test_a_view_is_made_when_it_is_first_seen(place: Place) -> None:
+    assert place.first.view is not None
+    assert place.second.view is None
+    assert place.second.isVisible()  # as Qt sees it
+    place.second.raise_()
+    wait_for(lambda: place.second.view is not None and bool(place.shown(place.second).rods))
+    assert place.shown(place.second).rods == [845.0]
+
+
+def test_a_change_is_shown_at_once_where_it_is_seen(place: Place) -> None:
+    place.session.edit(ROD, 850.0, "change")
+    assert place.shown(place.first).rods == [845.0, 850.0]
+
+
+def test_a_dock_behind_another_does_nothing(place: Place) -> None:
+    place.second.raise_()
+    wait_for(lambda: place.second.view is not None and not place.shown(place.first).on_screen())
+    behind = place.shown(place.first)
+    rods, angles = list(behind.rods), list(behind.angles)
+    place.change(850.0)
+    place.change(851.0)
+    place.player.set_theta(1.0)
+    settle()
+    assert (behind.rods, behind.angles) == (rods, angles)
+    place.first.raise_()
+    wait_for(lambda: behind.rods[-1] == 851.0)
+    assert behind.rods == [*rods, 851.0]
+    assert behind.angles[-1] == 1.0
+
+
+def test_a_hidden_dock_does_nothing(place: Place) -> None:
+    view = place.shown(place.first)
+    place.first.hide()
+    settle()
+    place.change(850.0)
+    assert view.rods == [845.0]
+    place.first.show()
+    place.first.raise_()
+    wait_for(lambda: view.rods == [845.0, 850.0])
+
+
+def test_a_fresh_view_only_follows_when_it_comes_back(place: Place) -> None:
+    view = place.shown(place.first)
+    place.first.hide()
+    settle()
+    place.player.set_theta(2.0)
+    assert view.angles[-1] != 2.0
+    place.first.show()
+    place.first.raise_()
+    wait_for(lambda: view.angles[-1] == 2.0)
+    assert view.rods == [845.0]
+
+
+def test_the_angle_is_followed_frame_by_frame(place: Place) -> None:
+    view = place.shown(place.first)
+    for theta in (0.1, 0.2, 0.3):
+        place.player.set_theta(theta)
+    assert view.angles[-3:] == [0.1, 0.2, 0.3]
+
+
+def test_where_there_is_no_answer_the_view_says_why(place: Place) -> None:
+    view = place.shown(place.first)
+    # nothing here tells the session which stages are on screen, so nothing refuses it
+    assert place.session.edit("follower.roller_arm_mm", 10.0, "change")
+    assert view.in_trouble
+    assert "the roller cannot reach the base circle" in view._trouble.text()
+    place.player.set_theta(1.0)
+    assert view.angles[-1] != 1.0
+    place.session.stack.undo()
+    assert not view.in_trouble
+    assert view.angles[-1] == 1.0
+
+
+def test_a_view_that_is_read_waits_for_a_pause(reader: Reader) -> None:
+    for rod in (850.0, 851.0, 852.0):
+        reader.session.edit(ROD, rod, "change")
+    assert reader.rods == [845.0]
+    wait_for(lambda: reader.up_to_date)
+    assert reader.rods == [845.0, 852.0]
+
+
+def test_a_view_is_a_picture(reader: Reader) -> None:
+    assert reader.picture(".png").startswith(b"\x89PNG")
+    assert b"<svg" in reader.picture(".svg")

@@ -1,0 +1,196 @@
+"""A user at the window: opens menus, types into fields, reads what is shown. For tests of the window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QDeadlineTimer, Qt
+from PySide6.QtGui import QAction
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
+
+from core.design import Design
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import Answer
+from kindyna_gui.fields import Field
+from kindyna_gui.forms import ParametersView
+from kindyna_gui.main_window import MainWindow
+from kindyna_gui.number_box import NumberBox
+from kindyna_gui.segments_view import SegmentsView
+from kindyna_gui.session import Session
+
+PATIENCE_MS = 5000
+
+
+def plain(text: str) -> str:
+    """A menu's text without its keys of access."""
+    return text.replace("&&", "\0").replace("&", "").replace("\0", "&")
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Let events run until something is so."""
+    patience = QDeadlineTimer(PATIENCE_MS)
+    while not condition():
+        assert not patience.hasExpired(), "waited in vain"
+        QTest.qWait(2)
+
+
+def settle() -> None:
+    """Let the events at hand run, and those that they start."""
+    for _ in range(5):
+        QApplication.processEvents()
+
+
+Open = Callable[..., "User"]
+"""Opens a window: the file, and the size."""
+
+
+def _not_foreseen(question: str, *_: Any) -> None:
+    raise AssertionError(f"{question}: nobody has said what the user would answer")
+
+
+class User:
+    """Works with one window the way a user does."""
+
+    def __init__(self, window: MainWindow, patch: pytest.MonkeyPatch) -> None:
+        self.window = window
+        self._patch = patch
+        self.faults: list[tuple[str, list[str]]] = []
+        patch.setattr(dialogs, "show_faults", lambda _, what, lines: self.faults.append((what, list(lines))))
+        for question in ("ask_to_save", "design_to_open", "design_to_save", "picture_to_save"):
+            patch.setattr(dialogs, question, partial(_not_foreseen, question))
+
+    @property
+    def session(self) -> Session:
+        return self.window.session
+
+    @property
+    def design(self) -> Design:
+        return self.session.design
+
+    @property
+    def steps(self) -> list[str]:
+        """The names of the undo stack's steps."""
+        return [self.session.stack.text(i) for i in range(self.session.stack.count())]
+
+    # -- menus --------------------------------------------------------------------------------------------
+
+    def action(self, *way: str) -> QAction:
+        """An entry of the menu bar, every menu on the way being opened."""
+        place: QWidget = self.window.menuBar()
+        for i, text in enumerate(way):
+            found = next((a for a in place.actions() if plain(a.text()) == text), None)
+            assert found is not None, f"{text}: not among {[plain(a.text()) for a in place.actions()]}"
+            menu = found.menu()
+            if i == len(way) - 1:
+                return found
+            assert isinstance(menu, QMenu)
+            menu.aboutToShow.emit()
+            place = menu
+        raise AssertionError(way)
+
+    def choose(self, *way: str) -> None:
+        """Click an entry of the menu bar."""
+        action = self.action(*way)
+        assert action.isEnabled(), f"{way} cannot be chosen"
+        action.trigger()
+        settle()
+
+    def entries(self, *way: str) -> list[str]:
+        """What a menu offers."""
+        menu = self.action(*way).menu()
+        assert isinstance(menu, QMenu)
+        menu.aboutToShow.emit()
+        return [plain(a.text()) for a in menu.actions() if not a.isSeparator() and a.isVisible()]
+
+    # -- keys and fields ----------------------------------------------------------------------------------
+
+    def press(self, *keys: Qt.Key, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+        """Keys on whatever has the focus."""
+        for key in keys:
+            target = QApplication.focusWidget()
+            assert target is not None, "nothing has the focus"
+            QTest.keyClick(target, key, modifier)
+        settle()
+
+    def type(self, text: str) -> None:
+        target = QApplication.focusWidget()
+        assert target is not None, "nothing has the focus"
+        QTest.keyClicks(target, text)
+
+    def parameters(self) -> ParametersView:
+        view = self.window.show_view("parameters")
+        assert isinstance(view, ParametersView)
+        view.pull()
+        return view
+
+    def motion(self) -> SegmentsView:
+        view = self.window.show_view("motion")
+        assert isinstance(view, SegmentsView)
+        view.pull()
+        return view
+
+    def field(self, path: str) -> Field:
+        """The row of a path, brought before the reader."""
+        self.window.focus_field(path)
+        settle()
+        found = self.motion().fields.get(path) if path.startswith("motion") else self.parameters().field(path)
+        assert found is not None, f"{path}: no such field"
+        return found
+
+    def number(self, path: str) -> NumberBox:
+        editor = self.field(path).editor
+        assert isinstance(editor, NumberBox)
+        return editor
+
+    def enter(self, path: str, text: str) -> None:
+        """Type a text into a field, and Enter."""
+        box = self.number(path)
+        box.selectAll()
+        self.type(text)
+        self.press(Qt.Key.Key_Return)
+
+    # -- the table of segments ----------------------------------------------------------------------------
+
+    def cell(self, row: int, column: int) -> str:
+        model = self.motion().model
+        return str(model.data(model.index(row, column)))
+
+    def enter_cell(self, row: int, column: int, text: str) -> None:
+        """Choose a cell, type over it, and Enter."""
+        view = self.motion()
+        view.choose(row, column)
+        view.table.setFocus()
+        self.press(Qt.Key.Key_Return)
+        wait_for(lambda: view.table.state() == QAbstractItemView.State.EditingState)
+        self.type(text)
+        self.press(Qt.Key.Key_Return)
+        wait_for(lambda: view.table.state() != QAbstractItemView.State.EditingState)
+
+    # -- questions ----------------------------------------------------------------------------------------
+
+    def answers(self, answer: Answer) -> list[str]:
+        """What the user will say about unsaved changes; the names asked about are noted in the list."""
+        asked: list[str] = []
+
+        def ask(_: QWidget, name: str) -> Answer:
+            asked.append(name)
+            return answer
+
+        self._patch.setattr(dialogs, "ask_to_save", ask)
+        return asked
+
+    def picks(self, dialog: str, path: Path | None) -> list[Any]:
+        """What the user will pick in a dialog of ``kindyna_gui.dialogs``; what was suggested is noted."""
+        suggested: list[Any] = []
+
+        def pick(_: QWidget, suggestion: Path) -> Path | None:
+            suggested.append(suggestion)
+            return path
+
+        self._patch.setattr(dialogs, dialog, pick)
+        return suggested
