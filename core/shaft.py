@@ -161,10 +161,11 @@ def flywheel(torque: Callable[[Angles], np.ndarray], curve: TorqueCurve, shaft: 
     s = si(shaft)
     swing = _swing(curve)
     inertia, slope, speed = s.flywheel_inertia, s.motor_slope, s.speed
-    needed = swing / (s.speed_fluctuation * speed * speed)
-    if inertia == 0.0:
+    needed = swing / s.speed_fluctuation / speed / speed  # one by one: the product of tiny numbers may be 0
+    lag = inertia * speed
+    rate = slope / lag if lag else np.inf
+    if rate == np.inf:  # none, or one too small to matter
         return Flywheel(swing, needed, curve.mean, torque)
-    rate = slope / (inertia * speed)
     answer = filtered(curve, rate)
 
     def motor_torque(angles: Angles) -> np.ndarray:

@@ -18,10 +18,10 @@ from kindyna_gui.wording import sentence
 
 HEADINGS = (
     Heading("Check"),
-    Heading("What it proves", wide=True),
     Heading("Residual", number=True),
     Heading("Bound", number=True),
     Heading("Verdict"),
+    Heading("What it proves", wide=True),
 )
 
 PROVES: Mapping[str, str] = MappingProxyType(
@@ -39,16 +39,18 @@ PROVES: Mapping[str, str] = MappingProxyType(
 
 def certificate_row(name: str, residual: Residual) -> Row:
     """A residual as a line of the table."""
+    proves = sentence(PROVES.get(name, ""))
     return Row(
         (
             sentence(name.replace("_", " ")),
-            sentence(PROVES.get(name, "")),
             f"{residual.value:.1e}",
             f"{residual.bound:.1e}",
             "kept" if residual.kept else "not kept",
+            proves,
         ),
         sign("none" if residual.kept else ERROR),
-        colour="" if residual.kept else WRONG,
+        proves,
+        "" if residual.kept else WRONG,
     )
 
 
@@ -56,11 +58,12 @@ class CertificateView(View):
     """The table of residuals."""
 
     stages = Study.stages
-    pause_ms = 60
+    pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
+        self.table.setWordWrap(False)
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(self.table)

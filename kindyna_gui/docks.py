@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QDockWidget, QLabel, QMainWindow, QWidget
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
 
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
@@ -27,13 +27,7 @@ def lazily(module: str, name: str, **more: Any) -> Make:
     """Makes a view whose module is imported only then."""
 
     def make(session: Session, player: Player) -> View:
-        try:
-            found = import_module(f"kindyna_gui.{module}")
-        except ModuleNotFoundError as error:
-            if error.name != f"kindyna_gui.{module}":
-                raise
-            return View(session, player, QLabel(f"{module}.{name}", alignment=Qt.AlignmentFlag.AlignCenter))
-        view: View = getattr(found, name)(session, player, **more)
+        view: View = getattr(import_module(f"kindyna_gui.{module}"), name)(session, player, **more)
         return view
 
     return make
@@ -83,7 +77,7 @@ PLAYER_BAR = lazily("player_bar", "PlayerBar")
 
 SIZES: Mapping[str, tuple[Qt.Orientation, float]] = MappingProxyType(
     {
-        "parameters": (Qt.Orientation.Horizontal, 368.0),
+        "parameters": (Qt.Orientation.Horizontal, 384.0),
         "displacement": (Qt.Orientation.Horizontal, 0.3),
         "findings": (Qt.Orientation.Vertical, 125.0),
         "motion": (Qt.Orientation.Vertical, 0.36),
@@ -161,6 +155,11 @@ def arrange(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
     for name, dock in docks.items():
         if not VIEWS[name].tab_with:
             dock.raise_()
+    proportion(window, docks)
+
+
+def proportion(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
+    """The sizes of the first layout; they count only once the window has its own."""
     for name, (orientation, size) in SIZES.items():
         whole = window.width() if orientation == Qt.Orientation.Horizontal else window.height()
         window.resizeDocks([docks[name]], [round(size * whole if size < 1.0 else size)], orientation)

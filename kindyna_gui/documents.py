@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import FOLLOWER_KINDS, kind_of
@@ -125,3 +126,9 @@ class Documents(QObject):
 
     def _tell(self, what: str, error: KindynaError) -> None:
         dialogs.show_faults(self._window, what, str(error).splitlines())
+
+
+def dropped_design(event: QDropEvent) -> Path | None:
+    """The design file that is dragged, None where it is something else."""
+    files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+    return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QSize, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
-from PySide6.QtWidgets import QAbstractButton, QGridLayout, QLabel, QSizePolicy, QWidget
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from core.design import Design, Entry, Info, Unit, get, with_assumed
-from kindyna_gui.look import ASSUMED, LINE, QUIET, WRONG, coloured
+from kindyna_gui.field_parts import Mark, NameLabel
+from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.wording import choice_text, choice_tip, step_text
+from kindyna_gui.wording import choice_text, choice_tip, sentence, step_text
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
-_PIXELS_A_STEP = 6
 
 
 @dataclass(frozen=True)
@@ -47,67 +47,9 @@ def tip_html(spec: Spec) -> str:
     rows = [f"<b>{label_html(spec.info.label)}</b>"]
     if spec.info.help:
         rows.append(escape(spec.info.help))
-    rows.append(f"Allowed: {escape(spec.info.allowed(spec.unit))}")
+    rows.append(escape(sentence(f"allowed: {spec.info.allowed(spec.unit)}")))
     rows.append(f"<span style='color:{QUIET}'>{escape(spec.path)}</span>")
     return "<br>".join(rows)
-
-
-class NameLabel(QLabel):
-    """The name of a field; dragged sideways it turns the number up and down.
-
-    dragged    (int): so many steps further
-    released   the drag, or a click, is over
-    """
-
-    dragged = Signal(int)
-    released = Signal()
-
-    def __init__(self, html: str, draggable: bool) -> None:
-        super().__init__(html)
-        self._from: QPoint | None = None
-        self._done = 0
-        self._draggable = draggable
-        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
-        if draggable:
-            self.setCursor(Qt.CursorShape.SizeHorCursor)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._from, self._done = event.globalPosition().toPoint(), 0
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._from is None or not self._draggable:
-            return
-        steps = round((event.globalPosition().toPoint() - self._from).x() / _PIXELS_A_STEP)
-        if steps != self._done:
-            self.dragged.emit(steps - self._done)
-            self._done = steps
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._from is not None:
-            self._from = None
-            self.released.emit()
-
-
-class Mark(QAbstractButton):
-    """An asterisk that is faint until checked."""
-
-    def __init__(self) -> None:
-        super().__init__(checkable=True)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setAttribute(Qt.WidgetAttribute.WA_Hover)
-        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-
-    def sizeHint(self) -> QSize:
-        return QSize(18, 20)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        painter = QPainter(self)
-        if self.underMouse():
-            painter.fillRect(self.rect(), self.palette().midlight())
-        painter.setPen(QColor(ASSUMED if self.isChecked() else LINE))
-        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "∗")
-        painter.end()
 
 
 class Field(QObject):
@@ -155,6 +97,7 @@ class Field(QObject):
             if choice_tip(word):
                 box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
         box.activated.connect(self._choose)
+        box.withdrawn.connect(lambda: self.session.withdraw(self.spec.path))
         self.label.released.connect(box.setFocus)
         return box
 
@@ -293,7 +236,9 @@ class NameField(NameBox):
     def _enter(self) -> None:
         name = self.text()
         self.set_refused(not name.strip())
-        if not self.refused and self.typing:
+        if self.refused:
+            self._session.refuse("name", "a design needs one")
+        elif self.typing:
             self._session.edit("name", name, f"Change name to {name}")
         self._session.end_gesture()
 

@@ -27,7 +27,7 @@ class FindingsView(View):
     """
 
     stages = Study.stages
-    pause_ms = 60
+    pause_ms = 150
     field_wanted = Signal(str)
 
     def __init__(self, session: Session, player: Player) -> None:

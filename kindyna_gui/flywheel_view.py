@@ -24,7 +24,7 @@ class FlywheelView(View):
     """The figures of the flywheel."""
 
     stages = ("dynamics",)
-    pause_ms = 120
+    pause_ms = 200
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

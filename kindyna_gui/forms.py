@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
@@ -99,17 +99,19 @@ class ParametersView(View):
         design = study.design
         self.name.refresh(design)
         self.kind.setText(FOLLOWER_KINDS[kind_of(design.drive.follower)].label)
-        for section, form in self.forms.items():
+        for form in self.forms.values():
             before = form.widget()
             form.refresh(design)
             if form.widget() is not before:
                 for field in form.fields.values():
-                    field.trouble_changed.connect(partial(self._mark_tab, section))
+                    field.trouble_changed.connect(partial(self._show_trouble, form, field))
 
-    def _mark_tab(self, section: str) -> None:
+    def _show_trouble(self, form: Form, field: Field) -> None:
         """A tab shows that something in it is wrong, for it may stand behind another."""
-        form = self.forms[section]
         self.tabs.setTabIcon(self.tabs.indexOf(form), sign(ERROR) if form.in_trouble else QIcon())
+        if field.trouble and field.editor.hasFocus():
+            # once it has its place: below the last field it would be out of sight
+            QTimer.singleShot(0, field.message, partial(form.ensureWidgetVisible, field.message, 0, 8))
 
     def field(self, path: str) -> Field | None:
         """The row of a path, None where the forms have none."""

@@ -116,7 +116,7 @@ class ChannelTree(QTreeWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        self.setColumnHidden(1, self.width() < 0.9 * USUAL_WIDTH)
+        self.setColumnHidden(1, self.width() < USUAL_WIDTH - 4)
 
     def show_rows(self, rows: Sequence[Channel], lacking: Mapping[str, str]) -> None:
         """List these channels; lacking: why some cannot be drawn, by quantity."""

@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt, QUrl
+from PySide6.QtGui import QTextBlockFormat, QTextCharFormat, QTextCursor, QTextDocument
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
 
 from core.laws import LAWS
 from kindyna_gui.places import help_text
 
+_RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_HEADINGS: Mapping[int, tuple[int, float, float]] = MappingProxyType({1: (2, 0.0, 8.0), 2: (1, 14.0, 4.0)})
+"""Level of a heading -> steps larger than the text, room above and below [pixels]."""
+
+
+def _formula(text: str) -> str:
+    """A formula as printed: π and raised exponents."""
+    raised = re.sub(r"\^(\d+)", lambda m: m[1].translate(_RAISED), text)
+    return re.sub(r"(?:(?<=\d) )?\bpi\b(?: (?=\w))?", "π", raised).replace(" - ", " \u2212 ")
+
 
 def _laws(page: str) -> str:
     """The table of laws stands in the core, not in the page."""
-    rows = "\n".join(f"| {law.label} | `{slug}` | {law.source} |" for slug, law in LAWS.items())
+    rows = "\n".join(f"| {law.label} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items())
     return page.replace("{laws}", f"| law | in the file | formula |\n|---|---|---|\n{rows}")
 
 
@@ -28,6 +40,23 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
 """File of ``resources/help`` -> title, and what completes the page."""
 
 
+def space(page: QTextDocument) -> None:
+    """Give headings their size and every paragraph some room: Markdown knows neither."""
+    block = page.begin()
+    while block.isValid():
+        cursor, form = QTextCursor(block), QTextBlockFormat(block.blockFormat())
+        larger, above, below = _HEADINGS.get(form.headingLevel(), (0, 0.0, 2.0 if block.textList() else 7.0))
+        form.setTopMargin(above)
+        form.setBottomMargin(0.0 if cursor.currentTable() else below)
+        cursor.setBlockFormat(form)
+        if larger:
+            letters = QTextCharFormat()
+            letters.setProperty(QTextCharFormat.Property.FontSizeAdjustment, larger)
+            cursor.select(QTextCursor.SelectionType.BlockUnderCursor)
+            cursor.mergeCharFormat(letters)
+        block = block.next()
+
+
 class HelpWindow(QWidget):
     """Pages at the left, text at the right; links lead from page to page."""
 
@@ -36,13 +65,14 @@ class HelpWindow(QWidget):
         self.setWindowTitle("KINDYNA help")
         self.resize(820, 640)
         self.list = QListWidget()
-        self.list.setFixedWidth(170)
+        self.list.setFixedWidth(180)
+        self.list.setSpacing(2)
         for name, (title, _) in PAGES.items():
             item = QListWidgetItem(title, self.list)
             item.setData(Qt.ItemDataRole.UserRole, name)
         self.text = QTextBrowser()
         self.text.setOpenLinks(False)
-        self.text.document().setDocumentMargin(18)
+        self.text.document().setDocumentMargin(20)
         self.text.anchorClicked.connect(self._follow)
         self.list.currentItemChanged.connect(lambda item, _: self._show(item.data(Qt.ItemDataRole.UserRole)))
         layout = QHBoxLayout(self)
@@ -59,6 +89,7 @@ class HelpWindow(QWidget):
 
     def _show(self, name: str) -> None:
         self.text.setMarkdown(PAGES[name][1](help_text(name)))
+        space(self.text.document())
 
     def _follow(self, link: QUrl) -> None:
         name = link.toString().removesuffix(".md")

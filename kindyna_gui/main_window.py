@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import Protocol, cast
+from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
 
-from core.errors import KindynaError
-from core.files import write
 from core.project import load
 from kindyna_gui import dialogs, menus
-from kindyna_gui.docks import CENTRE, PLAYER_BAR, VIEWS, Dock, arrange
-from kindyna_gui.documents import Documents
-from kindyna_gui.exports import Exports
+from kindyna_gui.docks import CENTRE, PLAYER_BAR, VIEWS, Dock, arrange, proportion
+from kindyna_gui.documents import Documents, dropped_design
+from kindyna_gui.exports import Exports, save_picture
 from kindyna_gui.help_view import HelpWindow
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
@@ -32,21 +31,14 @@ FIRST_SIZE = (1440, 900)
 _FRAME = 40  # pixels a desktop takes for the window's own frame
 
 
-class _WithFields(Protocol):
-    def focus_field(self, path: str) -> bool: ...
-
-
-class _WithSegments(Protocol):
-    def insert(self) -> None: ...
-    def delete(self) -> None: ...
-
-
 class MainWindow(QMainWindow):
-    """The window over one session and one player."""
+    """The window over one session and one player, which end with it."""
 
     def __init__(self, session: Session, player: Player, settings: Settings) -> None:
         super().__init__()
         self.session, self.player, self.settings = session, player, settings
+        for owned in (session, player):
+            owned.setParent(self)  # else what is connected to them would keep the window for ever
         self.documents = Documents(session, settings, self)
         self.exports = Exports(session, player, self)
         self._pages: dict[str, View] = {}
@@ -61,7 +53,9 @@ class MainWindow(QMainWindow):
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
         self._build_centre()
-        self.docks = {name: self._dock(name) for name, row in VIEWS.items() if row.area != CENTRE}
+        self.docks = {
+            name: Dock(name, row, partial(self._make, name)) for name, row in VIEWS.items() if row.area != CENTRE
+        }
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.status = StatusLine(session, player, lambda: self.show_view("findings"))
@@ -89,9 +83,6 @@ class MainWindow(QMainWindow):
         self._show_page("mechanism")
         for side in (QTabBar.ButtonPosition.LeftSide, QTabBar.ButtonPosition.RightSide):
             self.centre.tabBar().setTabButton(0, side, None)
-
-    def _dock(self, name: str) -> Dock:
-        return Dock(name, VIEWS[name], lambda: self._make(name))
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
@@ -166,7 +157,8 @@ class MainWindow(QMainWindow):
     def focus_field(self, path: str) -> None:
         """Bring the field of a path, or of a section, before the reader."""
         name = "motion" if path.partition(".")[0] == "motion" else "parameters"
-        cast(_WithFields, self.show_view(name)).focus_field(path)
+        view: Any = self.show_view(name)
+        view.focus_field(path)
 
     def fit(self) -> None:
         """Bring the whole of the picture in the middle into sight."""
@@ -183,30 +175,18 @@ class MainWindow(QMainWindow):
     def export_picture(self, name: str) -> None:
         """Ask for a file and write the picture of a view there."""
         view = self.view(name)
-        path = dialogs.picture_to_save(self, self.settings.folder / f"{name}.png") if view is not None else None
-        if view is None or path is None:
-            return
-        try:
-            write(path, view.picture(path.suffix.lower()))
-        except KindynaError as error:
-            dialogs.show_faults(self, f"{path.name} cannot be written.", str(error).splitlines())
-            return
-        self.settings.folder = path.parent
-        self.status.tell(f"Wrote {path}")
+        if view is not None:
+            save_picture(view, name)
 
     # -- the design ---------------------------------------------------------------------------------------
 
-    def undo(self) -> None:
-        self.session.stack.undo()
-
-    def redo(self) -> None:
-        self.session.stack.redo()
-
     def insert_segment(self) -> None:
-        cast(_WithSegments, self.show_view("motion")).insert()
+        view: Any = self.show_view("motion")
+        view.insert()
 
     def delete_segment(self) -> None:
-        cast(_WithSegments, self.show_view("motion")).delete()
+        view: Any = self.show_view("motion")
+        view.delete()
 
     def choose_layout(self, letter: str) -> None:
         """Another layout of the follower; the pivot goes to its side of the cam."""
@@ -235,15 +215,8 @@ class MainWindow(QMainWindow):
         self.setWindowModified(self.session.modified)
         self.setWindowFilePath(str(self.session.path or ""))
 
-    # -- the player ---------------------------------------------------------------------------------------
-
-    def play(self, on: bool) -> None:
-        self.player.play(on)
-
-    def step(self, degrees: float) -> None:
-        self.player.step(degrees)
-
     def reverse(self, on: bool) -> None:
+        """Play the other way round."""
         self.player.set_forward(not on)
 
     # -- help ---------------------------------------------------------------------------------------------
@@ -278,7 +251,7 @@ class MainWindow(QMainWindow):
         super().showEvent(event)
         if not self._restored and not event.spontaneous():
             self._restored = True
-            arrange(self, self.docks)  # sizes count only once the window has its own
+            proportion(self, self.docks)
 
     def closeEvent(self, event: QCloseEvent) -> None:
         if not self.documents.may_leave():
@@ -289,20 +262,14 @@ class MainWindow(QMainWindow):
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
-        if _dropped(event) is not None:
+        if dropped_design(event) is not None:
             event.acceptProposedAction()
 
     def dropEvent(self, event: QDropEvent) -> None:
-        path = _dropped(event)
+        path = dropped_design(event)
         if path is not None:
             event.acceptProposedAction()
             self.documents.open_path(path)
-
-
-def _dropped(event: QDropEvent) -> Path | None:
-    """The design file that is dragged, None where it is something else."""
-    files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
-    return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None
 
 
 def open_window(app: QApplication, path: Path | None = None) -> MainWindow:

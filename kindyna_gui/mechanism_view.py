@@ -7,9 +7,11 @@ from functools import partial
 
 from PySide6.QtCore import QPointF, QRectF, Qt, QTimer
 from PySide6.QtGui import QAction, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
-from PySide6.QtWidgets import QFrame, QGraphicsView
+from PySide6.QtWidgets import QFrame, QGraphicsView, QLabel, QVBoxLayout
 
+from core.errors import NoAnswer
 from core.study import Study
+from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.pictures.mechanism import LAYERS, MechanismScene
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.player import Player
@@ -154,7 +156,17 @@ class MechanismView(View):
     def __init__(self, session: Session, player: Player) -> None:
         self.scene = MechanismScene()
         self.canvas = Canvas(self.scene)
-        super().__init__(session, player, self.canvas)
+        super().__init__(session, player)
+        self.note = QLabel(wordWrap=True, margin=6)
+        self.note.setMinimumSize(1, 1)
+        self.note.hide()
+        coloured(self.note, WRONG)
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.canvas, 1)
+        column.addWidget(self.note)
+        self.set_content_layout(column)
         self.setFocusProxy(self.canvas)
         self._fit_wanted = True
         self._layers_wanted = {name: layer.shown for name, layer in LAYERS.items()}
@@ -177,6 +189,7 @@ class MechanismView(View):
 
     def refresh(self, study: Study) -> None:
         self._take_layers()
+        self._say_what_lacks(study)
         self.scene.update_study(study, keep_labels=True)
         self.canvas.rest.start()
         if self._fit_wanted:
@@ -184,6 +197,16 @@ class MechanismView(View):
             self._fit_wanted = False
         else:
             self.canvas.look_again()
+
+    def _say_what_lacks(self, study: Study) -> None:
+        """A linkage without a cam is still drawn, with the reason below it."""
+        told = ""
+        try:
+            _ = study.cam
+        except NoAnswer as error:
+            told = f"No cam: {error}"
+        self.note.setText(told)
+        self.note.setVisible(bool(told))
 
     def follow(self, theta: float) -> None:
         self._take_layers()
@@ -214,6 +237,12 @@ class MechanismView(View):
                 self.scene.set_layer(name, shown)
 
     # -- as a file ----------------------------------------------------------------------------------------
+
+    def settle(self) -> None:
+        """Do now what waits until all is at rest."""
+        if self.canvas.rest.isActive():
+            self.canvas.rest.stop()
+            self.scene.lay_labels()
 
     def picture(self, ending: str) -> bytes:
         """What is visible, in the size it has on the screen; a PNG has twice the dots."""

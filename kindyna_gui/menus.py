@@ -80,8 +80,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Edit",
         (
-            Item("&Undo", "undo", None, Keys.Undo, "Take the last change back", "undo"),
-            Item("&Redo", "redo", None, Keys.Redo, "Make the change again", "redo"),
+            Item("&Undo", "session.stack.undo", None, Keys.Undo, "Take the last change back", "undo", name="undo"),
+            Item("&Redo", "session.stack.redo", None, Keys.Redo, "Make the change again", "redo", name="redo"),
         ),
     ),
     (
@@ -117,9 +117,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Pressure angle", "pressure_angle", "Pressure angle over the cam angle"),
             _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
             SEPARATOR,
-            Item("P&lay", "play", None, "F5", "Turn the cam", checkable=True),
-            Item("Step &forward", "step", 1.0, "F7", "One degree forward"),
-            Item("Step &back", "step", -1.0, "F6", "One degree back"),
+            Item("P&lay", "player.play", None, "F5", "Turn the cam", checkable=True, name="play"),
+            Item("Step &forward", "player.step", 1.0, "F7", "One degree forward"),
+            Item("Step &back", "player.step", -1.0, "F6", "One degree back"),
             Item("&Reverse", "reverse", None, "F8", "Turn the other way round", checkable=True),
         ),
     ),

@@ -65,7 +65,12 @@ class RedFrame:
 
 
 class WordBox(RedFrame, QComboBox):
-    """A combo box that lets the wheel scroll the form until it has been chosen."""
+    """A combo box that lets the wheel scroll the form until it has been chosen.
+
+    withdrawn   Escape: what was chosen, and refused, is taken back
+    """
+
+    withdrawn = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -79,6 +84,12 @@ class WordBox(RedFrame, QComboBox):
             super().wheelEvent(event)
         else:
             event.ignore()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape and self.refused:
+            self.withdrawn.emit()
+        else:
+            super().keyPressEvent(event)
 
 
 class NameBox(RedFrame, QLineEdit):
@@ -201,7 +212,9 @@ class NumberBox(RedFrame, QAbstractSpinBox):
             self.confirm()
             self.finished.emit()
             self.lineEdit().selectAll()
-        elif (event.key() == Qt.Key.Key_Escape and self.pending) or (event.matches(QKeySequence.StandardKey.Undo) and self.typing):
+        elif (event.key() == Qt.Key.Key_Escape and self.pending) or (
+            event.matches(QKeySequence.StandardKey.Undo) and self.typing
+        ):
             self.withdraw()
         else:
             super().keyPressEvent(event)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from math import pi
 from typing import Any
 
-from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QElapsedTimer, QEvent, QIODevice
+from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QEvent, QIODevice
 from PySide6.QtGui import QImageWriter
 from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
@@ -22,7 +22,7 @@ from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 
-REST_MS = 320  # after which views that wait for a pause have caught up, labels have found their sides
+ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
 VECTORS = ("velocities", "forces")
 
 
@@ -51,7 +51,7 @@ def hidden_window(design: Design, size: tuple[int, int]) -> MainWindow:
     window = MainWindow(Session(design), Player(), NoSettings())
     window.resize(*size)
     window.show()
-    rest()
+    rest(window)
     return window
 
 
@@ -63,12 +63,16 @@ def dismiss(window: MainWindow) -> None:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
 
 
-def rest(milliseconds: int = REST_MS) -> None:
-    """Let the window do what it wants until it is at rest."""
-    clock = QElapsedTimer()
-    clock.start()
-    while clock.elapsed() < milliseconds:
+def rest(window: MainWindow) -> None:
+    """Let the window do all it wants to do, without its pauses."""
+    for _ in range(ROUNDS):
         QApplication.processEvents()
+        for view in window.findChildren(View):
+            if view.on_screen():
+                view.pull()
+                view.settle()
+    window.status.count_findings()
+    QApplication.processEvents()
 
 
 def png(widget: QWidget) -> bytes:
@@ -87,15 +91,16 @@ def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
     window = hidden_window(design, size)
     try:
         window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)
-        rest()
+        rest(window)
         made = {"window.png": png(window)}
         for name in VIEWS:
             view = window.show_view(name)
-            rest()
+            rest(window)
             for ending in FORMS.get(name, _as_it_is)(view):
+                rest(window)
                 made[f"{name}{ending}.png"] = png(view)
         window.show_view("graph")
-        rest()
+        rest(window)
         made["window_graph.png"] = png(window)
     finally:
         dismiss(window)
@@ -115,11 +120,9 @@ def _with_vectors(view: View) -> Iterator[str]:
     yield ""
     for name in VECTORS:
         view.show_layer(name, True)
-    rest()
     yield "_vectors"
     for name in VECTORS:
         view.show_layer(name, False)
-    rest()
 
 
 def _tab_by_tab(view: View) -> Iterator[str]:
@@ -128,7 +131,6 @@ def _tab_by_tab(view: View) -> Iterator[str]:
     assert tabs is not None
     for page in range(tabs.count()):
         tabs.setCurrentIndex(page)
-        rest(60)
         yield f"_{tabs.tabText(page).lower()}" if page else ""
     tabs.setCurrentIndex(0)
 
@@ -140,7 +142,6 @@ def _straight_and_polar(view: View) -> Iterator[str]:
     assert isinstance(view, GraphView)
     for form in GRAPHS:
         view.set_form(form)
-        rest(60)
         yield "" if form == "straight" else f"_{form}"
     view.set_form("straight")
 

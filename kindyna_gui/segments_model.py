@@ -16,7 +16,7 @@ from core.laws import LAWS, find_law
 from core.motion import Join
 from core.study import Study
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
-from kindyna_gui.pictures.units import digits
+from kindyna_gui.pictures.units import MINUS, digits
 from kindyna_gui.session import Refusal, Session
 from kindyna_gui.wording import law_label, parsed, segment_of, sentence, shortest, value_text
 
@@ -56,11 +56,11 @@ def difference(to: float, start: float) -> float:
 
 
 def join_text(join: Join, motion: Motion) -> str:
-    """``s v a`` where these are continuous; ``Δv 49.1``, the first that jumps and how far."""
+    """``s v a`` where these are continuous; ``Δv 49.1``, the first that jumps and its size."""
     jumping = [k for k in range(4) if join.jumps[k]]
     if not jumping or jumping[0] == 3:
         return "s v a" if jumping else "s v a j"
-    return f"Δ{'sva'[jumping[0]]} {_jump(join, jumping[0], motion)}"
+    return f"Δ{'sva'[jumping[0]]} {_jump(join, jumping[0], motion).lstrip(MINUS)}"
 
 
 def join_help(join: Join, motion: Motion) -> str:
@@ -88,7 +88,7 @@ class SegmentsModel(QAbstractTableModel):
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
-        self._motion = session.design.drive.motion
+        self._motion, self._assumed = session.design.drive.motion, session.design.assumed
         self._joins: tuple[Join, ...] = ()
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._trying = ""
@@ -99,12 +99,14 @@ class SegmentsModel(QAbstractTableModel):
     # -- from the session ---------------------------------------------------------------------------------
 
     def show(self, study: Study) -> None:
-        """Show the motion of a study."""
-        motion = study.design.drive.motion
+        """Show the motion of a study; where another part of the design has changed there is nothing to do."""
+        motion, assumed = study.design.drive.motion, study.design.assumed
+        if self._joins and (motion, assumed) == (self._motion, self._assumed):
+            return
         same = len(motion.segments) == len(self._motion.segments) and self._joins
         if not same:
             self.beginResetModel()
-        self._motion, self._joins = motion, study.program.joins
+        self._motion, self._assumed, self._joins = motion, assumed, study.program.joins
         if same:
             self._all_changed()
         else:
@@ -245,7 +247,7 @@ class SegmentsModel(QAbstractTableModel):
         return sentence(told) + mark
 
     def assumed(self, row: int, column: int) -> bool:
-        return column in (LAW, SPAN, RISE) and self.path(row, column) in self._session.design.assumed
+        return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
 
     def refused(self, row: int, column: int) -> bool:
         """What stands in the cell is not in the design."""

@@ -62,7 +62,7 @@ def _edit_and_undo(window: MainWindow) -> None:
     session = window.session
     before, wanted = session.study, stroke(session.design.drive.motion) * LONGER
     _must(session.edit("motion.stroke", wanted, "Change stroke"), "a longer stroke was refused")
-    rest(50)
+    rest(window)
     found = stroke(session.design.drive.motion)
     _must(abs(found - wanted) < 1e-9 * wanted, f"the stroke became {found:g}, not {wanted:g}")
     way = float(session.study.motion.y[0].max() - session.study.motion.y[0].min())
@@ -70,7 +70,7 @@ def _edit_and_undo(window: MainWindow) -> None:
     _must(abs(way / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")
     _must(session.study is not before and session.modified, "the edit has left no trace")
     session.stack.undo()
-    rest(50)
+    rest(window)
     _must(not session.modified, "undo left the design modified")
 
 

@@ -15,7 +15,7 @@ from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
 
-PAUSE_MS = 80
+PAUSE_MS = 150
 STAY_MS = 6000  # of a message
 
 

@@ -66,9 +66,17 @@ def fill_layouts(window: MainWindow, menu: QMenu) -> None:
 def fill_exports(window: MainWindow, menu: QMenu) -> None:
     """Everything that can be written besides the design."""
     for text, tip, slot in (
-        ("&Tables...", "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder", window.exports.tables),
+        (
+            "&Tables...",
+            "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder",
+            window.exports.tables,
+        ),
         ("&Report...", "Write the whole report as text", window.exports.report),
-        ("&Picture of the mechanism...", "Write the drawing as PNG or SVG", partial(window.export_picture, "mechanism")),
+        (
+            "&Picture of the mechanism...",
+            "Write the drawing as PNG or SVG",
+            partial(window.export_picture, "mechanism"),
+        ),
         ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation),
     ):
         action = menu.addAction(text)

@@ -124,6 +124,9 @@ class View(QWidget):
             self._trouble.setText(str(error))
             self._stack.setCurrentWidget(self._trouble)
 
+    def settle(self) -> None:
+        """Do now what waits for a pause."""
+
     @property
     def in_trouble(self) -> bool:
         """The view says why it has nothing to show."""

@@ -47,7 +47,8 @@ def parsed(text: str, unit: Unit) -> float | None:
 
 
 def sentence(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    """A text that begins with a capital letter, with the printer's signs for what has them."""
+    return (text[:1].upper() + text[1:]).replace(">=", "≥").replace("<=", "≤")
 
 
 def choice_text(word: str) -> str:

@@ -59,7 +59,7 @@ def _back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segme
 
 def stroke(motion: Motion) -> float:
     """Highest minus lowest level at the ends of segments, in the motion's unit."""
-    levels = [fsum([motion.start, *(s.rise for s in motion.segments[:i])]) for i in range(len(motion.segments) + 1)]
+    levels = [fsum(s.rise for s in motion.segments[:i]) for i in range(len(motion.segments) + 1)]  # above the start
     return max(levels) - min(levels)
 
 

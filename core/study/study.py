@@ -203,7 +203,9 @@ class Study:
         if "cam" in wanted:
             proof["instant_centre"] = Residual(float(cam.centre_residual(self.linkage, self.cam).max()), 16.0 * EPS)
             radius: float = si(self.design.drive.cam).roller_radius
-            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS)
+            # rounding grows with the distance, which a motion long against the base circle carries beyond it
+            farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
+            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS * farthest)
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
             parts = (self.linkage, self.cam, self.dynamics, self.loading)

@@ -36,7 +36,7 @@ def _undercut(study: Study) -> float:
 LIMITS: Mapping[str, tuple[str, Callable[[Study], float]]] = MappingProxyType(
     {
         "pressure_angle": ("usual limit {}", _pressure_angle),
-        "pitch_curvature": ("pitch curve: undercut from {}", _undercut),
+        "pitch_curvature": ("undercut from {}", _undercut),
         "contact_force": ("lifts off below {}", lambda study: 0.0),
         "jam_factor": ("jams from {}", lambda study: 1.0),
     }

@@ -119,7 +119,12 @@ class CurvePlot(pg.PlotWidget):
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
         self.rung = readable(curves[0].channel.unit.symbol, peak([curve.values for curve in curves + others]))
         limits = [(row, limit_of(study, row.quantity)) for row in channels]
-        told = [(limit.value / row.unit.factor / self.rung.size, limit.words) for row, limit in limits if limit]
+        alone = len(channels) == 1
+        told = [
+            (limit.value / row.unit.factor / self.rung.size, limit.words if alone else f"{row.label}: {limit.words}")
+            for row, limit in limits
+            if limit
+        ]
         families = {row.family for row in channels}
         rows = [curve.values / self.rung.size for curve in curves + others]
         low, high = shown_range(rows, families, [value for value, _ in told])

@@ -18,7 +18,7 @@ from core.train import FRAME, SLIDING, Pair, Train
 
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
-UNIT_STEP = 1.04  # factor between the sizes that symbols may have
+UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
 FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
 
 
@@ -173,7 +173,7 @@ class Reading:
         """Size of the symbols [mm], in proportion to the mechanism; in steps, so that a small edit leaves them alone."""
         low, high = self.core_box
         size = abs(high - low) / UNITS_ACROSS
-        return float(UNIT_STEP ** np.round(np.log(size) / np.log(UNIT_STEP)))
+        return float(10.0 ** (np.round(UNIT_STEPS * np.log10(size)) / UNIT_STEPS))
 
     @cached_property
     def near_centres(self) -> np.ndarray:

@@ -260,11 +260,10 @@ def test_no_triangle_gives_no_area() -> None:
 # -- towards dead centres ---------------------------------------------------------------------------------
 
 
-def _near(l1: float, l2: float, height: float, distance: float, sign: float, stretched: bool, sigma: float):
-    """Arm, rod and slider so that the triangle misses a straight line by a fraction ``distance``."""
+def _near(l1: float, l2: float, height: float, distance: float, sign: float, stretched: bool) -> float:
+    """The slider where the triangle misses a straight line by a fraction ``distance``."""
     far = (l1 + l2) * (1.0 - distance) if stretched else abs(l1 - l2) * (1.0 + distance)
-    slider = sign * math.sqrt((far - height) * (far + height))
-    return SimpleNamespace(slider_arm=l1, rod=l2, guide_height=height), slider, sigma
+    return sign * math.sqrt((far - height) * (far + height))
 
 
 def _by_circles(numbers: list[object], side: int) -> list[object]:
@@ -281,7 +280,8 @@ def _by_circles(numbers: list[object], side: int) -> list[object]:
 def test_angles_hold_down_to_dead_centres(
     l1: float, l2: float, height: float, sign: float, stretched: bool, distance: float, sigma: float
 ) -> None:
-    g, slider, sigma = _near(l1, l2, height, distance, sign, stretched, sigma)
+    g = SimpleNamespace(slider_arm=l1, rod=l2, guide_height=height)
+    slider = _near(l1, l2, height, distance, sign, stretched)
     rates = np.array([0.37, -0.61, 1.9])
     exact, size = conditioned(lambda x: _by_circles(x, int(sigma)), [l1, l2, height, slider, *rates])
     # the base position only tells the branch and the whole turns
@@ -401,16 +401,13 @@ def test_a_roller_that_does_not_reach_the_base_circle_is_named_with_the_range_th
 
 
 def test_a_rod_too_short_for_the_guide_is_named_with_its_least_length() -> None:
+    """The arm's pin of the lift is level with its guide; a guide 900 mm higher is out of the rod's reach."""
     there = solved(LIFT, 3.0)
     pin = there.points["arm_pin"].c[0] - there.points["pivot"].c[0]
-    least = float(abs(MP.im(pin) / MM - 1300))
-    # the pin of the lift is all but level with its guide
-    design = with_follower(LIFT, guide_height_mm=1300.0 + 900.0)
     with pytest.raises(NoAssembly) as caught:
-        _ = Study(design, 8).linkage
+        _ = Study(with_follower(LIFT, guide_height_mm=2200.0), 8).linkage
     assert caught.value.field == "follower.rod_mm"
-    assert f"{abs(2200.0 - float(MP.im(pin) / MM)):.6g} mm" in str(caught.value)
-    assert least < 1.0
+    assert f"{2200.0 - float(MP.im(pin) / MM):.6g} mm" in str(caught.value)
 
 
 # -- the translating follower -----------------------------------------------------------------------------
@@ -469,6 +466,3 @@ def test_the_base_circle_is_where_the_motion_is_zero() -> None:
         if "phi" in study.linkage.base:
             for key in ("phi", "alpha", "beta"):
                 assert apart(study.linkage.base[key][0], solved(design, 0.0).base[key]) <= EPS * ROUNDINGS * 32
-    larger = with_cam(LIFT, base_radius_mm=410.0)
-    assert Study(larger, 8).linkage.base["phi"][0] != Study(LIFT, 8).linkage.base["phi"][0]
-    assert replace(larger, name=LIFT.name) != LIFT

@@ -115,7 +115,8 @@ def test_what_an_edit_leaves_alone_is_the_same_object_and_what_it_touches_change
     """Nothing stale: a fresh computation of the edited design gives the same figures."""
     change, needed = EDITS[edit]
     before, after = Study(LIFT, 72), Study(change(LIFT), 72)
-    assert [len(before.extremes(stage)) for stage in STAGES], "what could be stale"
+    for stage in STAGES:
+        before.extremes(stage)  # what could be stale
     for stage in STAGES:
         assert (getattr(before, stage) is getattr(after, stage)) == (stage not in needed)
     figures = {s: dict(after.extremes(s)) for s in STAGES}

@@ -12,10 +12,12 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 from window_user import Open, User, settle
 
+from kindyna_gui.docks import RIGHT, VIEWS
 from kindyna_gui.look import dress
 from kindyna_gui.main_window import open_window
 from kindyna_gui.pictures.app import ensure_app
 
+PLOTS = tuple(name for name, row in VIEWS.items() if row.area == RIGHT)
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",
     "This plugin does not support raise()",
@@ -62,13 +64,16 @@ def nothing_unheard() -> Iterator[None]:
 def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
     """Opens windows, shown and active; at the end each is closed and gone."""
     users: list[User] = []
+    before = set(QApplication.topLevelWidgets())
 
-    def open(path: Path | None = None, size: tuple[int, int] | None = (1280, 800)) -> User:
-        """size None: what the settings ask for."""
+    def open(path: Path | None = None, size: tuple[int, int] | None = (1280, 800), plots: bool = True) -> User:
+        """size None: what the settings ask for; plots False: without them, where a test has no eyes for them."""
         window = open_window(app, path)
         users.append(User(window, monkeypatch))
         if size is not None:
             window.resize(*size)
+        for name in () if plots else PLOTS:
+            window.docks[name].hide()
         window.show()
         window.activateWindow()
         assert QTest.qWaitForWindowActive(window)
@@ -84,7 +89,8 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
     settle()
     # pyqtgraph's menus stay until Python's next great tidying
-    left = [type(w).__name__ for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu)]
+    now = (w for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu))
+    left = [type(w).__name__ for w in now if w not in before]
     assert left == [], "windows were left behind"
 
 

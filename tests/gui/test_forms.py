@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, settle
+from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
 from core.project import dumps, load, save
@@ -18,6 +18,12 @@ from kindyna_gui.wording import shortest
 
 ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"
 LIFT = load(example("transfer_lift"))
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """Without plots, for which no test here has eyes."""
+    return open_user(plots=False)
 
 
 def follower(user: User) -> CamSlider:
@@ -41,7 +47,7 @@ def test_every_entry_has_its_row(user: User, name: str) -> None:
             assert field.unit is None or field.unit.text() == entry.unit.symbol
             assert entry.info.label.partition("_")[0] in field.label.text()
             for part in (entry.path, entry.info.help, entry.info.allowed(entry.unit)):
-                assert escape(part) in field.label.toolTip()
+                assert escape(part.replace(">=", "≥")) in field.label.toolTip()
             if isinstance(field.editor, NumberBox):
                 assert field.editor.text() == shortest(entry.value)
             else:
@@ -246,6 +252,30 @@ def test_a_layout_takes_its_pivot_along(user: User) -> None:
     assert (follower(user).layout, follower(user).pivot_x_mm) == ("c", -873.746)
     assert user.number(X).text() == "-873.746"
     assert user.steps == ["Change layout to c"]
+
+
+def test_a_word_that_cannot_be_is_refused_and_taken_back(user: User) -> None:
+    field = user.field("follower.layout")
+    box = field.editor
+    assert isinstance(box, WordBox)
+    box.setFocus()
+    box.setCurrentIndex(box.findData("c"))
+    box.activated.emit(box.currentIndex())
+    assert (box.currentData(), field.editor.refused, follower(user).layout) == ("c", True, "b")
+    assert "the rod does not reach the guide" in field.trouble
+    assert "make it longer" in user.parameters().forms["follower"].fields[ROD].trouble
+    user.press(Qt.Key.Key_Escape)
+    assert (box.currentData(), field.editor.refused, field.trouble) == ("b", False, "")
+
+
+def test_the_message_below_the_last_field_comes_into_sight(user: User) -> None:
+    form = user.parameters().forms["loads"]
+    path = list(form.fields)[-1]
+    field = user.field(path)
+    user.enter(path, "x")
+    wait_for(lambda: not field.message.visibleRegion().isEmpty())
+    middle = field.message.mapTo(form.viewport(), field.message.rect().center())
+    assert form.viewport().rect().contains(middle)
 
 
 # -- assumption -------------------------------------------------------------------------------------------

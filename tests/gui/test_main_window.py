@@ -1,10 +1,12 @@
 """kindyna_gui.main_window, documents, settings: files, questions, layout, and what is computed for whom."""
 
+import gc
 import shutil
+import weakref
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
+from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from window_user import Open, User, settle, wait_for
@@ -14,7 +16,7 @@ from core.study import evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, ask_to_save, show_faults
 from kindyna_gui.docks import VIEWS
-from kindyna_gui.main_window import MainWindow
+from kindyna_gui.main_window import MainWindow, open_window
 from kindyna_gui.places import example
 from kindyna_gui.settings import MOST_RECENT, Settings
 
@@ -90,6 +92,19 @@ def test_no_other_window_flashes_up(user: User) -> None:
     user.choose("File", "Examples", "Card picker")
     QApplication.instance().focusWindowChanged.disconnect(watch)  # type: ignore[union-attr]
     assert seen == []
+
+
+def test_a_closed_window_leaves_nothing_behind(app: QApplication) -> None:
+    window = open_window(app)
+    window.show()
+    settle()
+    remembered = [weakref.ref(each) for each in (window, window.session, window.player, window.docks["torque"])]
+    window.close()
+    window.deleteLater()
+    del window
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    gc.collect()
+    assert [each() for each in remembered] == [None] * 4
 
 
 # -- opening and saving -----------------------------------------------------------------------------------
@@ -185,16 +200,17 @@ def test_faults_are_shown_in_a_box(user: User) -> None:
     assert shown[0][2].splitlines() == lines
 
 
-@pytest.mark.parametrize("answer", list(Answer))
-def test_the_box_about_unsaved_changes(user: User, answer: Answer) -> None:
-    def press() -> None:
-        box = QApplication.activeModalWidget()
-        assert isinstance(box, QMessageBox)
-        assert box.text() == "mine.toml has unsaved changes."
-        box.button(QMessageBox.StandardButton[answer.name.capitalize()]).click()
+def test_the_box_about_unsaved_changes(user: User) -> None:
+    for answer in Answer:
 
-    QTimer.singleShot(0, user.window, press)
-    assert ask_to_save(user.window, "mine.toml") is answer
+        def press(button: str = answer.name.capitalize()) -> None:
+            box = QApplication.activeModalWidget()
+            assert isinstance(box, QMessageBox)
+            assert box.text() == "mine.toml has unsaved changes."
+            box.button(QMessageBox.StandardButton[button]).click()
+
+        QTimer.singleShot(0, user.window, press)
+        assert ask_to_save(user.window, "mine.toml") is answer
 
 
 def test_names_of_files_get_their_ending() -> None:
@@ -226,48 +242,56 @@ def test_a_design_is_dropped_on_the_window(user: User, mine: Path) -> None:
 
 
 LEAVING = {
-    "close": lambda user: user.window.close(),
     "open": lambda user: user.choose("File", "Open..."),
     "new": lambda user: user.choose("File", "New", "Translating follower"),
     "example": lambda user: user.choose("File", "Examples", "Card picker"),
     "drop": lambda user: user.window.documents.open_path(PICKER),
+    "close": lambda user: user.window.close(),
 }
 
 
+def changed(user: User) -> None:
+    """Leave a change behind."""
+    user.session.edit("name", f"{user.design.name}, changed", "Change name")
+    assert user.window.isWindowModified()
+
+
 def left(user: User, way: str) -> bool:
-    return not user.window.isVisible() if way == "close" else hasattr(user.design.drive.follower, "offset_mm")
+    return not user.window.isVisible() if way == "close" else not user.window.isWindowModified()
 
 
-@pytest.mark.parametrize("way", LEAVING)
-def test_cancel_stays(user: User, way: str) -> None:
-    user.enter(ROD, "850")
+def test_cancel_stays(user: User) -> None:
     user.picks("design_to_open", PICKER)
     asked = user.answers(Answer.CANCEL)
-    LEAVING[way](user)
-    assert asked == ["Transfer unit, lift drive"]
-    assert not left(user, way)
-    assert user.number(ROD).text() == "850"
+    changed(user)
+    for way, leave in LEAVING.items():
+        leave(user)
+        assert not left(user, way), way
+    assert asked == ["Transfer unit, lift drive, changed"] * len(LEAVING)
+    assert user.steps == ["Change name"]
 
 
-@pytest.mark.parametrize("way", LEAVING)
-def test_discard_leaves(user: User, way: str) -> None:
-    user.enter(ROD, "850")
+def test_discard_leaves(user: User) -> None:
     user.picks("design_to_open", PICKER)
-    user.answers(Answer.DISCARD)
-    LEAVING[way](user)
-    assert left(user, way)
+    asked = user.answers(Answer.DISCARD)
+    for way, leave in LEAVING.items():
+        changed(user)
+        leave(user)
+        assert left(user, way), way
+    assert len(asked) == len(LEAVING)
 
 
-@pytest.mark.parametrize("way", LEAVING)
-def test_save_saves_and_leaves(user: User, way: str, mine: Path) -> None:
-    user.window.documents.open_path(mine)
-    user.enter(ROD, "850")
+def test_save_saves_and_leaves(user: User, tmp_path: Path) -> None:
     user.picks("design_to_open", PICKER)
-    asked = user.answers(Answer.SAVE)
-    LEAVING[way](user)
-    assert asked == ["mine.toml"]
-    assert left(user, way)
-    assert "rod_mm = 850.0" in mine.read_text(encoding="utf-8")
+    user.answers(Answer.SAVE)
+    for way, leave in LEAVING.items():
+        path = tmp_path / f"{way}.toml"
+        shutil.copy(LIFT, path)
+        user.session.open(path)
+        changed(user)
+        leave(user)
+        assert left(user, way), way
+        assert 'name = "Transfer unit, lift drive, changed"' in path.read_text(encoding="utf-8")
 
 
 def test_saving_that_fails_stays(user: User) -> None:

@@ -1,0 +1,69 @@
+"""The small parts of a form's row: a name that can be dragged, an asterisk that can be clicked."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QAbstractButton, QLabel, QSizePolicy
+
+from kindyna_gui.look import ASSUMED, LINE
+
+_PIXELS_A_STEP = 6
+
+
+class NameLabel(QLabel):
+    """The name of a field; dragged sideways it turns the number up and down.
+
+    dragged    (int): so many steps further
+    released   the drag, or a click, is over
+    """
+
+    dragged = Signal(int)
+    released = Signal()
+
+    def __init__(self, html: str, draggable: bool) -> None:
+        super().__init__(html)
+        self._from: QPoint | None = None
+        self._done = 0
+        self._draggable = draggable
+        self.setSizePolicy(QSizePolicy.Policy.Preferred, QSizePolicy.Policy.Fixed)
+        if draggable:
+            self.setCursor(Qt.CursorShape.SizeHorCursor)
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._from, self._done = event.globalPosition().toPoint(), 0
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._from is None or not self._draggable:
+            return
+        steps = round((event.globalPosition().toPoint() - self._from).x() / _PIXELS_A_STEP)
+        if steps != self._done:
+            self.dragged.emit(steps - self._done)
+            self._done = steps
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._from is not None:
+            self._from = None
+            self.released.emit()
+
+
+class Mark(QAbstractButton):
+    """An asterisk that is faint until checked."""
+
+    def __init__(self) -> None:
+        super().__init__(checkable=True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAttribute(Qt.WidgetAttribute.WA_Hover)
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
+
+    def sizeHint(self) -> QSize:
+        return QSize(18, 20)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        if self.underMouse():
+            painter.fillRect(self.rect(), self.palette().midlight())
+        painter.setPen(QColor(ASSUMED if self.isChecked() else LINE))
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "∗")
+        painter.end()

@@ -1,0 +1,327 @@
+"""kindyna_gui.plots_view, live_plot, shown: curves in docks, and the cam angle set by the mouse."""
+
+from collections.abc import Callable, Iterator
+from io import BytesIO
+from math import degrees, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, PUSHER, with_follower, with_loads, with_shaft
+from PIL import Image
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import User, settle
+
+from core.channels import channel
+from core.design import SingleCam
+from core.export import table
+from core.study import Study, evaluations
+from kindyna_gui import dialogs
+from kindyna_gui.exports import numbers
+from kindyna_gui.pictures.units import measure, readable
+from kindyna_gui.player import Player
+from kindyna_gui.plots_view import PlotView
+from kindyna_gui.session import Session
+
+Show = Callable[..., PlotView]
+JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
+
+
+@pytest.fixture
+def show(app: QApplication) -> Iterator[Show]:
+    """Shows a plot in a window of its own."""
+    shown: list[PlotView] = []
+
+    def make(*quantities: str, design: SingleCam = LIFT) -> PlotView:
+        view = PlotView(Session(design), Player(), quantities)
+        shown.append(view)
+        view.resize(520, 280)
+        view.show()
+        assert QTest.qWaitForWindowExposed(view)
+        settle()
+        return view
+
+    yield make
+    for view in shown:
+        view.close()
+        view.deleteLater()
+
+
+def pixel(view: PlotView, angle: float) -> QPoint:
+    return view.plot.pixel_at(angle).toPoint()
+
+
+# -- what is drawn ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("quantities", "stages"),
+    [
+        (("displacement",), ("motion",)),
+        (("phi",), ("linkage",)),
+        (("pitch_curvature", "profile_curvature"), ("cam",)),
+        (("drive_torque", "motor_torque"), ("dynamics",)),
+        (("jerk", "contact_force"), ("motion", "dynamics")),
+    ],
+)
+def test_the_stages_are_those_of_the_channels(quantities: tuple[str, ...], stages: tuple[str, ...], show: Show) -> None:
+    assert show(*quantities).stages == stages
+
+
+def test_the_displacement_alone_computes_neither_cam_nor_forces(show: Show) -> None:
+    view = show("displacement")
+    evaluations.clear()
+    view.session.edit("motion.stroke", 160.0, "a")
+    view.player.step(1.0)
+    assert evaluations["motion"]
+    assert not {"linkage", "cam", "dynamics"} & set(evaluations)
+
+
+def test_an_edit_is_drawn_at_once(show: Show) -> None:
+    view = show("displacement")
+    before = view.plot.readings()
+    view.session.edit("motion.stroke", 160.0, "a")
+    assert view.plot.readings() != before
+    assert view.plot.readings() == ["160.0 mm"]
+    view.session.stack.undo()
+    assert view.plot.readings() == before
+
+
+@pytest.mark.parametrize("slug", ["velocity_mm_s", "pressure_angle_deg", "contact_force_n", "drive_torque_nm"])
+def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
+    """Not that of the nearest sample: a tenth of a degree beside it the velocity is another."""
+    row = channel("cam-slider", slug)
+    view = show(row.quantity)
+    for angle in (0.0, 36.13, 57.31, 300.07, 359.99):
+        view.player.set_theta(radians(angle))
+        value = float(row.values(Study(LIFT).at_theta(np.array([view.player.theta])))[0])
+        peak = float(np.abs(row.values(view.session.study)).max())
+        rung = readable(row.unit.symbol, peak)
+        assert view.plot.readings() == [measure(value / rung.size, rung.symbol)]
+
+
+# -- what is missing is told ------------------------------------------------------------------------------
+
+
+def test_where_the_guide_jams_the_motor_torque_is_missed_in_words(show: Show) -> None:
+    view = show("drive_torque", "motor_torque", design=JAMMED)
+    assert not view.in_trouble
+    assert [row.quantity for row in view.rows] == ["drive_torque"]
+    assert view.note.isVisible()
+    assert view.note.text().startswith("No motor torque with flywheel: ")
+    assert "jam" in view.note.text()
+
+
+def test_a_plot_of_nothing_but_what_is_missing_says_why(show: Show) -> None:
+    view = show("motor_torque", design=JAMMED)
+    assert view.rows == ()
+    assert view.plot.readings() == []
+    assert "jam" in view.plot._message.text
+    view.player.step(1.0)
+    assert view.plot.readings() == []
+
+
+def test_another_kind_of_follower_has_other_quantities(show: Show) -> None:
+    view = show("phi", "beta", design=PUSHER)
+    assert "this kind of follower has no phi nor beta" in view.plot._message.text.lower().replace("\n", " ")
+
+
+def test_equal_curves_are_drawn_once_and_named(show: Show) -> None:
+    view = show("drive_torque", "motor_torque")
+    assert len(view.plot.readings()) == 1
+    assert view.note.text() == "Motor torque with flywheel is the same curve"
+    view.session.put(with_shaft(LIFT, flywheel_inertia_kg_m2=2000.0), "a")
+    assert len(view.plot.readings()) == 2
+    assert not view.note.isVisible()
+
+
+def test_without_a_linkage_the_plot_says_why(show: Show) -> None:
+    view = show("phi")
+    view.session.put(with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0), "a")
+    assert view.in_trouble
+    view.session.stack.undo()
+    assert not view.in_trouble
+    assert view.plot.readings()
+
+
+# -- the mouse --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 200.5, 359.0])
+def test_a_click_sets_the_cam_angle(angle: float, show: Show) -> None:
+    view = show("displacement")
+    view.player.play(True)
+    QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view, angle))
+    assert degrees(view.player.theta) == pytest.approx(angle, abs=1.0)
+    assert not view.player.playing
+
+
+def test_a_drag_draws_the_cursor(show: Show) -> None:
+    view = show("acceleration")
+    told: list[float] = []
+    view.player.angle_changed.connect(told.append)
+    viewport = view.plot.viewport()
+    QTest.mousePress(viewport, Qt.MouseButton.LeftButton, pos=pixel(view, 50.0))
+    for angle in (80.0, 120.0, 160.0):
+        QTest.mouseMove(viewport, pixel(view, angle))
+    QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, pos=pixel(view, 160.0))
+    assert np.rad2deg(told) == pytest.approx([50.0, 80.0, 120.0, 160.0], abs=1.0)
+    assert degrees(view.plot.angle) == pytest.approx(degrees(view.player.theta))
+
+
+def test_beside_the_axes_a_drag_stays_at_their_ends(show: Show) -> None:
+    view = show("displacement")
+    assert view.plot.angle_at(QPointF(1.0, 50.0)) == 0.0
+    assert view.plot.angle_at(QPointF(view.plot.width() - 1.0, 50.0)) == 360.0
+
+
+def test_other_buttons_move_nothing(show: Show) -> None:
+    view = show("displacement")
+    for button in (Qt.MouseButton.RightButton, Qt.MouseButton.MiddleButton):
+        QTest.mousePress(view.plot.viewport(), button, pos=pixel(view, 90.0))
+        QTest.mouseRelease(view.plot.viewport(), button, pos=pixel(view, 90.0))
+    assert view.player.theta == 0.0
+
+
+def test_a_plot_without_curves_moves_nothing(show: Show) -> None:
+    view = show("motor_torque", design=JAMMED)
+    QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(300, 100))
+    assert view.player.theta == 0.0
+
+
+def test_keys_over_a_plot_are_the_players(show: Show) -> None:
+    view = show("displacement")
+    QTest.keyClick(view.plot, Qt.Key.Key_Right, Qt.KeyboardModifier.ControlModifier)
+    assert degrees(view.player.theta) == pytest.approx(10.0)
+
+
+# -- files ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def picks(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, Path | None], list[Path]]:
+    """What the user will pick in a dialog; what was suggested is noted."""
+
+    def pick(dialog: str, path: Path | None) -> list[Path]:
+        suggested: list[Path] = []
+
+        def answer(_: object, suggestion: Path) -> Path | None:
+            suggested.append(suggestion)
+            return path
+
+        monkeypatch.setattr(dialogs, dialog, answer)
+        return suggested
+
+    return pick
+
+
+def act(view: PlotView, text: str) -> None:
+    """An entry of the menu that a right click opens."""
+    assert view.plot.contextMenuPolicy() == Qt.ContextMenuPolicy.ActionsContextMenu
+    next(a for a in view.plot.actions() if a.text() == text).trigger()
+
+
+def test_the_numbers_are_those_of_the_core(show: Show, tmp_path: Path, picks: Callable[..., list[Path]]) -> None:
+    view = show("pressure_angle")
+    told: list[str] = []
+    view.told.connect(told.append)
+    suggested = picks("table_to_save", tmp_path / "p.csv")
+    act(view, "Export numbers...")
+    text = (tmp_path / "p.csv").read_text()
+    assert suggested[0].name == "pressure_angle.csv"
+    assert told == [f"Wrote {tmp_path / 'p.csv'}"]
+    whole = table(Study(LIFT), "profile.csv", ("cam",))
+    assert whole is not None
+    names, *rows = [line.split(",") for line in whole.splitlines()]
+    at = [names.index(name) for name in ("cam_angle_deg", "pressure_angle_deg")]
+    assert text == "\n".join(",".join(row[i] for i in at) for row in [names, *rows]) + "\n"
+
+
+def test_numbers_of_several_channels_stand_side_by_side() -> None:
+    rows = [channel("cam-slider", slug) for slug in ("phi_deg", "contact_force_n")]
+    lines = numbers(LIFT, rows).splitlines()
+    assert lines[0] == "cam_angle_deg,phi_deg,contact_force_n"
+    assert len(lines) == 3601
+
+
+@pytest.mark.parametrize("ending", [".png", ".svg"])
+def test_the_picture_is_the_plot_on_paper(
+    ending: str, show: Show, tmp_path: Path, picks: Callable[..., list[Path]]
+) -> None:
+    view = show("velocity")
+    picks("picture_to_save", tmp_path / f"v{ending}")
+    act(view, "Export picture...")
+    data = (tmp_path / f"v{ending}").read_bytes()
+    if ending == ".png":
+        assert np.asarray(Image.open(BytesIO(data)).convert("L")).min() < 100
+    else:
+        assert b"Velocity" in data
+        assert LIFT.name.encode() in data
+
+
+def test_a_cancelled_dialog_writes_nothing(show: Show, tmp_path: Path, picks: Callable[..., list[Path]]) -> None:
+    view = show("velocity")
+    told: list[str] = []
+    view.told.connect(told.append)
+    picks("table_to_save", None)
+    picks("picture_to_save", None)
+    act(view, "Export numbers...")
+    act(view, "Export picture...")
+    assert told == []
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_that_cannot_be_written_is_told(
+    show: Show, tmp_path: Path, picks: Callable[..., list[Path]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    view = show("velocity")
+    shown: list[str] = []
+    monkeypatch.setattr(dialogs, "show_faults", lambda _, what, lines: shown.append(what))
+    picks("table_to_save", tmp_path / "nowhere" / "v.csv")
+    act(view, "Export numbers...")
+    assert shown == ["v.csv cannot be written."]
+
+
+# -- in the window ----------------------------------------------------------------------------------------
+
+
+def test_one_angle_for_all(user: User) -> None:
+    view = user.window.view("pressure_angle")
+    assert isinstance(view, PlotView)
+    QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view, 300.0))
+    settle()
+    theta = user.window.player.theta
+    assert degrees(theta) == pytest.approx(300.0, abs=1.0)
+    for name in ("displacement", "torque"):
+        other = user.window.view(name)
+        assert isinstance(other, PlotView)
+        assert other.plot.angle == theta
+
+
+def test_a_plot_behind_another_draws_nothing(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("acceleration", "jerk", "displacement"):
+        user.window.show_view(name)
+        settle()
+    drawn: list[tuple[str, ...]] = []
+    refresh, follow = PlotView.refresh, PlotView.follow
+    monkeypatch.setattr(PlotView, "refresh", lambda s, study: (drawn.append(s.quantities), refresh(s, study))[1])
+    monkeypatch.setattr(PlotView, "follow", lambda s, theta: (drawn.append(s.quantities), follow(s, theta))[1])
+    user.session.edit("motion.stroke", 160.0, "a")
+    user.window.player.step(5.0)
+    settle()
+    assert ("displacement",) in drawn
+    assert ("acceleration",) not in drawn
+    assert ("jerk",) not in drawn
+    user.window.show_view("jerk")
+    settle()
+    assert ("jerk",) in drawn
+
+
+def test_what_was_written_is_told_in_the_status_line(user: User, tmp_path: Path) -> None:
+    view = user.window.view("displacement")
+    assert isinstance(view, PlotView)
+    user.picks("table_to_save", tmp_path / "d.csv")
+    act(view, "Export numbers...")
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'd.csv'}"
