@@ -67,12 +67,18 @@ def _design_and_samples(parser: argparse.ArgumentParser) -> None:
 
 def _report_words(parser: argparse.ArgumentParser) -> None:
     _design_and_samples(parser)
-    parser.add_argument("--out", type=Path, metavar="DIR", help="also write report, summary and pictures there")
+    parser.add_argument("--out", type=_folder, metavar="DIR", help="also write report, summary and pictures there")
+
+
+def _folder(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("a folder is wanted, nothing was given")
+    return Path(text)
 
 
 def _export_words(parser: argparse.ArgumentParser) -> None:
     _design_and_samples(parser)
-    parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
+    parser.add_argument("--out", type=_folder, default=Path("out"), metavar="DIR", help="folder to write to (out)")
     parser.add_argument("--only", nargs="+", default=[], metavar="STAGE", help="stages to compute and write")
 
 
@@ -159,7 +165,9 @@ def main(
     except KindynaError as error:
         lines = str(error).split("\n")
         rest = len(lines) - MOST_LINES
-        print("\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr)
+        print(
+            "\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr
+        )
         return NOTHING_DONE
     except BrokenPipeError:
         # the reader went away; nothing is left to tell it

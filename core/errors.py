@@ -79,7 +79,7 @@ class NoAnswer(KindynaError):
     """
 
     def __init__(self, problem: str, field: str, hint: str, cam_angles: Sequence[tuple[float, float]] = ()) -> None:
-        self.field = field
+        self.problem, self.field, self.hint = problem, field, hint
         self.cam_angles = tuple(cam_angles)
         where = f" at cam angle {angle_list(cam_angles)}" if cam_angles else ""
         super().__init__(f"{field}: {problem}{where}; {hint}")
@@ -91,6 +91,11 @@ class NoAssembly(NoAnswer):
 
 class NoCam(NoAnswer):
     """No cam can drive the follower at these cam angles."""
+
+
+def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoAnswer:
+    """The same error with better known cam angles."""
+    return type(error)(error.problem, error.field, error.hint, cam_angles)
 
 
 def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4) -> str:

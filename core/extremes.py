@@ -11,11 +11,14 @@ import numpy as np
 from core.motion import EPS, Angles, Program
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
-LEAST, MOST = 9, 721  # points of a piece
+LEAST, MOST = 17, 721  # points of a piece, and besides these
+# some that close in on its ends: in a short piece all that happens may happen there
+ENDS = np.concatenate((10.0 ** np.arange(-6.0, -1.0), 1.0 - 10.0 ** np.arange(-6.0, -1.0)))
 CANDIDATES = 64  # local extremes per quantity and side that are looked at closer
 INNER = 7  # points a bracket is cut by
 PASSES = 24
-FINEST = 2e-5  # [rad] half width at which a parabola takes over where the quantity is smooth ...
+FINEST = 1e-4  # of the piece, and at most FINEST_RAD: half width at which a parabola takes over where it is smooth ...
+FINEST_RAD = 2e-5
 SHARPEST = 1e-13  # ... and where a kink is left to be narrowed down
 
 Quantities = Callable[[Angles], Mapping[str, np.ndarray]]
@@ -42,8 +45,10 @@ def piecewise_angles(program: Program) -> Angles:
     theta, piece = [], []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
         count = int(np.clip(np.ceil((b - a) / STEP) + 1, LEAST, MOST))
-        theta.append(np.linspace(a, b, count))
-        piece.append(np.full(count, i))
+        x = np.union1d(np.linspace(0.0, 1.0, count), ENDS)
+        theta.append(a + (b - a) * x)
+        theta[-1][-1] = b
+        piece.append(np.full(x.size, i))
     return Angles(np.concatenate(theta), np.concatenate(piece))
 
 
@@ -57,7 +62,7 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
     angles = piecewise_angles(program)
     sampled = quantities(angles)
     searches = [
-        _Search(name, sign, sign * np.asarray(values, dtype=float), angles)
+        _Search(name, sign, sign * np.asarray(values, dtype=float), angles, program.ends - program.starts)
         for name, values in sampled.items()
         for sign in (-1.0, 1.0)
     ]
@@ -90,9 +95,10 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
 class _Bracket:
     """Three cam angles of one piece around a local maximum of a quantity (times its sign)."""
 
-    def __init__(self, left: float, right: float, piece: int, theta: float, value: float) -> None:
+    def __init__(self, left: float, right: float, piece: int, theta: float, value: float, finest: float) -> None:
         self.left, self.right, self.piece = left, right, piece
-        self.theta, self.value, self.finest = theta, value, FINEST
+        self.theta, self.value, self.finest = theta, value, finest
+        self._smooth = finest
         self.room = np.inf  # what may still stand above its value between the points seen
 
     def wide(self) -> bool:
@@ -110,7 +116,7 @@ class _Bracket:
         self.left, self.right = float(theta[low]), float(theta[high])
         near = value[low : high + 1] if high - low == 2 else value
         self.room = float(value[top] - near.min()) if np.isfinite(value[top]) else np.inf
-        if not self.wide() and self.finest == FINEST and 2 <= top <= theta.size - 3:
+        if not self.wide() and self.finest == self._smooth and 2 <= top <= theta.size - 3:
             self._polish(theta[top - 2 : top + 3], value[top - 2 : top + 3])
 
     def _polish(self, theta: np.ndarray, value: np.ndarray) -> None:
@@ -140,14 +146,18 @@ def _room(value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
 class _Search:
     """One quantity, one side: the local maxima of its samples that may hold the highest value."""
 
-    def __init__(self, name: str, sign: float, value: np.ndarray, angles: Angles) -> None:
+    def __init__(self, name: str, sign: float, value: np.ndarray, angles: Angles, widths: np.ndarray) -> None:
         self.name, self.sign = name, sign
         value = np.where(np.isnan(value), -np.inf, value)
         same = np.diff(angles.piece) == 0
         left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
         right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
         # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
-        tops = (value >= left) & (value >= right) & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
+        tops = (
+            (value >= left)
+            & (value >= right)
+            & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
+        )
         top = int(np.argmax(value))
         self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
         peaks = np.flatnonzero(tops & np.isfinite(value))
@@ -157,9 +167,9 @@ class _Search:
         for i in peaks[np.argsort(-may_be, kind="stable")][:CANDIDATES]:
             lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
             hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
-            self.brackets.append(
-                _Bracket(float(lo), float(hi), int(angles.piece[i]), float(angles.theta[i]), float(value[i]))
-            )
+            piece = int(angles.piece[i])
+            finest = min(FINEST_RAD, FINEST * float(widths[piece]))
+            self.brackets.append(_Bracket(float(lo), float(hi), piece, float(angles.theta[i]), float(value[i]), finest))
         self._all = list(self.brackets)
         self._value, self._theta = value, angles.theta
 

@@ -41,7 +41,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "undercut": "undercut: the smallest radius of the pitch curve, {pitch_radius_mm:.5g} mm, "
         "is below the roller radius {roller_radius_mm:.5g} mm",
         "separation": "the roller leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
-        "jamming": "friction jams the guide: friction times slope of the rod is {factor:.4g}, must stay below 1",
+        "jamming": "friction jams the guide: friction times the slope of what pushes is {factor:.4g}, must stay below 1",
         "dead-centre": "rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}",
         "rod-across-guide": "the rod comes close to standing across the guide, where the arm cannot drive the slider: "
         "cosine of its angle {value:.3g}",

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Sequence
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -68,7 +67,7 @@ def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
                 found[row.slug] = {
                     side: {
                         "value": _number(e.value / row.unit.factor + 0.0),
-                        "cam_angle_deg": _number(e.theta * 180.0 / pi),
+                        "cam_angle_deg": _number(math.degrees(e.theta)),
                     }
                     for side, e in (("min", low), ("max", high))
                 }

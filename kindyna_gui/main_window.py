@@ -188,11 +188,6 @@ class MainWindow(QMainWindow):
         view: Any = self.show_view("motion")
         view.delete()
 
-    def choose_layout(self, letter: str) -> None:
-        """Another layout of the follower; the pivot goes to its side of the cam."""
-        self.session.edit("follower.layout", letter, f"Change layout to {letter}")
-        self.session.end_gesture()
-
     def _design_changed(self) -> None:
         self.player.omega = self.session.study.omega
 

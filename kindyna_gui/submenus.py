@@ -9,8 +9,10 @@ from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider
+from kindyna_gui import dialogs
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.places import examples
+from kindyna_gui.session import Refusal
 from kindyna_gui.wording import choice_tip
 
 if TYPE_CHECKING:
@@ -60,7 +62,25 @@ def fill_layouts(window: MainWindow, menu: QMenu) -> None:
         action.setChecked(letter == follower.layout)
         action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; the pivot goes to its side of the cam")
         group.addAction(action)
-        action.triggered.connect(partial(_without_state, window.choose_layout, letter))
+        action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
+
+
+def choose_layout(window: MainWindow, letter: str) -> None:
+    """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it, say
+    so: no field holds what was chosen here."""
+    path, session = "follower.layout", window.session
+    told: list[str] = []
+
+    def listen(refusal: Refusal) -> None:
+        told.extend(refusal.at(path).splitlines())
+
+    session.refused.connect(listen)
+    session.edit(path, letter, f"Change layout to {letter}")
+    session.refused.disconnect(listen)
+    session.end_gesture()
+    if told:
+        session.withdraw(path)
+        dialogs.show_faults(window, f"Layout {letter} is not possible with these lengths.", told)
 
 
 def fill_exports(window: MainWindow, menu: QMenu) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
+from math import degrees
 from types import MappingProxyType
 
 from core.design import RollerCam, si
@@ -14,18 +14,21 @@ from core.train import REVOLUTE, SLIDING
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})
 
+NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
+
 
 def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam) -> list[Finding]:
     """What the refined extremes of pressure angle [rad] and pitch curvature [1/m] exceed; ground: kind of the pair
     that holds the follower."""
     found = []
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
-    degrees = worst.value * 180.0 / pi
-    if degrees > limit:
-        values = {"value": degrees, "limit": limit}
-        found.append(Finding("pressure-angle", WARNING, "cam.base_radius_mm", worst.theta * 180.0 / pi, values))
+    angle = degrees(worst.value)
+    if angle > limit:
+        values = {"value": angle, "limit": limit}
+        severity = ERROR if angle > NO_DRIVE else WARNING
+        found.append(Finding("pressure-angle", severity, "cam.base_radius_mm", degrees(worst.theta), values))
     sharpest, radius = extremes["pitch_curvature"].high, si(cam).roller_radius
     if radius * sharpest.value >= 1.0:
         values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}
-        found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", sharpest.theta * 180.0 / pi, values))
+        found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(sharpest.theta), values))
     return found

@@ -100,8 +100,8 @@ def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, radius: flo
     bad = distance <= radius
     if bad.any():
         raise NoCam(
-            f"the roller covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.6g} mm, "
-            f"less than the roller radius {radius * 1e3:.6g} mm, so the cam's radius turns negative",
+            f"the roller covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
+            f"less than the roller radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
             "cam.base_radius_mm",
             "make it larger, or the roller smaller, or lower the motion",
             angle_ranges(train.theta, bad),

@@ -29,7 +29,7 @@ Curve = Named
 class Segment:
     """One stretch of the motion: cam span, rise (end minus start, in the motion's unit), and the curve between."""
 
-    span_deg: float = number("Span", 0.0, 360.0, open_low=True, step=1.0, help="cam angle this segment takes")
+    span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle this segment takes")
     rise: float = number("Rise", help="end minus start; negative for a return", step=1.0)
     curve: Curve = Named("dwell")
 

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.friction import GuideReaction, guide_reaction
+from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.loading import Loading
 from core.train import REVOLUTE, SLIDING, Dyad, Pose, Train
 from core.vectors import cross, dot
@@ -158,5 +158,7 @@ def newton_euler(train: Train, shape: CamShape, loading: Loading, omega: float) 
         pressing = contact * normal
         walk.pairs["bearing"] = -pressing
         torque = -shape.sense * cross(reference, pressing)
-    assert walk.guide is not None
-    return Forces(omega, walk.pairs, contact, torque, follower, walk.guide)
+        assert walk.guide is not None
+        guide = GuideReaction(limitless(walk.guide.normal), limitless(walk.guide.friction), walk.guide.jam)
+        pairs = {name: limitless(force) for name, force in walk.pairs.items()}
+        return Forces(omega, pairs, limitless(contact), limitless(torque), limitless(follower), guide)

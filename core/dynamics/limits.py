@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from math import pi
 
 from core.dynamics.loading import Loading
 from core.extremes import Range
@@ -16,9 +16,9 @@ def findings(extremes: Mapping[str, Range], loading: Loading) -> list[Finding]:
         return [Finding("no-load", NOTE, "loads", None)]
     found = []
     least = extremes["contact_force"].low
-    if least.value <= 0.0:
-        found.append(Finding("separation", ERROR, "loads", least.theta * 180.0 / pi, {"force_n": least.value}))
+    if math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
+        found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), {"force_n": least.value}))
     worst = extremes["jam_factor"].high
     if worst.value >= 1.0:
-        found.append(Finding("jamming", ERROR, "loads.friction", worst.theta * 180.0 / pi, {"factor": worst.value}))
+        found.append(Finding("jamming", ERROR, "loads.friction", math.degrees(worst.theta), {"factor": worst.value}))
     return found

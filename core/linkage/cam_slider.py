@@ -35,10 +35,11 @@ def _require_triangle(g: SI, solved: RodAndArm, motion: MotionState) -> None:
     if np.isnan(solved.area[bad]).any():
         r = np.hypot(solved.slider[bad], g.guide_height) * 1e3
         low, high = abs(g.slider_arm - g.rod) * 1e3, (g.slider_arm + g.rod) * 1e3
+        worst = r.max() if r.max() > high else r.min()
         raise NoAssembly(
-            f"slider arm and rod cannot reach the slider, {r.min():.6g} ... {r.max():.6g} mm from the pivot,",
+            f"slider arm and rod cannot reach the slider, which comes to {worst:.9g} mm from the pivot,",
             "follower.rod_mm",
-            f"that distance must stay within {low:.6g} ... {high:.6g} mm: change the lengths or the stroke",
+            f"that distance must stay within {low:.9g} ... {high:.9g} mm: change the lengths or the stroke",
             where,
         )
     raise NoAssembly(

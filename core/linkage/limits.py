@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
+from math import degrees
 
 from core.extremes import Range
 from core.findings import ERROR, WARNING, Finding
@@ -19,5 +19,5 @@ def findings(extremes: Mapping[str, Range]) -> list[Finding]:
         if code in extremes and extremes[code].low.value < limit:
             low = extremes[code].low
             grade = ERROR if low.value < AT else severity
-            found.append(Finding(code, grade, "follower.rod_mm", low.theta * 180.0 / pi, {"value": low.value}))
+            found.append(Finding(code, grade, "follower.rod_mm", degrees(low.theta), {"value": low.value}))
     return found

@@ -24,7 +24,7 @@ def translating_train(follower: Translating, reach: float, motion: MotionState) 
         raise NoAssembly(
             f"the roller cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
             "follower.offset_mm",
-            f"must stay within +-{reach * 1e3:.6g} mm, base radius + roller radius",
+            f"must stay within +-{reach * 1e3:.9g} mm, base radius + roller radius",
         )
     base, along = math.sqrt(inside), complex(math.cos(g.direction), math.sin(g.direction))
     place = motion.y.copy()
@@ -33,7 +33,7 @@ def translating_train(follower: Translating, reach: float, motion: MotionState) 
         raise NoCam(
             "the roller centre passes the cam centre: no cam radius is left",
             "cam.base_radius_mm",
-            f"make it larger by more than {-place[0].min() * 1e3:.6g} mm, or lower the motion",
+            f"make it larger by more than {-place[0].min() * 1e3:.9g} mm, or lower the motion",
             angle_ranges(motion.theta, place[0] <= 0.0),
         )
     z = place * along

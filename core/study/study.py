@@ -12,11 +12,12 @@ from core import cam, dynamics, linkage, motion
 from core.cam import CamShape
 from core.design import Design, kind_of, si
 from core.dynamics import Forces, Loading
-from core.errors import NoSuchStage
+from core.errors import NoAnswer, NoSuchStage, at_angles
 from core.extremes import Range, find_extremes
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
 from core.shaft import Flywheel, TorqueCurve, flywheel, torque_curve
+from core.study.failures import failing_ranges
 from core.study.quantities import quantities_of
 from core.study.stages import cam_stage, dynamics_stage, evaluations, grid, linkage_stage, loading, memory, motion_stage
 from core.train import Train
@@ -63,12 +64,17 @@ class Study:
 
     @cached_property
     def linkage(self) -> Train:
-        drive = self.design.drive
-        return self._stage(linkage_stage, drive.follower, self.reach, self.motion)
+        try:
+            return self._stage(linkage_stage, self.design.drive.follower, self.reach, self.motion)
+        except NoAnswer as error:
+            raise self._located(error, "linkage") from None
 
     @cached_property
     def cam(self) -> CamShape:
-        return self._stage(cam_stage, self.linkage, self.design.drive.cam, self.design.shaft.sense)
+        try:
+            return self._stage(cam_stage, self.linkage, self.design.drive.cam, self.design.shaft.sense)
+        except NoAnswer as error:
+            raise self._located(error, "cam") from None
 
     @cached_property
     def dynamics(self) -> Forces:
@@ -91,6 +97,12 @@ class Study:
 
     def _torque(self, angles: Angles) -> np.ndarray:
         return self.at(angles).dynamics.torque
+
+    def _located(self, error: NoAnswer, stage: str) -> NoAnswer:
+        """The error of a sampled stage with the cam angles to the last digit, whatever the sampling was."""
+        if not error.cam_angles or not self.angles.kept:
+            return error
+        return at_angles(error, failing_ranges(lambda angles: self.at(angles), stage, self.program))
 
     def _stage(self, function: Any, *parts: Any) -> Any:
         return function(*parts) if self.angles.kept else function.__wrapped__(*parts)
@@ -169,7 +181,10 @@ class Study:
             there = self.at(angles)
             return {name: row.value(there) for name, row in rows.items()}
 
-        return find_extremes(values, self.program)
+        try:
+            return find_extremes(values, self.program)
+        except NoAnswer as error:
+            raise self._located(error, stage) from None
 
     def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
         """What the named stages (all, where none is named) exceed, the gravest first."""
@@ -205,7 +220,9 @@ class Study:
             radius: float = si(self.design.drive.cam).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
-            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS * farthest)
+            proof["roller_tangency"] = Residual(
+                cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS * farthest
+            )
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
             parts = (self.linkage, self.cam, self.dynamics, self.loading)

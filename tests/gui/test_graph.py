@@ -308,7 +308,7 @@ def test_an_empty_polar_plot_says_what_would_fill_it(graph: GraphView) -> None:
 
 
 def test_polar_plots_share_the_room() -> None:
-    assert [columns_for(n, 900.0, 600.0) for n in (1, 2, 3, 4, 6)] == [1, 2, 2, 3, 3]
+    assert [columns_for(n, 900.0, 600.0) for n in (1, 2, 3, 4, 6)] == [1, 2, 2, 2, 3]
     assert columns_for(3, 300.0, 900.0) == 1
 
 

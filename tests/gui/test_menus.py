@@ -163,6 +163,16 @@ def test_pictures_on_screen_can_be_exported(user: User) -> None:
     assert "Displacement..." not in user.entries("Graph", "Export picture")
 
 
+def test_a_layout_that_cannot_be_built_is_told(user: User) -> None:
+    user.choose("Compo", "Layout", user.entries("Compo", "Layout")[2])
+    what, lines = user.faults[0]
+    assert what == "Layout c is not possible with these lengths."
+    assert lines[0].startswith("Rod L2: the rod does not reach the guide")
+    field = user.field("follower.layout")
+    assert (user.steps, field.trouble, field.editor.refused) == ([], "", False)
+    assert user.action("Compo", "Layout", user.entries("Compo", "Layout")[1]).isChecked()
+
+
 # -- undo, player -----------------------------------------------------------------------------------------
 
 
