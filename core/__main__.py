@@ -19,7 +19,7 @@ from core.export import export, files
 from core.files import write_all
 from core.findings import ERROR
 from core.project import load
-from core.report import finding_line, report
+from core.report import finding_line, printable, report
 from core.study import SAMPLES, Study
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
@@ -96,7 +96,9 @@ def check(words: argparse.Namespace, painter: Painter | None) -> int:
         if not residual.kept:
             print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
     kept = sum(residual.kept for residual in proof.values())
-    print(f"{study.design.name}: {len(found)} findings, {kept} of {len(proof)} residuals within their bounds")
+    print(
+        f"{printable(study.design.name)}: {len(found)} findings, {kept} of {len(proof)} residuals within their bounds"
+    )
     return _verdict(study)
 
 

@@ -171,7 +171,7 @@ class _Search:
             finest = min(FINEST_RAD, FINEST * float(widths[piece]))
             self.brackets.append(_Bracket(float(lo), float(hi), piece, float(angles.theta[i]), float(value[i]), finest))
         self._all = list(self.brackets)
-        self._value, self._theta = value, angles.theta
+        self._value, self._theta, self._piece = value, angles.theta, angles.piece
 
     def _highest(self) -> float:
         return max((b.value for b in self._all), default=-np.inf)
@@ -185,9 +185,28 @@ class _Search:
         """The highest; among equals (to rounding) the smallest cam angle."""
         top = max(self._highest(), self.sign * self.found.value)
         slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
-        equal = [(b.theta, b.value) for b in self._all if b.value >= top - slack]
-        equal += [
-            (float(self._theta[i]), float(self._value[i])) for i in np.flatnonzero(self._value >= top - slack)[:1]
-        ]
+        plateaus = self._plateaus(np.flatnonzero(self._value >= top - slack))
+        equal = [(float(self._theta[i]), float(self._value[i])) for _, i in plateaus]
+        if not plateaus and self.sign * self.found.value >= top - slack:
+            equal.append((self.found.theta, self.sign * self.found.value))
+        for b in self._all:
+            # beside a plateau the value differs by rounding only: the plateau names the angle
+            beside = any(self._theta[max(first - 1, 0)] <= b.theta <= self._theta[i] for first, i in plateaus)
+            if b.value >= top - slack and not (beside and equal):
+                equal.append((b.theta, b.value))
         theta, value = min(equal)
         return Extreme(self.sign * value, theta % (2.0 * pi))
+
+    def _plateaus(self, ties: np.ndarray) -> list[tuple[int, int]]:
+        """Runs of equal samples within a piece: the first of each, and the one that names it. That is the first, but for
+        a curve that runs into the end of its piece, where it arrives: its last."""
+        found = []
+        for run in np.split(ties, np.flatnonzero(np.diff(ties) > 1) + 1) if ties.size else []:
+            for piece in np.unique(self._piece[run]):
+                part = run[self._piece[run] == piece]
+                if part.size < 2:
+                    continue
+                own = np.flatnonzero(self._piece == piece)
+                arrives = part[-1] == own[-1] and part[0] != own[0]
+                found.append((int(part[0]), int(part[-1] if arrives else part[0])))
+        return found

@@ -38,6 +38,11 @@ def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
     ]
 
 
+def printable(text: str) -> str:
+    """The text on one line, without what a terminal would obey."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
 def finding_line(finding: Finding) -> str:
     where = "" if finding.cam_angle_deg is None else f" at cam angle {digits(finding.cam_angle_deg)} °"
     return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
@@ -132,7 +137,8 @@ def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
 def report(study: Study) -> str:
     """The whole report, lines ending with a newline. Raises NoAnswer where the design has none."""
     stages = study.stages
-    lines = [study.design.name, "=" * len(study.design.name)]
+    name = printable(study.design.name)
+    lines = [name, "=" * len(name)]
     lines += _inputs(study) + _motion(study) + _base(study)
     lines += _extremes(study, channels(study.design), stages)
     lines += _flywheel(study) + _findings(study, stages) + _certificate(study, stages)

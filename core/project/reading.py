@@ -64,8 +64,6 @@ def _name_faults(table: Mapping[str, Any]) -> Iterator[Fault]:
         yield Fault("name", table["name"], "must be text", "any text")
     elif not table["name"].strip():
         yield Fault("name", table["name"], "empty", "any text")
-    elif not table["name"].isprintable():
-        yield Fault("name", table["name"], "holds characters that cannot be printed", "text on one line")
 
 
 def _kind_faults(table: Mapping[str, Any]) -> Iterator[Fault]:

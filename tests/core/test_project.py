@@ -245,7 +245,7 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
         ("motion.start_mm", GONE, "missing; allowed: any number of mm"),
         ("motion.start_mm", math.nan, "outside its range"),
         ("motion.start_mm", "150", "must be a number; allowed: any number of mm"),
-        ("motion.segments[1].span_deg", GONE, "missing; allowed: above 0 ... 360"),
+        ("motion.segments[1].span_deg", GONE, "missing; allowed: 1e-06 ... 360"),
         ("motion.segments[1].span_deg", "41.5", "must be a number"),
         ("motion.segments[1].span_deg", math.nan, "outside its range"),
         ("motion.segments[1].rise_mm", GONE, "missing; allowed: any number of mm"),

@@ -1,0 +1,263 @@
+"""kindyna_gui.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import LIFT
+from PIL import Image
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QWidget
+from window_user import User, settle
+
+from core.export import files
+from core.project import load
+from core.report import report
+from core.study import Study
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, progress, tables_wanted
+from kindyna_gui.pictures.film import LEAST_DELAY, TICK, Camera, Film, shoot
+from kindyna_gui.places import example
+
+SMALL = Film(".gif", 12, 320, 240, 1.0)
+EXPORT = ("File", "Export")
+
+
+# -- the menu ---------------------------------------------------------------------------------------------
+
+
+def test_file_export_offers_everything(user: User) -> None:
+    assert user.entries(*EXPORT) == ["Tables...", "Report...", "Picture of the mechanism...", "Animation..."]
+    for name in user.entries(*EXPORT):
+        assert user.action(*EXPORT, name).statusTip()
+
+
+# -- tables and report ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("samples", [72, 3600])
+def test_the_tables_are_the_cores(samples: int, user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = tmp_path / "new" / "tables"
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(folder, samples))
+    user.session.edit("motion.stroke", 160.0, "a")
+    user.choose(*EXPORT, "Tables...")
+    wanted = files(Study(user.design, samples))
+    assert {path.name: path.read_text() for path in folder.iterdir()} == wanted
+    assert user.window.status.currentMessage() == f"Wrote {', '.join(wanted)} into {folder}"
+
+
+def test_tables_that_cannot_be_written_are_told(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "file", 72))
+    user.choose(*EXPORT, "Tables...")
+    assert [what for what, _ in user.faults] == ["The tables cannot be exported."]
+
+
+def test_the_report_is_the_cores(user: User, tmp_path: Path) -> None:
+    suggested = user.picks("report_to_save", tmp_path / "r.txt")
+    user.choose(*EXPORT, "Report...")
+    assert (tmp_path / "r.txt").read_text() == report(Study(user.design))
+    assert suggested[0].name == "Transfer_unit__lift_drive.txt"
+
+
+def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    user.picks("report_to_save", None)
+    user.picks("picture_to_save", None)
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
+    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
+    for name in user.entries(*EXPORT):
+        user.choose(*EXPORT, name)
+    assert list(tmp_path.iterdir()) == []
+    assert user.faults == []
+
+
+def test_the_picture_of_the_mechanism(user: User, tmp_path: Path) -> None:
+    user.picks("picture_to_save", tmp_path / "m.svg")
+    user.choose(*EXPORT, "Picture of the mechanism...")
+    assert b"Transfer unit, lift drive" in (tmp_path / "m.svg").read_bytes()
+
+
+# -- the dialogs ------------------------------------------------------------------------------------------
+
+
+@contextmanager
+def answering(act: Callable[[QWidget], None]) -> Iterator[None]:
+    """Act on the dialog that is about to open."""
+    seen: list[QWidget] = []
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        if dialog is None:
+            QTimer.singleShot(10, look)
+        else:
+            seen.append(dialog)
+            act(dialog)
+
+    QTimer.singleShot(0, look)
+    yield
+    assert seen, "no dialog opened"
+
+
+def press(dialog: QWidget, which: QDialogButtonBox.StandardButton) -> None:
+    box = dialog.findChild(QDialogButtonBox)
+    assert box is not None
+    QTest.mouseClick(box.button(which), Qt.MouseButton.LeftButton)
+
+
+OK, CANCEL = QDialogButtonBox.StandardButton.Ok, QDialogButtonBox.StandardButton.Cancel
+
+
+def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
+    def act(dialog: QWidget) -> None:
+        assert isinstance(dialog, TablesDialog)
+        assert dialog.step.text() == "one row every 0.1°"
+        dialog.folder.setText(str(tmp_path))
+        dialog.samples.setValue(720)
+        assert dialog.step.text() == "one row every 0.5°"
+        press(dialog, OK)
+
+    with answering(act):
+        assert tables_wanted(user.window, tmp_path / "elsewhere") == TablesWanted(tmp_path, 720)
+    with answering(lambda dialog: press(dialog, CANCEL)):
+        assert tables_wanted(user.window, tmp_path) is None
+
+
+def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    suggested: list[str] = []
+
+    def pick(parent: QWidget, title: str, suggestion: str, filters: str) -> tuple[str, str]:
+        suggested.append(suggestion)
+        return str(tmp_path / "film"), filters
+
+    monkeypatch.setattr(export_dialogs.QFileDialog, "getSaveFileName", pick)
+
+    def act(dialog: QWidget) -> None:
+        assert isinstance(dialog, FilmDialog)
+        assert dialog.seconds.value() == 3.0
+        dialog.format.setCurrentIndex(dialog.format.findData(".webp"))
+        dialog.size.setCurrentIndex(0)
+        dialog.frames.setValue(36)
+        assert dialog.told.text() == "a frame every 10°, 12 frames per second"
+        press(dialog, OK)
+
+    with answering(act):
+        wanted = film_wanted(user.window, tmp_path, "lift", 3.0)
+    assert suggested == [str(tmp_path / "lift.webp")]
+    assert wanted == (tmp_path / "film.webp", Film(".webp", 36, 480, 360, 3.0))
+    with answering(lambda dialog: press(dialog, CANCEL)):
+        assert film_wanted(user.window, tmp_path, "lift", 3.0) is None
+
+
+def test_names_get_their_ending(monkeypatch: pytest.MonkeyPatch) -> None:
+    for dialog, name, ending in ((dialogs.table_to_save, "a", "a.csv"), (dialogs.report_to_save, "a.b", "a.b.txt")):
+        monkeypatch.setattr(dialogs.QFileDialog, "getSaveFileName", lambda *_, name=name: (name, ""))
+        assert dialog(None, Path("x")) == Path(ending)  # type: ignore[arg-type]
+        monkeypatch.setattr(dialogs.QFileDialog, "getSaveFileName", lambda *_: ("", ""))
+        assert dialog(None, Path("x")) is None  # type: ignore[arg-type]
+
+
+# -- animation --------------------------------------------------------------------------------------------
+
+
+def test_an_animation_of_one_turn(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[float] = []
+
+    def wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tuple[Path, Film]:
+        asked.append(seconds)
+        return tmp_path / "film.gif", SMALL
+
+    monkeypatch.setattr(export_dialogs, "film_wanted", wanted)
+    user.choose(*EXPORT, "Animation...")
+    assert asked == pytest.approx([3.0]), "20 rpm in true time"
+    film = Image.open(BytesIO((tmp_path / "film.gif").read_bytes()))
+    assert (film.n_frames, film.size, film.info["loop"]) == (12, (320, 240), 0)
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'film.gif'}"
+
+
+def test_the_layers_on_the_screen_are_those_of_the_animation(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "a.gif", SMALL))
+    user.choose(*EXPORT, "Animation...")
+    view = user.window.view("mechanism")
+    assert view is not None
+    next(a for a in view.layer_actions() if a.text() == "Labels").trigger()
+    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "b.gif", SMALL))
+    user.choose(*EXPORT, "Animation...")
+    assert (tmp_path / "a.gif").read_bytes() == shoot(user.design, SMALL)
+    assert (tmp_path / "b.gif").read_bytes() == shoot(user.design, SMALL, {"labels": False})
+
+
+def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[int] = []
+
+    @contextmanager
+    def impatient(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
+        yield lambda done: (drawn.append(done), done < 3)[1]
+
+    monkeypatch.setattr(export_dialogs, "progress", impatient)
+    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "film.gif", SMALL))
+    user.choose(*EXPORT, "Animation...")
+    assert drawn == [0, 1, 2, 3]
+    assert list(tmp_path.iterdir()) == []
+    assert "cancelled" in user.window.status.currentMessage()
+
+
+def test_the_progress_can_be_cancelled(user: User) -> None:
+    with progress(user.window, "Drawing", 10) as go_on:
+        assert go_on(1)
+        dialog = user.window.findChild(QProgressDialog)
+        assert dialog is not None
+        dialog.cancel()
+        assert not go_on(2)
+    settle()
+
+
+def test_an_animation_that_cannot_be_written_is_told(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: (tmp_path / "nowhere" / "film.gif", SMALL))
+    user.choose(*EXPORT, "Animation...")
+    assert [what for what, _ in user.faults] == ["film.gif cannot be written."]
+
+
+@pytest.mark.parametrize("ending", [".gif", ".webp"])
+def test_the_same_design_gives_the_same_bytes(ending: str) -> None:
+    film = Film(ending, 6, 320, 240, 1.0)
+    assert shoot(LIFT, film) == shoot(LIFT, film)
+
+
+def frames(data: bytes) -> list[np.ndarray]:
+    film = Image.open(BytesIO(data))
+    pictures = []
+    for number in range(film.n_frames):
+        film.seek(number)
+        pictures.append(np.asarray(film.convert("RGB"), dtype=int))
+    return pictures
+
+
+def test_webp_loses_nothing_and_gif_only_shades() -> None:
+    design = load(example("card_picker"))
+    films = {ending: Film(ending, 6, 400, 300, 1.0) for ending in (".gif", ".webp")}
+    camera = Camera(design, films[".gif"], {})
+    drawn = [np.asarray(camera.take(i), dtype=int) for i in range(6)]
+    for ending, film in films.items():
+        data = shoot(design, film)
+        assert data is not None
+        for seen, wanted in zip(frames(data), drawn, strict=True):
+            apart = np.abs(seen - wanted).max(axis=2)
+            assert (apart.max() == 0) if ending == ".webp" else (apart.max() < 64 and np.mean(apart > 10) < 2e-3)
+            assert seen[150, 3].tolist() == [255, 255, 255], "paper is white"
+
+
+@pytest.mark.parametrize(("frames", "seconds"), [(12, 1.0), (72, 3.0), (7, 0.5), (360, 0.2), (100, 3.33)])
+def test_the_delays_add_up_to_the_turn(frames: int, seconds: float) -> None:
+    delays = Film(".gif", frames, 320, 240, seconds).delays
+    assert len(delays) == frames
+    assert all(delay % TICK == 0 and delay >= LEAST_DELAY for delay in delays)
+    assert sum(delays) == pytest.approx(max(1000.0 * seconds, frames * LEAST_DELAY), abs=TICK)
+    assert max(delays) - min(delays) <= TICK

@@ -1,0 +1,177 @@
+"""kindyna_gui.headless, screenshots, selftest: what the window is good for where nobody sees it."""
+
+import os
+import subprocess
+import sys
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, with_follower
+from PIL import Image
+from PySide6.QtWidgets import QApplication
+
+from core.project import save
+from kindyna_gui import screenshots, selftest
+from kindyna_gui.__main__ import main
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.headless import COMMANDS
+from kindyna_gui.places import example, examples
+from kindyna_gui.settings import Settings
+
+PICKER = example("card_picker")
+
+
+@pytest.fixture(autouse=True)
+def platform(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the commands do to the environment ends with the test."""
+    monkeypatch.setenv("QT_QPA_PLATFORM", os.environ["QT_QPA_PLATFORM"])
+
+
+def run(*words: object) -> int:
+    return main(["--headless", *map(str, words)])
+
+
+# -- screenshots ------------------------------------------------------------------------------------------
+
+
+def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("screenshots", PICKER, "--out", tmp_path / "shots", "--size", "1024x700") == 0
+    told = capsys.readouterr()
+    made = {path.name: path for path in (tmp_path / "shots").iterdir()}
+    assert told.out.splitlines() == [
+        str(tmp_path / "shots" / name) for name in map(os.path.basename, told.out.split("\n")) if name
+    ]
+    assert told.err == ""
+    wanted = {"window", "window_graph", "mechanism_vectors", "graph_polar", *VIEWS}
+    wanted |= {f"parameters_{name}" for name in ("cam", "shaft", "loads")}
+    assert set(made) == {f"{name}.png" for name in wanted}
+    for name, path in made.items():
+        with Image.open(path) as opened:
+            picture = np.asarray(opened.convert("L"))
+        if name == "window.png":
+            assert picture.shape == (700, 1024)
+        assert picture.min() < 120, f"{name} is empty"
+        assert picture.std() > 2.0, f"{name} is empty"
+
+
+def test_the_users_own_settings_are_neither_read_nor_written(tmp_path: Path, own_settings: Path) -> None:
+    kept = Settings()
+    kept.add_recent(PICKER)
+    kept._kept.sync()
+    before = {path: path.read_bytes() for path in own_settings.rglob("*") if path.is_file()}
+    window = screenshots.hidden_window(LIFT, (800, 600))
+    assert window.settings.recent == []
+    screenshots.dismiss(window)
+    assert {path: path.read_bytes() for path in own_settings.rglob("*") if path.is_file()} == before
+
+
+@pytest.mark.parametrize("size", ["900", "10x10", "900x", "99999x900", "-900x700"])
+def test_a_wrong_size_is_told_in_one_line(size: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("screenshots", PICKER, "--out", tmp_path / "out", f"--size={size}") == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 1
+    assert "allowed" in told[0]
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["screenshots", "animation"])
+def test_a_design_without_an_answer_leaves_nothing(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bad.toml"
+    save(with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0), path)
+    out = tmp_path / ("out.gif" if command == "animation" else "out")
+    assert run(command, path, "--out", out) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+    assert [p.name for p in tmp_path.iterdir()] == ["bad.toml"]
+
+
+def test_a_design_with_an_error_is_painted_and_answers_1(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = PICKER.read_text().replace("base_radius_mm = 50.0", "base_radius_mm = 1.0")
+    path = tmp_path / "steep.toml"
+    path.write_text(text)
+    code = run("animation", path, "--out", tmp_path / "a.gif", "--frames", 4, "--size", "320x320")
+    assert code == (1 if "error" in _check(path, capsys) else 0)
+    assert (tmp_path / "a.gif").is_file()
+
+
+def _check(path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    capsys.readouterr()
+    run("check", path)
+    return capsys.readouterr().out
+
+
+# -- animation --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", ["gif", "webp"])
+def test_an_animation_from_the_command_line(ending: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / f"turn.{ending}"
+    assert run("animation", PICKER, "--out", path, "--frames", 8, "--size", "400x320") == 0
+    assert capsys.readouterr().out == f"{path}\n"
+    film = Image.open(BytesIO(path.read_bytes()))
+    assert (film.n_frames, film.size) == (8, (400, 320))
+
+
+@pytest.mark.parametrize("words", [("--out", "a.mp4"), ("--frames", "1"), ("--frames", "many")])
+def test_wrong_words_are_told(words: tuple[str, str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("animation", PICKER, *words) == 2
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+# -- selftest ---------------------------------------------------------------------------------------------
+
+
+def test_every_example_passes(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(selftest, "FRAMES", 24)
+    assert run("selftest") == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    assert [line.split(":")[0] for line in told.out.splitlines()] == [f"ok {path.stem}" for _, path in examples()]
+
+
+def test_what_differs_from_the_core_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def other(design: object, folder: Path) -> list[str]:
+        names = selftest_write(design, folder)
+        table = folder / "profile.csv"
+        table.write_text(table.read_text().replace("0.1,", "0.2,", 1))
+        return names
+
+    selftest_write = selftest.write_tables
+    monkeypatch.setattr(selftest, "FRAMES", 4)
+    monkeypatch.setattr(selftest, "write_tables", other)
+    monkeypatch.setattr(selftest, "examples", lambda: examples()[:1])
+    assert run("selftest") == 1
+    assert capsys.readouterr().out == f"FAILED {examples()[0][1].stem}: profile.csv differs from the core's\n"
+
+
+# -- how they are hooked in -------------------------------------------------------------------------------
+
+
+def test_the_commands_are_offered_beside_the_cores(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run("--help") == 0
+    told = capsys.readouterr().out
+    for name in ("check", "report", "export", *COMMANDS):
+        assert name in told
+
+
+def test_the_core_knows_nothing_of_them() -> None:
+    done = subprocess.run([sys.executable, "-m", "core", "--help"], capture_output=True, text=True, check=True)
+    for name in COMMANDS:
+        assert name not in done.stdout
+
+
+def test_no_window_is_shown_whatever_the_desktop_says(tmp_path: Path) -> None:
+    """And nothing is said on stderr."""
+    path = tmp_path / "lift.toml"
+    save(LIFT, path)
+    words = ["animation", str(path), "--frames", "2", "--size", "320x320", "--out", "a.gif"]
+    environment = {**os.environ, "QT_QPA_PLATFORM": "xcb", "DISPLAY": ":987"}
+    program = [sys.executable, "-m", "kindyna_gui", "--headless", *words]
+    done = subprocess.run(program, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "a.gif").is_file()

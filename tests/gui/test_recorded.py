@@ -1,0 +1,138 @@
+"""What a newcomer does first, as events of mouse and keyboard on the real window: see the lift turn, change its
+stroke, watch cam, pressure angle and torque follow, export the profile, undo everything."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from window_user import User, plain, settle, wait_for
+
+from core.design import edited
+from core.export import files
+from core.project import dumps, load
+from core.study import Study
+from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.places import example
+from kindyna_gui.plots_view import PlotView
+
+Event = tuple[str, Any]
+LEFT = Qt.MouseButton.LeftButton
+CONTROL = Qt.KeyboardModifier.ControlModifier
+
+LOAD: tuple[Event, ...] = (("menu", ("File", "Examples", "Transfer lift")),)
+TURN: tuple[Event, ...] = (
+    ("click", "play"),
+    ("until", 20.0),
+    ("click", "play"),
+    ("key", (Qt.Key.Key_PageDown, Qt.KeyboardModifier.NoModifier)),
+)
+STROKE: tuple[Event, ...] = (
+    ("click", "stroke"),
+    ("key", (Qt.Key.Key_A, CONTROL)),
+    ("type", "160"),
+    ("key", (Qt.Key.Key_Return, Qt.KeyboardModifier.NoModifier)),
+)
+EXPORT: tuple[Event, ...] = (("menu", ("File", "Export", "Tables...")),)
+SAVE: tuple[Event, ...] = (("key", (Qt.Key.Key_S, CONTROL)),)
+UNDO: tuple[Event, ...] = (("key", (Qt.Key.Key_Z, CONTROL)),)
+
+
+class Replay:
+    """Plays events on a window, as Qt would get them from mouse and keyboard."""
+
+    def __init__(self, user: User) -> None:
+        self.user = user
+        self._play: Mapping[str, Callable[[Any], None]] = MappingProxyType(
+            {"menu": self._menu, "click": self._click, "key": self._key, "type": self._type, "until": self._until}
+        )
+
+    def __call__(self, events: tuple[Event, ...]) -> None:
+        for kind, what in events:
+            self._play[kind](what)
+            settle()
+
+    def _menu(self, way: tuple[str, ...]) -> None:
+        """Click from menu to menu."""
+        bar = self.user.window.menuBar()
+        place: Any = bar
+        for text in way:
+            action = next(a for a in place.actions() if plain(a.text()) == text)
+            QTest.mouseClick(place, LEFT, pos=place.actionGeometry(action).center())
+            settle()
+            if isinstance(action.menu(), QMenu):
+                place = action.menu()
+                wait_for(place.isVisible)
+
+    def _click(self, what: str) -> None:
+        places: Mapping[str, Callable[[], QWidget]] = {
+            "play": lambda: self.user.window.bar.play,  # type: ignore[attr-defined]
+            "stroke": lambda: self.user.number("motion.stroke_mm").lineEdit(),
+        }
+        widget = places[what]()
+        QTest.mouseClick(widget, LEFT, pos=QPoint(widget.width() // 2, widget.height() // 2))
+
+    def _key(self, key: tuple[Qt.Key, Qt.KeyboardModifier]) -> None:
+        QTest.keyClick(QApplication.focusWidget() or self.user.window, *key)
+
+    def _type(self, text: str) -> None:
+        QTest.keyClicks(QApplication.focusWidget(), text)
+
+    def _until(self, angle: float) -> None:
+        """Time passes until the cam has turned so far [deg]."""
+        wait_for(lambda: self.user.window.player.theta * 57.29578 > angle)
+
+
+def seen(user: User) -> dict[str, Any]:
+    """What the newcomer looks at: the outline of the cam, the values at the cursors, the picture itself."""
+    window = user.window
+    told: dict[str, Any] = {}
+    for name in ("displacement", "pressure_angle", "torque"):
+        view = window.view(name)
+        assert isinstance(view, PlotView)
+        told[name] = (view.plot.readings(), [curve.yData.tobytes() for curve in view.plot._drawn])
+    mechanism = window.view("mechanism")
+    path = mechanism.scene.item("cam").path()  # type: ignore[union-attr]
+    told["cam"] = [(path.elementAt(i).x, path.elementAt(i).y) for i in range(0, path.elementCount(), 50)]
+    return told
+
+
+def test_the_first_five_minutes(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    play, lift = Replay(user), load(example("transfer_lift"))
+    longer = edited(lift, "motion.stroke", 160.0)
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "out", 3600))
+    monkeypatch.setattr(dialogs, "design_to_save", lambda *_: tmp_path / "mine.toml")
+
+    play(LOAD)
+    assert user.design == lift
+    play(TURN)
+    assert user.window.player.theta * 57.29578 == pytest.approx(35.0, abs=1e-3), "the join after the dwell"
+    QTest.keyClick(user.window, Qt.Key.Key_Right, CONTROL)
+    before = seen(user)
+
+    play(STROKE)
+    assert user.design == longer
+    assert user.steps == ["Change stroke to 160 mm"]
+    after = seen(user)
+    for name in ("displacement", "pressure_angle", "torque", "cam"):
+        assert after[name] != before[name], f"{name} does not follow the stroke"
+
+    play(EXPORT)
+    wanted = files(Study(longer))
+    assert (tmp_path / "out" / "profile.csv").read_text() == wanted["profile.csv"]
+    assert {path.name: path.read_text() for path in (tmp_path / "out").iterdir()} == wanted
+
+    play(SAVE)
+    assert (tmp_path / "mine.toml").read_text() == dumps(longer)
+    play(UNDO)
+    assert user.design == lift
+    assert seen(user) == before
+    assert user.window.isWindowModified(), "what was saved had the longer stroke"
+    play(SAVE)
+    assert (tmp_path / "mine.toml").read_text() == dumps(lift)
+    assert not user.window.isWindowModified()

@@ -1,0 +1,75 @@
+"""The window in motion for long: no reference is lost, no memory is kept. Some versions of Qt's bindings lost a
+reference to None in each frame and ended the interpreter with it."""
+
+import gc
+import sys
+from pathlib import Path
+
+import pytest
+from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtWidgets import QApplication
+from window_user import User
+
+from kindyna_gui.player import FRAME_MS
+
+LOST = 40  # references to None that may come and go by chance
+WARM = 40  # frames until caches are filled
+EDIT_EVERY = 25  # frames
+
+
+def memory() -> int:
+    """Resident memory of this process [bytes]; 0 where the system does not tell."""
+    status = Path("/proc/self/statm")
+    return int(status.read_text().split()[1]) * 4096 if status.is_file() else 0
+
+
+def turn(user: User, frames: int, first: int = 0) -> None:
+    """Play so many frames, editing now and then."""
+    player = user.window.player
+    for frame in range(first, first + frames):
+        player.advance(FRAME_MS / 1000.0)
+        if frame % EDIT_EVERY == 0:
+            # few values, so that caches of results do not count as growth
+            user.session.edit("motion.stroke", 150.0 + frame // EDIT_EVERY % 3, "Change stroke")
+        QApplication.processEvents()
+    user.session.stack.undo()
+    QApplication.processEvents()
+
+
+def watch(user: User, frames: int, most_growth: int) -> None:
+    for name in ("velocity", "curvature", "contact_force", "certificate"):
+        user.window.show_view(name)
+    user.window.view("mechanism").show_layer("forces", True)  # type: ignore[union-attr]
+    turn(user, WARM)
+    gc.collect()
+    references, bytes_before = sys.getrefcount(None), memory()
+    turn(user, frames, WARM)
+    gc.collect()
+    assert sys.getrefcount(None) > references - LOST
+    assert memory() - bytes_before < most_growth
+
+
+def test_some_frames_lose_nothing(user: User) -> None:
+    watch(user, 200, 12_000_000)
+
+
+@pytest.mark.soak
+def test_two_thousand_frames_lose_nothing(user: User) -> None:
+    watch(user, 2000, 24_000_000)
+
+
+@pytest.mark.soak
+def test_views_that_come_and_go_are_freed(user: User) -> None:
+    """The graph makes its plots anew; the drawing makes its parts anew with each edit."""
+    view = user.window.show_view("graph")
+    for round_ in range(60):
+        for form in ("polar", "straight"):
+            view.set_form(form)  # type: ignore[attr-defined]
+            QApplication.processEvents()
+            QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+        if round_ == 10:
+            gc.collect()
+            before, references = memory(), sys.getrefcount(None)
+    gc.collect()
+    assert memory() - before < 16_000_000
+    assert sys.getrefcount(None) > references - LOST
