@@ -28,7 +28,6 @@ from kindyna_gui.speeds import Speed, speeds, usual
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
-SPEED_LETTERS = 6  # kept for the speed; the slider takes the rest
 NEAR = 1e-9  # a join so near [rad] is where the cam stands
 JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
@@ -139,8 +138,7 @@ class PlayerBar(View):
         self.speed = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
         self.speed.setAccessibleName("Speed of playing")
         self.speed.setToolTip("Speed: part of the shaft's own, and how many seconds one turn takes then")
-        self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.speed.setMinimumContentsLength(SPEED_LETTERS)
+        self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         row = QHBoxLayout()
         row.setContentsMargins(6, 3, 6, 3)
         row.setSpacing(0)

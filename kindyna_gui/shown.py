@@ -8,7 +8,7 @@ from core.channels import Channel, channels, existing
 from core.errors import KindynaError
 from core.study import QUANTITIES, Study
 from kindyna_gui.pictures.files import different
-from kindyna_gui.wording import sentence
+from kindyna_gui.wording import name_of, sentence
 
 
 def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
@@ -40,13 +40,15 @@ def lack(study: Study, row: Channel) -> str:
     try:
         row.values(study)
     except KindynaError as error:
-        return f"No {row.label[:1].lower()}{row.label[1:]}: {_reason(error)}"
+        return f"No {row.label[:1].lower()}{row.label[1:]}: {_reason(study, error)}"
     return f"No {row.label[:1].lower()}{row.label[1:]} exists here"
 
 
-def _reason(error: KindynaError) -> str:
+def _reason(study: Study, error: KindynaError) -> str:
+    """What the error says, its field by the name that the forms use."""
     field = getattr(error, "field", "")
-    return str(error).removeprefix(f"{field}: ")
+    text = str(error).removeprefix(f"{field}: ")
+    return f"{name_of(study.design, field)}: {text}" if field else text
 
 
 def missing(quantities: Iterable[str]) -> str:

@@ -50,7 +50,7 @@ class Axis(pg.AxisItem):
     def __init__(self, orientation: str, theme: Theme, line: bool = True) -> None:
         super().__init__(orientation, pen=theme.pen(theme.quiet), textPen=theme.pen(theme.ink), maxTickLength=-4)
         self._title = ("", "")
-        self._rows: list[tuple[float, str]] = []
+        self._rows: list[tuple[float, str]] | None = None
         self.enableAutoSIPrefix(False)
         self.setStyle(tickFont=font(SMALL), autoExpandTextSpace=False, hideOverlappingLabels=False, tickTextOffset=4)
         if not line:
