@@ -20,6 +20,9 @@ from kindyna_gui.shown import missing, rows_of, split, stages_of
 from kindyna_gui.view import View
 
 
+LEAST_WIDTH = 240  # below it labels and axes no longer fit
+
+
 class PlotView(View):
     """One plot of a few quantities of one unit; those that a design lacks are named with the reason."""
 
@@ -28,6 +31,7 @@ class PlotView(View):
         self.quantities = tuple(quantities)
         self.stages = stages_of(self.quantities)
         self.plot = LivePlot()
+        self.plot.setMinimumWidth(LEAST_WIDTH)
         self.note = QLabel()
         self.note.setMargin(3)
         self.note.setIndent(6)

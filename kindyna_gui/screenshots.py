@@ -136,7 +136,7 @@ def _tab_by_tab(view: View) -> Iterator[str]:
 
 
 def _straight_and_polar(view: View) -> Iterator[str]:
-    from kindyna_gui.graph_view import FORMS as GRAPHS
+    from kindyna_gui.graph_panel import FORMS as GRAPHS
     from kindyna_gui.graph_view import GraphView
 
     assert isinstance(view, GraphView)

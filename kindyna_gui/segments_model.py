@@ -112,6 +112,7 @@ class SegmentsModel(QAbstractTableModel):
         else:
             self._wrong.clear()
             self.endResetModel()
+            self.told.emit("")
 
     def _all_changed(self) -> None:
         last = self.index(self.rowCount() - 1, self.columnCount() - 1)

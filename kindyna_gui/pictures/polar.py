@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
@@ -14,16 +13,14 @@ from PySide6.QtGui import (
     QPainter,
     QPainterPath,
     QPaintEvent,
-    QPalette,
     QPen,
     QPolygonF,
     QResizeEvent,
 )
-from PySide6.QtWidgets import QGridLayout, QWidget
+from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.files import RATIO, png, svg
 from kindyna_gui.pictures.plot_parts import Span, spans
 from kindyna_gui.pictures.ranges import peak, usual_range
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
@@ -35,7 +32,6 @@ EDGE, TITLE = 32.0, 22.0  # pixels around the outer circle for angles, above it 
 SPOKES = 30  # degrees between
 LETTER_ANGLE = 15.0  # deg: where the circles' values stand, between two spokes
 BUTTON = 24.0  # kept free in the upper right corner, pixels
-CELL = (560, 560)  # of a plot on paper, pixels
 
 
 class PolarPlot(QWidget):
@@ -280,37 +276,4 @@ def _centred(painter: QPainter, at: QPointF, text: str, backing: QColor | None =
     painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
 
-def columns_for(count: int, width: float, height: float) -> int:
-    """Columns of a grid in which so many square plots become largest in the room given."""
-    sizes = {c: min(width / c, height / math.ceil(count / c)) for c in range(1, max(1, count) + 1)}
-    return max(sizes, key=lambda c: sizes[c])
-
-
-class PolarSheet(QWidget):
-    """Polar plots side by side, for files."""
-
-    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme) -> None:
-        super().__init__()
-        paper = QPalette(self.palette())
-        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
-        self.setPalette(paper)
-        self.setAutoFillBackground(True)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(8, 8, 8, 8)
-        columns = math.ceil(math.sqrt(len(rows)))
-        for place, row in enumerate(rows):
-            plot = PolarPlot(self, theme)
-            plot.set_curves(study, row)
-            plot.show_cursor(False)
-            grid.addWidget(plot, place // columns, place % columns)
-        self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
-
-
-def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
-    """Polar plots as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
-    if ending == ".svg":
-        return svg(PolarSheet(study, rows, LIGHT), study.design.name)
-    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO)))
-
-
-__all__ = ["PolarPlot", "PolarSheet", "columns_for", "polar_file"]
+__all__ = ["PolarPlot"]

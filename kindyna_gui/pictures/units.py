@@ -93,7 +93,8 @@ def digits(value: float, most: int = 4) -> str:
     if value == 0.0:
         return "0"
     size = math.floor(math.log10(abs(value)))
-    return number(value, min(most - 1 - size, 12))
+    text = number(value, min(most - 1 - size, 12))
+    return text if text.strip("0.") else "0"  # what rounding leaves of a zero
 
 
 def short(value: float, most: int = 6) -> str:

@@ -22,7 +22,8 @@ from kindyna_gui import dialogs
 from kindyna_gui.graph_choice import FIRST, ChannelTree, Choice, tip_of
 from kindyna_gui.graph_view import EMPTY, GraphView
 from kindyna_gui.live_plot import LivePlot, LivePolar
-from kindyna_gui.pictures.polar import PolarPlot, columns_for, polar_file
+from kindyna_gui.pictures.polar import PolarPlot
+from kindyna_gui.pictures.polar_sheet import columns_for, polar_file
 from kindyna_gui.pictures.units import legible
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
