@@ -109,7 +109,7 @@ class Problem:
 
         def at(x: float) -> Found | None:
             value = self._bent_value(x)
-            if not isfinite(value) or (bent == "r" and not 1e-9 <= value <= 1e9):
+            if not isfinite(value) or (bent == "r" and not 1e-9 <= value <= 1e9) or (bent == "s" and value <= 0.0):
                 return None
             return self._point({bent: value}, settings)
 
