@@ -45,7 +45,7 @@ class Solution:
     def peak_acceleration(self) -> float:
         """Largest |acceleration| [per deg²]."""
         parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
-        return max(ELEMENTS[name].peak * h / (b * b) if b else inf for name, h, b in parts)
+        return max(ELEMENTS[name].peak * h / (b * b) if b * b else inf for name, h, b in parts)
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,8 @@ class Family:
     @property
     def positive(self) -> tuple[str, ...]:
         """Heights that must be above 0."""
+        if len(self.sequence.rise) == 1:
+            return ()
         return ("h1", "h3", *(("h4", "h6") if len(self.sequence.back) > 1 else ()))
 
     @property
@@ -128,6 +130,8 @@ class Family:
     def solve(self, task: Task, free: Mapping[str, float]) -> dict[str, float]:
         """Heights h1 ... h6 and W = V x span from the free numbers; heights may come out negative: not feasible."""
         h, g = task.rise, task.back
+        if len(self.sequence.rise) == 1:
+            return {}
         if self._single_back == "H6":
             h1 = h3 = free.get("h1", h / 2.0)
         else:
