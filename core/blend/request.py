@@ -118,8 +118,22 @@ def blend(request: Request) -> Blended:
         except Infeasible as refusal:
             refusals.append(_shown(refusal, request, candidate))
             continue
-        return Blended(request, *_ordered(candidate, solution))
+        return answered(request, candidate, solution)
     raise _told(request, refusals[0])
+
+
+def prepared(request: Request, candidate: Candidate) -> tuple[Task, dict[str, float]]:
+    """The task and the settings as the candidate's family spells them. Raises BlendError where one means nothing."""
+    _require_sense(request)
+    settings = _renamed(request)
+    if not _means_something(candidate, settings):
+        raise BlendError(f"{candidate.sequence}: has no use for all of {', '.join(settings)}")
+    return _task(request, candidate, settings)
+
+
+def answered(request: Request, candidate: Candidate, solution: Solution) -> Blended:
+    """A family's solution as the request wants it: in the order of time, as segments."""
+    return Blended(request, *_ordered(candidate, solution))
 
 
 def feasible_range(request: Request, setting: str) -> tuple[float, float] | None:
@@ -248,7 +262,11 @@ def _range_shown(
 ) -> tuple[float, float]:
     low, high = allowed
     if name == "peak":
-        return (request.end - high, request.end - low) if candidate.backwards else (request.start + low, request.start + high)
+        return (
+            (request.end - high, request.end - low)
+            if candidate.backwards
+            else (request.start + low, request.start + high)
+        )
     return low, high
 
 

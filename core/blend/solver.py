@@ -67,9 +67,7 @@ class Problem:
 
     def feasible(self, found: Found) -> bool:
         """All heights positive, those of constant velocity perhaps zero."""
-        return all(found[n] > 0.0 for n in self.family.positive) and all(
-            found[n] >= 0.0 for n in self.family.constant
-        )
+        return all(found[n] > 0.0 for n in self.family.positive) and all(found[n] >= 0.0 for n in self.family.constant)
 
     # -- points -------------------------------------------------------------------------------------------
 
@@ -142,9 +140,7 @@ class Problem:
                 return [p for i in intervals for p in curve.where(name, value, i)]
         return []
 
-    def _splits(
-        self, asked: list[tuple[str, float]]
-    ) -> list[tuple[tuple[str, float], list[tuple[str, float]]]]:
+    def _splits(self, asked: list[tuple[str, float]]) -> list[tuple[tuple[str, float], list[tuple[str, float]]]]:
         """Ways to choose the setting that the root is found for; the others must be independent. An acceleration is
         never linear, so it is that one."""
         order = sorted(range(len(asked)), key=lambda i: asked[i][0] != "acceleration")
@@ -234,4 +230,3 @@ class _Curve:
 
 def _hull(ranges: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
     return (min(a for a, _ in ranges), max(b for _, b in ranges)) if ranges else None
-

@@ -43,7 +43,9 @@ def peaks_of(pieces: tuple[Piece, ...]) -> Peaks:
         for left, right in zip(edges, edges[1:], strict=False)
     )
     at_an_end = max(abs(edges[0][2, 0]), abs(edges[-1][2, 1])) > 1e-9 * max(best[1], 1.0)
-    return Peaks(float(best[0]), float(best[1]), math.inf if jerk_is_infinite else float(best[2]), float(best[3]), at_an_end)
+    return Peaks(
+        float(best[0]), float(best[1]), math.inf if jerk_is_infinite else float(best[2]), float(best[3]), at_an_end
+    )
 
 
 def peaks(law: Law) -> Peaks:

@@ -38,7 +38,9 @@ def scaled(pieces: Sequence[Piece], by: float) -> tuple[Piece, ...]:
     )
 
 
-def stretched(pieces: Sequence[Piece], start: float, by: float, new_start: float, gain: float, lift: float) -> list[Piece]:
+def stretched(
+    pieces: Sequence[Piece], start: float, by: float, new_start: float, gain: float, lift: float
+) -> list[Piece]:
     """lift + gain s, with u - start stretched ``by`` times and begun anew at new_start."""
     out = []
     for p in pieces:

@@ -76,6 +76,7 @@ MODIFIED_SINE = (
     Piece(0.875, ((4 + 7 * pi / 8) * _K, pi * _K), (Sine(_K / 4, 4 * pi, pi / 2),)),
 )
 
+
 def _mirrored_p1() -> tuple[Piece, ...]:
     """1 - P1(1-u), expanded in exact fractions."""
     backwards = [Fraction(0)] * len(_P1)
