@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.blend.family import Solution
+from core.blend.family import Solution, Task
 from core.blend.request import Blended, BlendError, Candidate, Request, answered, candidates, prepared
 from core.blend.solver import Infeasible, Problem
 from core.laws import find_law, peaks
@@ -80,18 +80,22 @@ def best(request: Request, goal: str) -> Blended:
 def _best_of(request: Request, candidate: Candidate, goal: Callable[[Solution], float]) -> tuple[float, Solution]:
     """The best over the free numbers that the settings leave."""
     task, wanted = prepared(request, candidate)
-    names = _open_names(candidate, wanted)
-    scale = {n: task.rise if n != "r" else 1.0 for n in names}
+    family = candidate.family
+    # with the bent number given, settings and the rest are linear: no root is needed
+    plain = bool(family.bent) and family.bent not in wanted and len(wanted) <= len(family.linear)
+    plain = plain and "acceleration" not in wanted
+    names = _open_names(candidate, wanted, plain)
 
     def at(x: np.ndarray) -> tuple[float, Solution | None]:
         if (x <= 0.0).any() or (x >= 1.0).any():
             return inf, None
-        numbers = {n: (v / (1.0 - v) if n == "r" else v * scale[n]) for n, v in zip(names, x, strict=True)}
+        numbers = {n: _number(n, float(v), task) for n, v in zip(names, x, strict=True)}
+        problem = Problem(family, task, {**wanted, **numbers})
         try:
-            solution = Problem(candidate.family, task, {**wanted, **numbers}).solve()[0]
+            solution = problem.at_bent() if plain else problem.solve()[0]
         except Infeasible:
             return inf, None
-        return goal(solution), solution
+        return (goal(solution), solution) if solution is not None else (inf, None)
 
     if not names:
         value, solution = at(np.array([]))
@@ -101,9 +105,17 @@ def _best_of(request: Request, candidate: Candidate, goal: Callable[[Solution], 
     return _search(at, len(names))
 
 
-def _open_names(candidate: Candidate, wanted: Mapping[str, float]) -> list[str]:
+def _number(name: str, x: float, task: Task) -> float:
+    return x / (1.0 - x) if name == "r" else x * (task.back if name == "h6" else task.rise)
+
+
+def _open_names(candidate: Candidate, wanted: Mapping[str, float], plain: bool) -> list[str]:
     """Which free numbers to vary: as many as the settings leave, those that are set being left out."""
-    left = [n for n in candidate.family.free if n not in wanted]
+    family = candidate.family
+    if plain:
+        others = [n for n in family.linear if n not in wanted]
+        return [family.bent, *others[: len(family.linear) - len(wanted)]]
+    left = [n for n in family.free if n not in wanted]
     return left[len(left) - (candidate.freedom - len(wanted)) :]
 
 

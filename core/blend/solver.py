@@ -123,6 +123,13 @@ class Problem:
         solutions = [self.family.solution(self.task, p) for p in points]
         return sorted(solutions, key=lambda s: s.peak_acceleration)
 
+    def at_bent(self) -> Solution | None:
+        """The solution where the bent number is among the settings and the others are linear; None where it is not
+        feasible."""
+        rest = [(n, v) for n, v in self.settings.items() if n != self.family.bent]
+        point = self._point({self.family.bent: self.settings[self.family.bent]}, rest)
+        return self.family.solution(self.task, point) if point is not None and self.feasible(point) else None
+
     def _points(self) -> list[Found]:
         asked = list(self.settings.items())
         if not self.family.bent:
