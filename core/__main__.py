@@ -153,7 +153,9 @@ def main(argv: Sequence[str] | None = None, painter: Painter | None = None, prog
     except KindynaError as error:
         lines = str(error).split("\n")
         rest = len(lines) - MOST_LINES
-        print("\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr)
+        print(
+            "\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr
+        )
         return NOTHING_DONE
     except BrokenPipeError:
         # the reader went away; nothing is left to tell it

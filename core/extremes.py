@@ -144,7 +144,11 @@ class _Search:
         left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
         right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
         # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
-        tops = (value >= left) & (value >= right) & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
+        tops = (
+            (value >= left)
+            & (value >= right)
+            & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
+        )
         top = int(np.argmax(value))
         self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
         peaks = np.flatnonzero(tops & np.isfinite(value))

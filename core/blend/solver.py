@@ -4,6 +4,7 @@ is a bracketed root. Every refusal knows the range that would have been accepted
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from math import inf, isfinite, nan
 
 import numpy as np
@@ -177,7 +178,7 @@ class Problem:
         if not self._independent(others):
             return None
         curve = self._curve(others)
-        return _hull([extent(lambda x: curve.measure(name, x), i) for i in curve.intervals()])
+        return _hull([extent(partial(curve.measure, name), i) for i in curve.intervals()])
 
     def _range_beside_bent(self, name: str, others: dict[str, float]) -> tuple[float, float] | None:
         """The same where the bent number itself is given: the family left over is looked along a linear one."""
@@ -192,7 +193,7 @@ class Problem:
             if all(at(x) is None for x in (0.31, 0.5)):
                 continue
             curve = _Curve(at, self)
-            return _hull([extent(lambda x, c=curve: c.measure(name, x), i) for i in curve.intervals()])
+            return _hull([extent(partial(curve.measure, name), i) for i in curve.intervals()])
         return None
 
     def _refusal(self) -> Infeasible:

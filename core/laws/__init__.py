@@ -2,7 +2,8 @@
 
 from core.laws.peaks import Peaks, peaks, peaks_of
 from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, integrate
-from core.laws.shapes import asymmetric
+from core.laws.polynomial import NoSpline, hermite, least_jerk
+from core.laws.shapes import asymmetric, cut
 from core.laws.table import ALIASES, LAWS, Law, find_law, scca
 
 __all__ = [
@@ -11,13 +12,17 @@ __all__ = [
     "ORDERS",
     "Acceleration",
     "Law",
+    "NoSpline",
     "Peaks",
     "Piece",
     "PieceTable",
     "Sine",
     "asymmetric",
+    "cut",
     "find_law",
+    "hermite",
     "integrate",
+    "least_jerk",
     "peaks",
     "peaks_of",
     "scca",

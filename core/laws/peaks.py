@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def peaks_of(pieces: tuple[Piece, ...]) -> Peaks:
         edges.append(table.evaluate(np.full(2, i), np.array([0.0, b - a])))
     jerk_is_infinite = any(
         not math.isclose(left[2, 1], right[2, 0], rel_tol=1e-9, abs_tol=1e-9 * best[1])
-        for left, right in zip(edges, edges[1:], strict=False)
+        for left, right in pairwise(edges)
     )
     at_an_end = max(abs(edges[0][2, 0]), abs(edges[-1][2, 1])) > 1e-9 * max(best[1], 1.0)
     return Peaks(
