@@ -1,5 +1,6 @@
 """Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
 
+from core.blend.best import GOALS, best
 from core.blend.curves import (
     CONSTANT_VELOCITY,
     ELEMENTS,
@@ -15,7 +16,26 @@ from core.blend.request import Blended, BlendError, Request, blend, candidates, 
 from core.blend.solver import SETTINGS, Infeasible, Problem
 
 __all__ = [
-    "CONSTANT_VELOCITY", "ELEMENTS", "MOTION_TYPES", "SETTINGS", "BlendError", "Blended", "Element", "Family", "Infeasible",
-    "MotionType", "Problem", "Request", "Sequence", "Solution", "Task", "admissible", "blend", "candidates",
-    "feasible_range", "sequences",
+    "CONSTANT_VELOCITY",
+    "ELEMENTS",
+    "GOALS",
+    "MOTION_TYPES",
+    "SETTINGS",
+    "BlendError",
+    "Blended",
+    "Element",
+    "Family",
+    "Infeasible",
+    "MotionType",
+    "Problem",
+    "Request",
+    "Sequence",
+    "Solution",
+    "Task",
+    "admissible",
+    "best",
+    "blend",
+    "candidates",
+    "feasible_range",
+    "sequences",
 ]  # fmt: skip
