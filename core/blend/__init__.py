@@ -12,8 +12,9 @@ from core.blend.curves import (
     sequences,
 )
 from core.blend.family import Family, Solution, Task
-from core.blend.request import Blended, BlendError, Request, blend, candidates, feasible_range
-from core.blend.solver import SETTINGS, Infeasible, Problem
+from core.blend.request import Blended, BlendError, Request, blend, candidates, feasible_range, feasible_ranges
+from core.blend.solver import Problem, Range
+from core.blend.wishes import SETTINGS, Wish
 
 __all__ = [
     "CONSTANT_VELOCITY",
@@ -25,17 +26,19 @@ __all__ = [
     "Blended",
     "Element",
     "Family",
-    "Infeasible",
     "MotionType",
     "Problem",
+    "Range",
     "Request",
     "Sequence",
     "Solution",
     "Task",
+    "Wish",
     "admissible",
     "best",
     "blend",
     "candidates",
     "feasible_range",
+    "feasible_ranges",
     "sequences",
 ]  # fmt: skip

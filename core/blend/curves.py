@@ -95,7 +95,7 @@ def strokes(ends: tuple[State, State] | None, way: int, constant: bool) -> list[
     """All chains of curves of one way between two states that stand still only at their ends: with a curve of
     constant velocity, or without one."""
     if ends is None:
-        return [()]
+        return [] if constant else [()]
     found: list[tuple[str, ...]] = []
     open_chains: list[tuple[tuple[str, ...], State]] = [((), ends[0])]
     while open_chains:

@@ -12,8 +12,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, pi, sqrt
+from typing import Any
+
+import numpy as np
 
 from core.blend.curves import CONSTANT, ELEMENTS, KAPPA, Sequence
+
+Values = Any
+"""A number or an array (n,) of them: the equations are the same."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,8 @@ class Solution:
     def peak_acceleration(self) -> float:
         """Largest |acceleration| [per deg²]."""
         parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
-        return max(ELEMENTS[name].peak * h / (b * b) if b * b else inf for name, h, b in parts)
+        rows = ((ELEMENTS[name].peak, h, b) for name, h, b in parts)
+        return max(c * h / (b * b) if b * b else inf for c, h, b in rows if c)
 
 
 @dataclass(frozen=True)
@@ -75,7 +82,7 @@ class Family:
         """Heights of constant velocity, which may be 0."""
         return (*(("h2",) if self._rise_cv else ()), *(("h5",) if self._back_cv else ()))
 
-    def rise_work(self, found: Mapping[str, float]) -> float:
+    def rise_work(self, found: Mapping[str, Values]) -> Values:
         """Span of the rise times its speed."""
         rise = self.sequence.rise
         return ELEMENTS_SPAN[rise[0]] * found["h1"] + found["h2"] + ELEMENTS_SPAN[rise[-1]] * found["h3"]
@@ -108,13 +115,13 @@ class Family:
             if not self._harmonic or self._back_cv:
                 return "r"
             return "s" if self._rise_cv else "h1"
-        return "h3" if self._rise_cv else "h1"
+        return "h1" if self._harmonic and len(self.sequence.back) > 1 and not self._rise_cv else "h3"
 
     @property
     def linear(self) -> tuple[str, ...]:
         """The other free numbers: with ``bent`` given, every height and W are linear in them."""
         bent, names = self.bent, []
-        if bent in ("r", "s", "h3"):
+        if bent in ("r", "s") or (bent == "h3" and self._rise_cv):
             names.append("h1")
         if bent == "r" and self._rise_cv:
             names.append("h3")
@@ -127,51 +134,60 @@ class Family:
         """All free numbers: ``h1``, ``h3``, ``h6``; ``r``, speed of the return over that of the rise; ``s`` = h1 + h3."""
         return (*((self.bent,) if self.bent else ()), *self.linear)
 
-    def solve(self, task: Task, free: Mapping[str, float]) -> dict[str, float]:
-        """Heights h1 ... h6 and W = V x span from the free numbers; heights may come out negative: not feasible."""
+    def solve(self, task: Task, free: Mapping[str, Values]) -> dict[str, np.ndarray]:
+        """Heights h1 ... h6 and W = V x span from the free numbers (n,); heights may come out negative: not feasible."""
         h, g = task.rise, task.back
         if len(self.sequence.rise) == 1:
             return {}
         if self._single_back == "H6":
-            h1 = h3 = free.get("h1", h / 2.0)
+            h1 = h3 = free["h1"] if "h1" in free else np.array([h / 2.0])
         else:
-            h1 = free["h1"]
-            h3 = free["s"] - h1 if "s" in free else free["h3"] if self._rise_cv else h - h1
-        found = {"h1": h1, "h2": h - h1 - h3, "h3": h3, "r": 1.0}
+            h1 = free["h1"] if "h1" in free else h - free["h3"]
+            h3 = free["s"] - h1 if "s" in free else free["h3"] if "h3" in free else h - h1
+        found = {"h1": h1, "h2": h - h1 - h3 if self._rise_cv else 0.0, "h3": h3, "r": 1.0}
         w = self.rise_work(found)
         if self._single_back:
             factor = KAPPA if self._single_back == "P2" else pi / sqrt(2.0)
             found["h4"] = g
-            found["W"] = w + factor * sqrt(g * max(h3, 0.0))
+            found["W"] = w + factor * np.sqrt(g * np.maximum(h3, 0.0))
         elif self.sequence.back:
             found.update(self._back(task, free, h1, h3))
-            back = self.sequence.back
-            w2 = ELEMENTS_SPAN[back[0]] * found["h4"] + found["h5"] + ELEMENTS_SPAN[back[-1]] * found["h6"]
-            found["W"] = w + w2 / found["r"]
+            found["W"] = w + self._back_work(found) / found["r"]
         else:
             found["W"] = w
-        return found
+        names, columns = tuple(found), np.broadcast_arrays(*found.values())
+        return dict(zip(names, columns, strict=True))
 
-    def _back(self, task: Task, free: Mapping[str, float], h1: float, h3: float) -> dict[str, float]:
+    def _back_work(self, found: Mapping[str, Values]) -> Values:
+        """Span of the return times its speed."""
+        back = self.sequence.back
+        return ELEMENTS_SPAN[back[0]] * found["h4"] + found["h5"] + ELEMENTS_SPAN[back[-1]] * found["h6"]
+
+    def _back(self, task: Task, free: Mapping[str, Values], h1: Values, h3: Values) -> dict[str, Values]:
         """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
         g = task.back
         if self.mirrored:
-            return {"r": 1.0, "h4": h3, "h6": h1, "h5": g - h1 - h3}
+            return {"r": 1.0, "h4": h3, "h6": h1, "h5": g - h1 - h3 if self._back_cv else 0.0}
         if self._harmonic:
             r2 = free["r"] ** 2 if self._back_cv else g / (h1 + h3)
-            return {"r": sqrt(r2), "h4": r2 * h3, "h6": r2 * h1, "h5": g - r2 * (h1 + h3)}
+            return {
+                "r": np.sqrt(r2),
+                "h4": r2 * h3,
+                "h6": r2 * h1,
+                "h5": g - r2 * (h1 + h3) if self._back_cv else 0.0,
+            }
         r = free["r"]
         h4 = r * r * h3
-        h6 = free["h6"] if self._back_cv else g - h4
-        return {"r": r, "h4": h4, "h6": h6, "h5": g - h4 - h6}
+        if self._back_cv:
+            return {"r": r, "h4": h4, "h6": free["h6"], "h5": g - h4 - free["h6"]}
+        return {"r": r, "h4": h4, "h6": g - h4, "h5": 0.0}
 
-    def solution(self, task: Task, found: Mapping[str, float]) -> Solution:
-        """Spans and speeds of heights that are all right."""
+    def parts(self, task: Task, found: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Heights and spans [deg] of the curves, in order: (curves, n) each."""
         rise, back = self.sequence.rise, self.sequence.back
         if len(rise) == 1:
             return _without_freedom(self.sequence, task)
         speed = found["W"] / task.span
-        back_speed = found["r"] * speed if len(back) > 1 else 0.0
         heights = _heights(rise, found["h1"], found["h2"], found["h3"])
         spans = [ELEMENTS_SPAN[n] * x / speed for n, x in zip(rise, heights, strict=True)]
         if self._single_back:
@@ -179,23 +195,31 @@ class Family:
             spans.append(task.span - sum(spans))
         elif back:
             returned = _heights(back, found["h4"], found["h5"], found["h6"])
-            spans += [ELEMENTS_SPAN[n] * x / back_speed for n, x in zip(back, returned, strict=True)]
+            spans += [ELEMENTS_SPAN[n] * x / (found["r"] * speed) for n, x in zip(back, returned, strict=True)]
             heights += returned
-        return Solution(self.sequence, tuple(heights), tuple(spans), speed, back_speed)
+        return np.array(heights), np.array(spans)
+
+    def solution(self, task: Task, found: Mapping[str, np.ndarray], i: int = 0) -> Solution:
+        """The i-th point with its spans and speeds."""
+        # a height of constant velocity may be 0 but for rounding
+        heights, spans = (tuple(max(float(v), 0.0) for v in rows[:, i]) for rows in self.parts(task, found))
+        speed = float(found["W"][i]) / task.span if found else 0.0
+        back_speed = float(found["r"][i]) * speed if len(self.sequence.back) > 1 else 0.0
+        return Solution(self.sequence, heights, spans, speed, back_speed)
 
 
 ELEMENTS_SPAN = {name: row.speed for name, row in ELEMENTS.items()}
 """span = c h/V of the curves that reach the speed V at an end."""
 
 
-def _heights(names: tuple[str, ...], first: float, middle: float, last: float) -> list[float]:
+def _heights(names: tuple[str, ...], first: np.ndarray, middle: np.ndarray, last: np.ndarray) -> list[np.ndarray]:
     return [first, middle, last] if len(names) == 3 else [first, last]
 
 
-def _without_freedom(sequence: Sequence, task: Task) -> Solution:
+def _without_freedom(sequence: Sequence, task: Task) -> tuple[np.ndarray, np.ndarray]:
     """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
     if not sequence.back:
-        return Solution(sequence, (task.rise,), (task.span,), 0.0, 0.0)
+        return np.array([[task.rise]]), np.array([[task.span]])
     share = sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
     first = task.span * share
-    return Solution(sequence, (task.rise, task.back), (first, task.span - first), 0.0, 0.0)
+    return np.array([[task.rise], [task.back]]), np.array([[first], [task.span - first]])

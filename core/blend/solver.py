@@ -1,240 +1,293 @@
-"""What the designer asks for, solved over a family. In all free numbers but one the equations are linear; the one left
-is a bracketed root. Every refusal knows the range that would have been accepted."""
+"""What the designer asks for, solved over a family: along a curve of points that meet all wishes but one, the last is a
+bracketed root. Every refusal knows the ranges that would have been accepted."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from math import inf, isfinite, nan
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from math import inf
 
 import numpy as np
 
 from core.blend.family import Family, Solution, Task
-from core.blend.roots import Interval, existing_intervals, extent, roots
+from core.blend.roots import GRID, Interval, extent, intervals, roots
+from core.blend.sheet import TINY, Sheet, sheets, slack
+from core.blend.wishes import Found, Wish, measure
 
-HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
-SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
-Found = Mapping[str, float]
-_At = Callable[[float], Found | None]
+OPEN = 1e-9  # a height that must be above 0, as a share of the stroke, this small at the end of a range: an open end
+SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them
+_BRANCHES = 3
+_ENDLESS = 1e6  # a setting that gets so many times greater than usual has no upper end
+_LOOKS = np.array([0.03, 0.2, 0.5, 0.77, 0.96])
+_INNER = GRID[16:-11:3]
 
 
-class Infeasible(Exception):
-    """No curve does what is asked. ``setting`` and ``value`` name the wish; ``allowed`` (low, high) is what it may be
-    while the other settings stay, None where these leave nothing. An open end can only be approached."""
+@dataclass(frozen=True)
+class Range:
+    """From low to high; an open end can only be approached."""
 
-    def __init__(self, setting: str, value: float, allowed: tuple[float, float] | None) -> None:
-        super().__init__(setting)
-        self.setting, self.value, self.allowed = setting, value, allowed
+    low: float
+    high: float
+    low_open: bool = False
+    high_open: bool = False
+
+
+class Determined(Exception):
+    """The other wishes determine this one: ``ranges`` hold its one value."""
+
+    def __init__(self, wish: Wish, ranges: Sequence[Range]) -> None:
+        super().__init__(wish.name)
+        self.wish, self.ranges = wish, tuple(ranges)
 
 
 class Problem:
-    """A family, a task and as many settings as the family has free numbers."""
+    """A family, a task and as many wishes as the family has free numbers."""
 
-    def __init__(self, family: Family, task: Task, settings: Mapping[str, float]) -> None:
-        self.family, self.task, self.settings = family, task, dict(settings)
+    def __init__(self, family: Family, task: Task, wishes: Sequence[Wish]) -> None:
+        self.family, self.task, self.wishes = family, task, tuple(wishes)
+        self._inner: dict[tuple[Sheet, Wish, bytes], np.ndarray] = {}
 
-    # -- equations ----------------------------------------------------------------------------------------
+    def solutions(self) -> list[Solution]:
+        """Every solution, the gentlest first. Raises Determined where the others determine a wish: then it is none."""
+        found = [self.family.solution(self.task, p, i) for p, i in self._points() if self._is_feasible(p, i)]
+        return sorted(found, key=lambda s: s.peak_acceleration)
 
-    def measure(self, name: str, found: Found) -> float:
-        """The value of a setting in a point of the family."""
-        if name in HEIGHTS:
-            return found.get(name, 0.0)
-        speed = found["W"] / self.task.span
-        if name == "vcv":
-            return speed
-        if name == "vcv2":
-            return found["r"] * speed
-        if name == "length":
-            constant_rise = self.family.has_constant_rise
-            return found["h2"] / speed if constant_rise else found["h5"] / (found["r"] * speed)
-        if name == "peak":
-            return self.family.rise_work(found) / speed
-        return self.family.solution(self.task, found).peak_acceleration
+    def _is_feasible(self, found: Found, i: int) -> bool:
+        return bool(slack(self.family, self.task, found)[i] >= 0.0)
 
-    def _miss(self, name: str, value: float, found: Found) -> float:
-        """The setting's equation multiplied out: linear in the linear numbers (but for the acceleration)."""
-        span = self.task.span
-        if name in HEIGHTS:
-            return found.get(name, 0.0) - value
-        if name == "vcv":
-            return found["W"] - value * span
-        if name == "vcv2":
-            return found["r"] * found["W"] - value * span
-        if name == "peak":
-            return self.family.rise_work(found) * span - value * found["W"]
-        if self.family.has_constant_rise:
-            return found["h2"] * span - value * found["W"]
-        return found["h5"] * span - value * found["r"] * found["W"]
-
-    def feasible(self, found: Found) -> bool:
-        """All heights positive, those of constant velocity perhaps zero."""
-        return all(found[n] > 0.0 for n in self.family.positive) and all(found[n] >= 0.0 for n in self.family.constant)
-
-    # -- points -------------------------------------------------------------------------------------------
-
-    def _point(self, bent: Mapping[str, float], settings: Sequence[tuple[str, float]]) -> Found | None:
-        """The point with the bent number given and the linear ones found from as many settings."""
-        names = self.family.linear
-        if not names:
-            return self.family.solve(self.task, bent)
-        scale = self.task.rise
-        zero = dict.fromkeys(names, 0.0)
-        at_zero = self.family.solve(self.task, {**bent, **zero})
-        start = np.array([self._miss(n, v, at_zero) for n, v in settings])
-        slope = np.empty((len(settings), len(names)))
-        for j, name in enumerate(names):
-            there = self.family.solve(self.task, {**bent, **zero, name: scale})
-            slope[:, j] = [self._miss(n, v, there) for n, v in settings]
-        slope -= start[:, None]
-        size = np.abs(slope).max(axis=1, initial=0.0) + np.abs(start)
-        if not np.isfinite(size).all() or (size == 0.0).any():
-            return None
-        matrix = slope / size[:, None]
-        if abs(np.linalg.det(matrix)) < 1e-12:
-            return None
-        solved = np.linalg.solve(matrix, -start / size) * scale
-        exact = dict(settings)
-        free = {n: exact.get(n, float(x)) for n, x in zip(names, solved, strict=True)}
-        return self.family.solve(self.task, {**bent, **free})
-
-    def _bent_value(self, x: float) -> float:
-        """The bent number from 0 ... 1; a ratio of speeds may be anything above 0."""
-        if self.family.bent == "r":
-            return x / (1.0 - x) if x < 1.0 else inf
-        return x * self.task.rise
-
-    def _curve(self, settings: Sequence[tuple[str, float]]) -> _Curve:
-        bent = self.family.bent
-
-        def at(x: float) -> Found | None:
-            value = self._bent_value(x)
-            if not isfinite(value) or (bent == "r" and not 1e-9 <= value <= 1e9) or (bent == "s" and value <= 0.0):
-                return None
-            return self._point({bent: value}, settings)
-
-        return _Curve(at, self)
-
-    # -- solving ------------------------------------------------------------------------------------------
-
-    def solve(self) -> list[Solution]:
-        """Every solution, the gentlest first. Raises Infeasible."""
-        points = [p for p in self._points() if self.feasible(p)]
-        if not points:
-            raise self._refusal()
-        solutions = [self.family.solution(self.task, p) for p in points]
-        return sorted(solutions, key=lambda s: s.peak_acceleration)
-
-    def at_bent(self) -> Solution | None:
-        """The solution where the bent number is among the settings and the others are linear; None where it is not
-        feasible."""
-        rest = [(n, v) for n, v in self.settings.items() if n != self.family.bent]
-        point = self._point({self.family.bent: self.settings[self.family.bent]}, rest)
-        return self.family.solution(self.task, point) if point is not None and self.feasible(point) else None
-
-    def _points(self) -> list[Found]:
-        asked = list(self.settings.items())
+    def _points(self) -> Iterator[tuple[Found, int]]:
         if not self.family.bent:
-            return [self.family.solve(self.task, {})]
-        if self.family.bent in self.settings:
-            rest = [(n, v) for n, v in asked if n != self.family.bent]
-            if not any(n == "acceleration" for n, _ in rest):
-                point = self._point({self.family.bent: self.settings[self.family.bent]}, rest)
-                if point is not None or len(rest) == 0:
-                    return [] if point is None else [point]
-        for (name, value), others in self._splits(asked):
-            curve = self._curve(others)
-            intervals = curve.intervals()
-            if intervals or name == asked[-1][0]:
-                return [p for i in intervals for p in curve.where(name, value, i)]
-        return []
+            yield self.family.solve(self.task, {}), 0
+            return
+        if all(w.linear for w in self.wishes):
+            pinned = sheets(self.family, self.task, self.wishes, 0) if self._bent_is_given else []
+            for sheet in pinned:
+                yield sheet.at(np.empty((0, 1))), 0
+            if pinned:
+                return
+        if sum(not w.linear for w in self.wishes) > 1:
+            yield from self._crossings()
+            return
+        for wish, others in self._splits():
+            curves = self.curves(others)
+            if curves:
+                for curve in curves:
+                    yield from curve.where(wish)
+                return
 
-    def _splits(self, asked: list[tuple[str, float]]) -> list[tuple[tuple[str, float], list[tuple[str, float]]]]:
-        """Ways to choose the setting that the root is found for; the others must be independent. An acceleration is
-        never linear, so it is that one."""
-        order = sorted(range(len(asked)), key=lambda i: asked[i][0] != "acceleration")
-        if any(n == "acceleration" for n, _ in asked):
-            order = order[:1]
-        splits = []
-        for i in order:
-            others = asked[:i] + asked[i + 1 :]
-            if self._independent(others):
-                splits.append((asked[i], others))
-        return splits
+    def _crossings(self) -> Iterator[tuple[Found, int]]:
+        """Where two wishes that are not linear both come true: Newton's method from every cell of a sheet in which
+        each changes its sign."""
+        bent = [w for w in self.wishes if not w.linear]
+        for sheet in sheets(self.family, self.task, [w for w in self.wishes if w.linear], 2):
 
-    def _independent(self, settings: Sequence[tuple[str, float]]) -> bool:
-        probes = (0.31, 0.5, 0.13, 0.83)
-        return any(self._curve(settings).at(x) is not None for x in probes)
+            def missed(x: np.ndarray, sheet: Sheet = sheet) -> np.ndarray:
+                found = sheet.at(x)
+                with np.errstate(all="ignore"):
+                    return np.array([measure(w, self.family, self.task, found) / w.value - 1.0 for w in bent])
+
+            x = _newton(missed, _cells(missed))
+            good = (np.abs(missed(x)) <= 1e-11).all(axis=0) & (x > 0.0).all(axis=0) & (x < 1.0).all(axis=0)
+            x = np.unique(x[:, good].round(12), axis=1) if good.sum() > 1 else x[:, good]
+            x = _newton(missed, x)
+            for i in range(x.shape[1]):
+                yield sheet.at(x), i
+
+    @property
+    def _bent_is_given(self) -> bool:
+        return self.family.bent in {w.name for w in self.wishes}
+
+    def _splits(self) -> Iterator[tuple[Wish, list[Wish]]]:
+        """Ways to choose the wish that the root is found for: one that is not linear first."""
+        for wish in sorted(reversed(self.wishes), key=lambda w: w.linear):
+            yield wish, [w for w in self.wishes if w is not wish]
+
+    def curves(self, wishes: Sequence[Wish]) -> list[Curve]:
+        """The points that meet all wishes but one, as curves. At most one of them may be not linear."""
+        linear = [w for w in wishes if w.linear]
+        bent = [w for w in wishes if not w.linear]
+        if len(bent) > 1:
+            return []
+        found = sheets(self.family, self.task, linear, 1 + len(bent))
+        if not bent:
+            return [Curve(self, sheet.at) for sheet in found]
+        return [
+            Curve(self, lambda x, s=sheet, b=b: self._on_sheet(s, bent[0], x, b))
+            for sheet in found
+            for b in range(-_BRANCHES, _BRANCHES)
+        ]
+
+    def size_of(self, wish: Wish) -> float:
+        """What the values of a wish are usually like."""
+        stroke, span = max(self.task.rise, self.task.back), self.task.span
+        return {"length": span, "peak": span, "vcv": stroke / span, "vcv2": stroke / span}.get(wish.name, stroke)
+
+    def spaces(self) -> list[Callable[[np.ndarray], Found]]:
+        """All points that meet the wishes, over as many coordinates 0 ... 1 as these leave free numbers (k, n)."""
+        linear = [w for w in self.wishes if w.linear]
+        bent = [w for w in self.wishes if not w.linear]
+        found = sheets(self.family, self.task, linear, len(self.family.free) - len(linear))
+        if len(bent) > 1:
+            return []
+        if not bent:
+            return [sheet.at for sheet in found]
+        return [
+            lambda x, s=sheet, b=b: self._on_sheet(s, bent[0], x, b) for sheet in found for b in range(_BRANCHES)
+        ]
+
+    def _on_sheet(self, sheet: Sheet, wish: Wish, x: np.ndarray, branch: int) -> Found:
+        """Of a sheet of one coordinate more the points that meet a wish, the ``branch``-th of those at each x that are
+        feasible; nan where there are fewer."""
+        key = (sheet, wish, x.tobytes())
+        if key not in self._inner:
+            self._inner[key] = self._met_on_sheet(sheet, wish, x)
+        inner = self._inner[key]
+        return sheet.at(np.vstack([x, inner[branch]]))
+
+    def _met_on_sheet(self, sheet: Sheet, wish: Wish, x: np.ndarray) -> np.ndarray:
+        """Where on the last coordinate a wish is met at each x: the lowest places, and from the end the highest ones
+        (2 x _BRANCHES, n)."""
+        n, t = x.shape[1], _INNER
+
+        def missed(rows: np.ndarray, inner: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            found = sheet.at(np.vstack([x[:, rows], inner]))
+            with np.errstate(all="ignore"):
+                values = measure(wish, self.family, self.task, found) - wish.value
+            return values, slack(self.family, self.task, found)
+
+        values = missed(np.repeat(np.arange(n), t.size), np.tile(t, n))[0].reshape(n, t.size)
+        with np.errstate(invalid="ignore"):
+            row, cell = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0.0)
+        low, high, sign = t[cell], t[cell + 1], np.sign(values[row, cell])
+        made = np.full((2 * _BRANCHES, n), np.nan)
+        if not row.size:
+            return made
+        for _ in range(56):
+            middle = 0.5 * (low + high)
+            same = np.sign(missed(row, middle)[0]) == sign
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        error, slacks = missed(row, low)
+        good = (slacks >= 0.0) & (np.abs(error) <= 1e-9 * max(abs(wish.value), TINY))
+        for i in np.unique(row[good]):
+            inner = np.sort(low[good & (row == i)])[:_BRANCHES]
+            made[: inner.size, i] = inner
+            made[2 * _BRANCHES - inner.size :, i] = inner
+        return made
 
     # -- ranges -------------------------------------------------------------------------------------------
 
-    def range_of(self, name: str) -> tuple[float, float] | None:
-        """What this setting may be while the others stay; None where they leave nothing, or do not determine it."""
-        others = [(n, v) for n, v in self.settings.items() if n != name]
-        if any(n == "acceleration" for n, _ in others) or not self.family.bent:
-            return None
-        bent = self.family.bent
-        if bent in dict(others):
-            return self._range_beside_bent(name, dict(others))
-        if not self._independent(others):
-            return None
-        curve = self._curve(others)
-        return _hull([extent(partial(curve.measure, name), i) for i in curve.intervals()])
+    def ranges(self, wish: Wish) -> list[Range]:
+        """What a wish may be while the others stay; empty where they leave nothing, or cannot be followed."""
+        others = [w for w in self.wishes if w is not wish]
+        if len(others) != len(self.family.free) - 1:
+            return self.bounds(wish, others)
+        return merged([r for curve in self.curves(others) for r in curve.ranges(wish)])
 
-    def _range_beside_bent(self, name: str, others: dict[str, float]) -> tuple[float, float] | None:
-        """The same where the bent number itself is given: the family left over is looked along a linear one."""
-        bent = {self.family.bent: others.pop(self.family.bent)}
-        rest = list(others.items())
-        names = [n for n in self.family.linear if n not in others]
-        for along in names:
+    def bounds(self, wish: Wish, kept: Sequence[Wish]) -> list[Range]:
+        """What a linear wish may be while only some of the others stay.
 
-            def at(x: float, along: str = along) -> Found | None:
-                return self._point(bent, [*rest, (along, x * self.task.rise)])
-
-            if all(at(x) is None for x in (0.31, 0.5)):
-                continue
-            curve = _Curve(at, self)
-            return _hull([extent(partial(curve.measure, name), i) for i in curve.intervals()])
-        return None
-
-    def _refusal(self) -> Infeasible:
-        """The last setting to which the others leave a range, and that range; else the first that is out of all
-        bounds."""
-        for name in reversed(self.settings):
-            allowed = self.range_of(name)
-            if allowed is not None:
-                return Infeasible(name, self.settings[name], allowed)
-        limits = {"length": self.task.span, "peak": self.task.span, **dict.fromkeys(HEIGHTS[:3], self.task.rise)}
-        limits.update(dict.fromkeys(HEIGHTS[3:], self.task.back))
-        for name, value in self.settings.items():
-            if name in limits and not 0.0 < value < limits[name]:
-                return Infeasible(name, value, (0.0, limits[name]))
-        name = next(reversed(self.settings))
-        return Infeasible(name, self.settings[name], None)
+        With the bent number given, the feasible points are a polytope and the wish takes its extremes in the corners:
+        there as many heights are 0 as wishes were let go.
+        """
+        family, missing = self.family, len(self.family.free) - 1 - len(kept)
+        if not family.bent or not wish.linear or not all(w.linear for w in kept) or missing < 0:
+            return []
+        found = []
+        for corner in combinations((*family.positive, *family.constant), missing):
+            zeros = [Wish(name, 0.0) for name in corner]
+            closed = Problem(family, self.task, [*kept, *zeros])
+            found += [r for curve in closed.curves([*kept, *zeros]) for r in Curve(closed, curve.at, True).ranges(wish)]
+        return [Range(min(r.low for r in found), max(r.high for r in found), True, True)] if found else []
 
 
-class _Curve:
-    """The points of a family that meet all settings but one, along a number from 0 to 1."""
-
-    def __init__(self, at: _At, problem: Problem) -> None:
-        self.at, self._problem = at, problem
-
-    def intervals(self) -> list[Interval]:
-        """Where the points are feasible."""
-        return existing_intervals(self._exists, 0.0, 1.0)
-
-    def _exists(self, x: float) -> bool:
-        point = self.at(x)
-        return point is not None and self._problem.feasible(point)
-
-    def measure(self, name: str, x: float) -> float:
-        point = self.at(x)
-        return nan if point is None else self._problem.measure(name, point)
-
-    def where(self, name: str, value: float, interval: Interval) -> list[Found]:
-        """The points of an interval at which a setting has its value."""
-        found = [self.at(x) for x in roots(lambda x: self.measure(name, x) - value, interval)]
-        return [p for p in found if p is not None]
+def _cells(missed: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Centres (2, n) of the cells of a grid over the unit square at whose corners both rows take both signs."""
+    axis = GRID[12::2]
+    rows = np.sign(missed(np.array(np.meshgrid(axis, axis, indexing="ij")).reshape(2, -1))).reshape(2, axis.size, -1)
+    corners = np.array([rows[:, a : a + axis.size - 1, b : b + axis.size - 1] for a in (0, 1) for b in (0, 1)])
+    with np.errstate(invalid="ignore"):
+        i, j = np.nonzero((corners.min(axis=0) < 0.0).all(axis=0) & (corners.max(axis=0) > 0.0).all(axis=0))
+    middle = 0.5 * (axis[1:] + axis[:-1])
+    return np.array([middle[i], middle[j]])
 
 
-def _hull(ranges: Sequence[tuple[float, float]]) -> tuple[float, float] | None:
-    return (min(a for a, _ in ranges), max(b for _, b in ranges)) if ranges else None
+def _newton(missed: Callable[[np.ndarray], np.ndarray], x: np.ndarray) -> np.ndarray:
+    """Many starts (2, n) at once, steps cut to stay inside the unit square; those that are lost are nan."""
+    for _ in range(40):
+        step = 1e-7 * np.minimum(x, 1.0 - x)
+        here = missed(x)
+        (a, c), (b, d) = (
+            (missed(x + step * side) - missed(x - step * side)) / (2.0 * step[row])
+            for row, side in enumerate(np.eye(2)[:, :, None])
+        )
+        with np.errstate(all="ignore"):
+            move = np.array([d * here[0] - b * here[1], a * here[1] - c * here[0]]) / (a * d - b * c)
+        with np.errstate(invalid="ignore"):
+            x = np.where(x - move <= 0.0, 0.5 * x, np.where(x - move >= 1.0, 0.5 * (1.0 + x), x - move))
+    return x
+
+
+class Curve:
+    """The points of a family along a number from 0 to 1. closed: heights that must be above 0 may be 0."""
+
+    def __init__(self, problem: Problem, at: Callable[[np.ndarray], Found], closed: bool = False) -> None:
+        self.at, self._problem, self._closed = at, problem, closed
+
+    def _slack(self, x: np.ndarray) -> np.ndarray:
+        found = self.at(x[None, :])
+        slacks = slack(self._problem.family, self._problem.task, found)
+        return slacks + 1e-12 if self._closed else slacks
+
+    def _measure(self, wish: Wish, x: np.ndarray) -> np.ndarray:
+        with np.errstate(all="ignore"):
+            values = measure(wish, self._problem.family, self._problem.task, self.at(x[None, :]))
+        return np.where(np.isfinite(values), values, np.nan)
+
+    def where(self, wish: Wish) -> Iterator[tuple[Found, int]]:
+        """The feasible points at which a wish has its value. Raises Determined where it has one value everywhere."""
+        for interval in intervals(self._slack):
+            if self._is_determined(wish, interval):
+                raise Determined(wish, [self._range(wish, interval)])
+            size = abs(wish.value)
+            for x in roots(lambda v: self._measure(wish, v) - wish.value, interval, size):
+                yield self.at(np.array([[x]])), 0
+
+    def ranges(self, wish: Wish) -> list[Range]:
+        """The values a wish takes, stretch by stretch."""
+        return [self._range(wish, interval) for interval in intervals(self._slack)]
+
+    def _range(self, wish: Wish, interval: Interval) -> Range:
+        (low, at_low), (high, at_high) = extent(lambda x: self._measure(wish, x), interval)
+        low_open, high_open = self._is_open(at_low), self._is_open(at_high)
+        if wish.name != "acceleration":
+            low = 0.0 if abs(low) <= SAME * high else low
+        elif high_open:
+            high = inf
+        if high_open and high > _ENDLESS * self._problem.size_of(wish):
+            high = inf
+        return Range(low, high, low_open, high_open)
+
+    def _is_determined(self, wish: Wish, interval: Interval) -> bool:
+        """Whether the wish has one value over the whole interval."""
+        values = self._measure(wish, interval.low + (interval.high - interval.low) * _LOOKS)
+        return interval.high - interval.low > 1e-9 and bool(np.ptp(values) <= SAME * np.abs(values).max())
+
+    def _is_open(self, x: float) -> bool:
+        found = self.at(np.array([[x]]))
+        family, task = self._problem.family, self._problem.task
+        return any(found[name][0] <= OPEN * task.rise for name in family.positive)
+
+
+def merged(ranges: Sequence[Range]) -> list[Range]:
+    """The same stretches, those that meet made one."""
+    found: list[Range] = []
+    for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
+        if found and r.low <= found[-1].high + 1e-9 * abs(found[-1].high):
+            last = found.pop()
+            high = max(last.high, r.high)
+            open_ = all(q.high_open for q in (last, r) if q.high == high)
+            r = Range(last.low, high, last.low_open, open_)
+        found.append(r)
+    return found
+
