@@ -156,7 +156,7 @@ def free_motion(
 ) -> Motion:
     """A motion of that sequence, all that is free drawn by chance."""
     curves = tuple(sequence.split("-"))
-    if curves[0] in ("C3", "P1", "H5") and len(curves) > 2 or curves == ("C3", "C4"):
+    if (curves[0] in ("C3", "P1", "H5") and len(curves) > 2) or curves == ("C3", "C4"):
         swap = {"C3": "C2", "C4": "C1", "CV2": "CV1", "P1": "P2", "H3": "H2", "H4": "H1", "H5": "H6"}
         other = free_motion("-".join(swap[c] for c in reversed(curves)), chance, back, stroke, start, span)
         return Motion(curves, other.heights[::-1], other.spans[::-1], start)

@@ -1,6 +1,7 @@
 """Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
 
 from core.blend.best import GOALS, best
+from core.blend.choose import blend
 from core.blend.curves import (
     CONSTANT_VELOCITY,
     ELEMENTS,
@@ -12,7 +13,8 @@ from core.blend.curves import (
     sequences,
 )
 from core.blend.family import Family, Solution, Task
-from core.blend.request import Blended, BlendError, Request, blend, candidates, feasible_range, feasible_ranges
+from core.blend.ranges import feasible_range, feasible_ranges
+from core.blend.request import Blended, BlendError, Request, candidates
 from core.blend.solver import Problem, Range
 from core.blend.wishes import SETTINGS, Wish
 

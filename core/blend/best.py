@@ -11,6 +11,7 @@ import numpy as np
 
 from core.blend.curves import CONSTANT
 from core.blend.family import Solution
+from core.blend.ranges import refusal
 from core.blend.request import (
     Blended,
     BlendError,
@@ -20,7 +21,6 @@ from core.blend.request import (
     candidates,
     means_something,
     problem_of,
-    refusal,
     require_sense,
     wishes_of,
 )

@@ -212,7 +212,7 @@ ELEMENTS_SPAN = {name: row.speed for name, row in ELEMENTS.items()}
 """span = c h/V of the curves that reach the speed V at an end."""
 
 
-def _heights(names: tuple[str, ...], first: np.ndarray, middle: np.ndarray, last: np.ndarray) -> list[np.ndarray]:
+def _heights(names: tuple[str, ...], first: Values, middle: Values, last: Values) -> list[Values]:
     return [first, middle, last] if len(names) == 3 else [first, last]
 
 

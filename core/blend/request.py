@@ -1,17 +1,15 @@
-"""A wish for a blended motion, and the answer: the sequence of curves that the tables admit, its spans and heights."""
+"""A request for a blended motion, as the families of curves see it, and the answer as segments."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
-from math import inf, isfinite
+from math import isfinite
 from types import MappingProxyType
 
-from core.blend.curves import CONSTANT_VELOCITY, MOTION_TYPES, sequences
-from core.blend.curves import Sequence as CurveSequence
+from core.blend.curves import CONSTANT_VELOCITY, MOTION_TYPES, Sequence, sequences
 from core.blend.family import Family, Solution, Task
-from core.blend.solver import SAME, Determined, Problem, Range, merged
+from core.blend.solver import Problem
 from core.blend.wishes import POINT, SETTINGS, Wish
 from core.design import Named, Segment
 from core.errors import KindynaError
@@ -24,7 +22,6 @@ _MIRRORED_SETTING = {
     "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
 }  # fmt: skip
 _OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
-MOST_BENT = 2
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
 
 
@@ -83,7 +80,7 @@ class Blended:
 class Candidate:
     """A sequence with the family that solves it, perhaps run backwards."""
 
-    sequence: CurveSequence
+    sequence: Sequence
     family: Family
     backwards: bool
 
@@ -111,26 +108,6 @@ def candidates(request: Request) -> list[Candidate]:
     return found
 
 
-def blend(request: Request) -> Blended:
-    """The motion of fewest curves that does what is asked; where it can in several ways, the gentlest. Raises
-    BlendError, which names what would be feasible."""
-    require_sense(request)
-    wishes = wishes_of(request)
-    fitting = [c for c in candidates(request) if c.freedom == len(wishes) and means_something(c, wishes)]
-    if not fitting:
-        raise _wrong_number(request)
-    if sum(not w.linear for w in wishes) > MOST_BENT:
-        raise BlendError(f"more than {MOST_BENT} of acceleration and points: give a height, speed or length instead")
-    for candidate in fitting:
-        try:
-            solutions = problem_of(request, candidate, wishes).solutions()
-        except Determined:
-            continue
-        if solutions:
-            return answered(request, candidate, solutions[0])
-    raise refusal(request, fitting, wishes)
-
-
 def problem_of(request: Request, candidate: Candidate, wishes: Iterable[Wish]) -> Problem:
     """The wishes as the candidate's family solves them."""
     return Problem(candidate.family, task_of(request, candidate), [_as_solved(request, candidate, w) for w in wishes])
@@ -139,48 +116,6 @@ def problem_of(request: Request, candidate: Candidate, wishes: Iterable[Wish]) -
 def answered(request: Request, candidate: Candidate, solution: Solution) -> Blended:
     """A family's solution as the request wants it: in the order of time, as segments."""
     return Blended(request, *_ordered(candidate, solution))
-
-
-def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Range]:
-    """What a setting may be while the others stay, as the request spells it; empty where they leave nothing.
-
-    The setting need not be among the request's own: its value does not matter. ``point`` is asked for a cam angle
-    ``at``. With settings still to come, these are free.
-    """
-    require_sense(request)
-    wish = _read(request, setting, 1.0, at)
-    others = [w for w in wishes_of(request) if (w.name, w.at) != (wish.name, wish.at)]
-    wishes = [*others, wish]
-    able = [c for c in candidates(request) if means_something(c, wishes)]
-    exact = [c for c in able if c.freedom == len(wishes)]
-    if exact:
-        return _ranges(request, exact, wishes, wish)
-    return _bounds(request, [c for c in able if c.freedom > len(wishes)], wish, others)
-
-
-def feasible_range(request: Request, setting: str, at: float = 0.0) -> tuple[float, float] | None:
-    """The ends of all of these; None where there are none."""
-    found = feasible_ranges(request, setting, at)
-    return (found[0].low, found[-1].high) if found else None
-
-
-def _ranges(request: Request, rows: Iterable[Candidate], wishes: Sequence[Wish], wish: Wish) -> list[Range]:
-    """What one of the wishes may be by any of the candidates."""
-    found = []
-    for candidate in rows:
-        problem = problem_of(request, candidate, wishes)
-        solved = problem.wishes[wishes.index(wish)]
-        found += [_shown(r, request, candidate, wish) for r in problem.ranges(solved)]
-    return merged(found)
-
-
-def _bounds(request: Request, rows: Iterable[Candidate], wish: Wish, kept: Sequence[Wish]) -> list[Range]:
-    """The same with only some of the others kept."""
-    found = []
-    for candidate in rows:
-        problem = problem_of(request, candidate, [wish, *kept])
-        found += [_shown(r, request, candidate, wish) for r in problem.bounds(problem.wishes[0], problem.wishes[1:])]
-    return merged(found)
 
 
 # -- the wish as the families see it --------------------------------------------------------------------------
@@ -224,16 +159,16 @@ def require_sense(request: Request) -> None:
             )
 
 
-def _renamed(request: Request, name: str) -> str:
+def renamed(request: Request, name: str) -> str:
     """A return alone may count its curves from 1 and call its speed vcv."""
     if MOTION_TYPES[request.type].rise is None:
         return _OF_A_RETURN.get(name, name)
     return name
 
 
-def _read(request: Request, name: str, value: float, at: float = 0.0) -> Wish:
+def wish_of(request: Request, name: str, value: float, at: float = 0.0) -> Wish:
     """A setting as a wish: angles are counted from the start."""
-    name = _renamed(request, name)
+    name = renamed(request, name)
     if name == "peak":
         return Wish(name, value - request.start)
     return Wish(name, value, at - request.start if name == POINT else 0.0)
@@ -242,8 +177,8 @@ def _read(request: Request, name: str, value: float, at: float = 0.0) -> Wish:
 def wishes_of(request: Request) -> list[Wish]:
     """All settings and points."""
     return [
-        *(_read(request, name, value) for name, value in request.settings.items()),
-        *(_read(request, POINT, value, at) for at, value in request.points),
+        *(wish_of(request, name, value) for name, value in request.settings.items()),
+        *(wish_of(request, POINT, value, at) for at, value in request.points),
     ]
 
 
@@ -279,13 +214,13 @@ def _as_solved(request: Request, candidate: Candidate, wish: Wish) -> Wish:
     return Wish(_MIRRORED_SETTING.get(wish.name, wish.name), value, span - wish.at if wish.name == POINT else 0.0)
 
 
-def _run_backwards(sequence: CurveSequence) -> CurveSequence:
+def _run_backwards(sequence: Sequence) -> Sequence:
     rise = tuple(_MIRROR[name] for name in reversed(sequence.back))
     back = tuple(_MIRROR[name] for name in reversed(sequence.rise))
-    return CurveSequence(rise, back)
+    return Sequence(rise, back)
 
 
-def _symmetric(sequence: CurveSequence) -> bool:
+def _symmetric(sequence: Sequence) -> bool:
     return _run_backwards(sequence) == sequence
 
 
@@ -306,84 +241,3 @@ def _ordered(candidate: Candidate, solution: Solution) -> tuple[Solution, tuple[
         if span > 0.0
     )
     return shown, segments
-
-
-def _shown(found: Range, request: Request, candidate: Candidate, wish: Wish) -> Range:
-    """A range of a family with the angles of the request."""
-    if wish.name != "peak":
-        return found
-    if candidate.backwards:
-        end = request.end
-        return Range(end - found.high, end - found.low, found.high_open, found.low_open)
-    return Range(request.start + found.low, request.start + found.high, found.low_open, found.high_open)
-
-
-def refusal(request: Request, fitting: Sequence[Candidate], wishes: Sequence[Wish]) -> BlendError:
-    """What to tell: the last wish to which the others leave something; else the first that is out of all bounds that
-    those before it leave."""
-    for wish in reversed(wishes):
-        ranges = _ranges(request, fitting, wishes, wish)
-        if ranges:
-            return told(request, wish, ranges, [w for w in wishes if w is not wish])
-    ordered = sorted(wishes, key=lambda w: not w.linear)
-    for i, wish in enumerate(ordered):
-        ranges = _bounds(request, fitting, wish, ordered[:i])
-        value = _shown_value(request, wish)
-        if ranges and not any(r.low < value < r.high for r in ranges):
-            return told(request, wish, ranges, ordered[:i])
-    names = ", ".join(_named(request, w) for w in wishes)
-    return BlendError(f"{names}: these settings leave no range; change one of them")
-
-
-def _shown_value(request: Request, wish: Wish) -> float:
-    return wish.value + request.start if wish.name == "peak" else wish.value
-
-
-def _name(request: Request, wish: Wish) -> str:
-    """The setting's name as the request spells it."""
-    return next((asked for asked in request.settings if _renamed(request, asked) == wish.name), wish.name)
-
-
-def _named(request: Request, wish: Wish) -> str:
-    """``point at 120 deg = 5``."""
-    at = f" at {wish.at + request.start:.9g} deg" if wish.name == POINT else ""
-    return f"{_name(request, wish)}{at} = {_shown_value(request, wish):.9g}"
-
-
-def told(request: Request, wish: Wish, ranges: Sequence[Range], beside: Sequence[Wish]) -> BlendError:
-    """The refusal of a wish, with what it may be."""
-    unit = UNITS.get(wish.name, "{u}").format(u=request.unit)
-    others = ", ".join(_named(request, w) for w in beside)
-    tail = f" beside {others}" if others else ""
-    name, allowed = _name(request, wish), (ranges[0].low, ranges[-1].high)
-    text = f"{_named(request, wish)} {unit} is not feasible{tail}"
-    if allowed[1] - allowed[0] <= SAME * max(map(abs, allowed)):
-        text = f"{_named(request, wish)} {unit}: determined already{tail}: {allowed[0]:.9g} {unit}; set another one"
-        return BlendError(text, name, allowed)
-    return BlendError(f"{text}; feasible: {' or '.join(range_text(r, name) for r in ranges)} {unit}", name, allowed)
-
-
-def range_text(found: Range, name: str) -> str:
-    """``0.1 < vcv <= 0.2``; ends that are reached are rounded inwards, so that they can be typed."""
-    low, high = _rounded(found.low, not found.low_open), _rounded(found.high, not found.high_open, down=True)
-    less, most = "<" if found.low_open else "<=", "<" if found.high_open else "<="
-    if found.high == inf:
-        return f"{name} {'>' if found.low_open else '>='} {low:.9g}"
-    return f"{low:.9g} {less} {name} {most} {high:.9g}"
-
-
-def _rounded(value: float, inwards: bool, down: bool = False) -> float:
-    """Nine digits."""
-    way = (ROUND_FLOOR if down else ROUND_CEILING) if inwards else ROUND_HALF_EVEN
-    return float(Context(prec=9, rounding=way).create_decimal(value))
-
-
-def _wrong_number(request: Request) -> BlendError:
-    rows = candidates(request)
-    if not rows:
-        known = " | ".join(str(s) for s in sequences(request.type, request.constant))
-        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {known}")
-    counts = sorted({(c.freedom, str(c.sequence)) for c in rows})
-    wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
-    given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
-    return BlendError(f"settings given: {given}; {wants}; or ask for the best")

@@ -120,9 +120,7 @@ def roots(function: Function, interval: Interval, size: float) -> list[float]:
     for sign in (1.0, -1.0):  # a pair of zeros between two samples
         for i in tops(sign * values):
             if sign * values[i] < 0.0:
-                at, top = highest(
-                    lambda v, s=sign: s * function(v), float(x[max(i - 1, 0)]), float(x[min(i + 1, x.size - 1)])
-                )
+                at, top = highest(_times(sign, function), float(x[max(i - 1, 0)]), float(x[min(i + 1, x.size - 1)]))
                 if top >= -1e-14 * size:
                     place = int(np.searchsorted(x, at))
                     top = top if top > 0.0 else 0.0
@@ -139,6 +137,10 @@ def roots(function: Function, interval: Interval, size: float) -> list[float]:
         if 0.0 < abs(values[i]) <= 1e-12 * size and not any(abs(x[i] - r) <= 1e-9 for r in found):
             found.append(float(x[i]))
     return sorted(set(found))
+
+
+def _times(sign: float, function: Function) -> Function:
+    return lambda x: sign * function(x)
 
 
 def _root(function: Function, a: float, b: float, fa: float, fb: float) -> float | None:
@@ -162,6 +164,33 @@ def _root(function: Function, a: float, b: float, fa: float, fb: float) -> float
     return best if value <= 1e-6 * bound else None
 
 
+def bracketed(function: Function, a: np.ndarray, b: np.ndarray, fa: np.ndarray, fb: np.ndarray) -> np.ndarray:
+    """Zeros of many functions at once, each between its a and b, where they differ in sign: Chandrupatla's method, which
+    interpolates where that is safe and halves where it is not (Adv. Eng. Software 28, 1997)."""
+    a, b, fa, fb = (np.array(v, dtype=float) for v in (b, a, fb, fa))
+    c, fc, t = b.copy(), fb.copy(), np.full(a.shape, 0.5)
+    for _ in range(STEPS):
+        x = a + t * (b - a)
+        fx = function(x)
+        same = np.sign(fx) == np.sign(fa)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = x, fx
+        best = np.where(np.abs(fa) < np.abs(fb), a, b)
+        least = 4e-16 * np.abs(best) + 1e-300
+        with np.errstate(all="ignore"):
+            t_least = least / np.abs(b - c)
+            if ((t_least > 0.5) | (fa == 0.0) | (b == c)).all():
+                break
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            inner = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            safe = (phi**2 < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(inner)
+        t = np.where(safe, inner, 0.5)
+        t_least = np.where(np.isfinite(t_least), np.minimum(t_least, 0.5), 0.5)
+        t = np.clip(t, t_least, 1.0 - t_least)
+    return np.where(np.abs(fa) < np.abs(fb), a, b)
+
+
 def extent(function: Function, interval: Interval) -> tuple[tuple[float, float], tuple[float, float]]:
     """(value, place) of the lowest and of the highest value on an interval, ends included."""
     x = _between(interval)
@@ -169,7 +198,7 @@ def extent(function: Function, interval: Interval) -> tuple[tuple[float, float],
     ends = []
     for sign in (-1.0, 1.0):
         signed = sign * values
-        best = max(_refined(lambda v, s=sign: s * function(v), x, signed))
+        best = max(_refined(_times(sign, function), x, signed))
         ends.append((sign * best[0], best[1]))
     return ends[0], ends[1]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -168,7 +169,7 @@ def _pinned(family: Family, task: Task, wishes: list[Wish]) -> list[float]:
     the speeds. With all rows of the slope dependent, a minor bordered by the right sides must vanish."""
     m, names = len(wishes), family.linear
 
-    def minor(x: np.ndarray, columns: tuple[int, ...]) -> np.ndarray:
+    def minor(columns: tuple[int, ...], x: np.ndarray) -> np.ndarray:
         with np.errstate(all="ignore"):
             slope, start = _rows(family, task, _bent_value(family, task, x), wishes)
             bordered = np.concatenate((slope[:, :, list(columns)], start[:, :, None]), axis=2) / sizes[:, None]
@@ -180,7 +181,7 @@ def _pinned(family: Family, task: Task, wishes: list[Wish]) -> list[float]:
     slope, start = _rows(family, task, _bent_value(family, task, PROBES), wishes)
     sizes = np.abs(slope).max(axis=(0, 2), initial=0.0) + np.abs(start).max(axis=0)
     for columns in combinations(range(len(names)), m - 1):
-        if np.nanmax(np.abs(minor(PROBES, columns)), initial=0.0) > 1e-9:
-            found = roots(lambda x, c=columns: minor(x, c), Interval(1e-9, 1.0 - 1e-9), 0.0)
+        if np.nanmax(np.abs(minor(columns, PROBES)), initial=0.0) > 1e-9:
+            found = roots(partial(minor, columns), Interval(1e-9, 1.0 - 1e-9), 0.0)
             return [float(_bent_value(family, task, np.array([x]))[0]) for x in found]
     return []

@@ -5,15 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from math import inf
 
 import numpy as np
 
 from core.blend.family import Family, Solution, Task
-from core.blend.roots import GRID, Interval, extent, intervals, roots
+from core.blend.roots import GRID, Interval, bracketed, extent, intervals, roots
 from core.blend.sheet import TINY, Sheet, sheets, slack
-from core.blend.wishes import Found, Wish, measure
+from core.blend.wishes import Found, Wish, hardest_first, measure
 
 OPEN = 1e-9  # a height that must be above 0, as a share of the stroke, this small at the end of a range: an open end
 SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them
@@ -100,7 +101,7 @@ class Problem:
 
     def _splits(self) -> Iterator[tuple[Wish, list[Wish]]]:
         """Ways to choose the wish that the root is found for: one that is not linear first."""
-        for wish in sorted(reversed(self.wishes), key=lambda w: w.linear):
+        for wish in hardest_first(self.wishes):
             yield wish, [w for w in self.wishes if w is not wish]
 
     def curves(self, wishes: Sequence[Wish]) -> list[Curve]:
@@ -112,11 +113,7 @@ class Problem:
         found = sheets(self.family, self.task, linear, 1 + len(bent))
         if not bent:
             return [Curve(self, sheet.at) for sheet in found]
-        return [
-            Curve(self, lambda x, s=sheet, b=b: self._on_sheet(s, bent[0], x, b))
-            for sheet in found
-            for b in range(-_BRANCHES, _BRANCHES)
-        ]
+        return [Curve(self, at) for sheet in found for at in self._branches(sheet, bent[0], GRID[None, :])]
 
     def size_of(self, wish: Wish) -> float:
         """What the values of a wish are usually like."""
@@ -132,18 +129,26 @@ class Problem:
             return []
         if not bent:
             return [sheet.at for sheet in found]
-        return [
-            lambda x, s=sheet, b=b: self._on_sheet(s, bent[0], x, b) for sheet in found for b in range(_BRANCHES)
-        ]
+        look = np.random.default_rng(1995).random((len(self.family.free) - len(self.wishes), 500))
+        return [at for sheet in found for at in self._branches(sheet, bent[0], look)]
 
-    def _on_sheet(self, sheet: Sheet, wish: Wish, x: np.ndarray, branch: int) -> Found:
-        """Of a sheet of one coordinate more the points that meet a wish, the ``branch``-th of those at each x that are
-        feasible; nan where there are fewer."""
+    def _branches(self, sheet: Sheet, wish: Wish, look: np.ndarray) -> list[Callable[[np.ndarray], Found]]:
+        """The points of a sheet of one coordinate more that meet a wish: as many branches as are seen at most at one
+        place, counted from the lowest and, where there are several, from the highest too."""
+        inner = np.isfinite(self._inner_of(sheet, wish, look)[:_BRANCHES]).any(axis=1)
+        count = int(inner.sum())
+        rows = [*range(count), *(range(-count, 0) if count > 1 else ())]
+        return [partial(self._on_sheet, sheet, wish, row) for row in rows]
+
+    def _on_sheet(self, sheet: Sheet, wish: Wish, branch: int, x: np.ndarray) -> Found:
+        return sheet.at(np.vstack([x, self._inner_of(sheet, wish, x)[branch]]))
+
+    def _inner_of(self, sheet: Sheet, wish: Wish, x: np.ndarray) -> np.ndarray:
+        """``_met_on_sheet``, kept: the branches are looked at in the same places."""
         key = (sheet, wish, x.tobytes())
         if key not in self._inner:
             self._inner[key] = self._met_on_sheet(sheet, wish, x)
-        inner = self._inner[key]
-        return sheet.at(np.vstack([x, inner[branch]]))
+        return self._inner[key]
 
     def _met_on_sheet(self, sheet: Sheet, wish: Wish, x: np.ndarray) -> np.ndarray:
         """Where on the last coordinate a wish is met at each x: the lowest places, and from the end the highest ones
@@ -159,14 +164,10 @@ class Problem:
         values = missed(np.repeat(np.arange(n), t.size), np.tile(t, n))[0].reshape(n, t.size)
         with np.errstate(invalid="ignore"):
             row, cell = np.nonzero(np.sign(values[:, 1:]) * np.sign(values[:, :-1]) < 0.0)
-        low, high, sign = t[cell], t[cell + 1], np.sign(values[row, cell])
         made = np.full((2 * _BRANCHES, n), np.nan)
         if not row.size:
             return made
-        for _ in range(56):
-            middle = 0.5 * (low + high)
-            same = np.sign(missed(row, middle)[0]) == sign
-            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        low = bracketed(lambda t: missed(row, t)[0], t[cell], t[cell + 1], values[row, cell], values[row, cell + 1])
         error, slacks = missed(row, low)
         good = (slacks >= 0.0) & (np.abs(error) <= 1e-9 * max(abs(wish.value), TINY))
         for i in np.unique(row[good]):
@@ -290,4 +291,3 @@ def merged(ranges: Sequence[Range]) -> list[Range]:
             r = Range(last.low, high, last.low_open, open_)
         found.append(r)
     return found
-

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -32,6 +32,11 @@ class Wish:
     @property
     def linear(self) -> bool:
         return self.name not in BENT
+
+
+def hardest_first(wishes: Sequence[Wish]) -> list[Wish]:
+    """Those that are not linear, then the others, of each the last said first."""
+    return sorted(wishes, key=lambda w: (w.linear, -wishes.index(w)))
 
 
 def level_at(family: Family, task: Task, found: Found, at: float) -> np.ndarray:
