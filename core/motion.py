@@ -8,10 +8,10 @@ from math import pi
 
 import numpy as np
 
+from core.curves import shape_of
 from core.design import Motion
-from core.errors import DesignError, Fault
 from core.findings import ERROR, WARNING, Finding
-from core.laws import PieceTable, find_law
+from core.laws import PieceTable
 
 TURN = 2.0 * pi
 EPS = float(np.finfo(float).eps)
@@ -69,12 +69,10 @@ class Program:
         heights = _running_sums([s.rise for s in motion.segments])
         rows, starts, segment = [], [], []
         for i, part in enumerate(motion.segments):
-            law = find_law(part.curve.law)
-            if law is None:
-                raise DesignError([Fault(f"motion.segments[{i}].law", part.curve.law, "unknown law")])
+            shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
             span = np.deg2rad(part.span_deg)
-            for piece in law.pieces:
-                rows.append((piece, span, heights[i], part.rise, law.still))
+            for piece, way in zip(shape.pieces, shape.ways, strict=True):
+                rows.append((piece, span, heights[i], shape.gain, way))
                 starts.append(begins[i] + piece.start * span)
                 segment.append(i)
         self.motion = motion
@@ -88,7 +86,7 @@ class Program:
         scale = motion.scale
         self._base = np.array([(motion.start + row[2]) * scale for row in rows])
         self._rise = np.array([row[3] * scale for row in rows])
-        self.way_of = np.array([0.0 if row[4] else float(np.sign(row[3])) for row in rows])
+        self.way_of = np.array([row[4] for row in rows])
         # h/β^k, so that derivatives by u become derivatives by cam angle
         self._gain = self._rise / self._span ** np.arange(4)[:, None]
 
@@ -119,7 +117,7 @@ class Program:
         after = np.roll(self.state(Angles(self.starts[first], first)).y, -1, axis=1)
         jump = after - before
         # what a segment's own size of s, v, a, j leaves to rounding at its ends
-        size = np.abs(self._gain[:, last]) * np.array([1.0, 2.0, 6.0, 60.0])[:, None]
+        size = (np.abs(self._gain) * self._table.sizes())[:, last]
         size[0] += np.abs(self._base[last])
         bound = JUMP_BOUND * EPS * np.maximum(size, np.roll(size, -1, axis=1))
         bound *= 1.0 + TURN / np.minimum(self._span[last], np.roll(self._span[last], -1))

@@ -17,6 +17,7 @@ from core.design.edits import (
 )
 from core.design.fields import Info, field_faults, info_of, unit_of
 from core.design.parts import (
+    CURVES,
     FACES,
     FOLLOWER_KINDS,
     FORMS,
@@ -28,17 +29,23 @@ from core.design.parts import (
     Curve,
     Design,
     Drive,
+    End,
     Follower,
     FollowerKind,
     Loads,
     Motion,
     Named,
+    Point,
+    Polynomial,
     RollerCam,
+    Scca,
     Segment,
     Shaft,
     SingleCam,
+    Spline,
     Translating,
     TranslatingLoads,
+    curve_of,
     kind_of,
 )
 from core.design.paths import Entry, entries, get, put
@@ -46,6 +53,7 @@ from core.design.rules import faults, part_faults
 from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
 
 __all__ = [
+    "CURVES",
     "EDITS",
     "FACES",
     "FOLLOWER_KINDS",
@@ -61,6 +69,7 @@ __all__ = [
     "Curve",
     "Design",
     "Drive",
+    "End",
     "Entry",
     "Follower",
     "FollowerKind",
@@ -68,13 +77,18 @@ __all__ = [
     "Loads",
     "Motion",
     "Named",
+    "Point",
+    "Polynomial",
     "RollerCam",
+    "Scca",
     "Segment",
     "Shaft",
     "SingleCam",
+    "Spline",
     "Translating",
     "TranslatingLoads",
     "Unit",
+    "curve_of",
     "edited",
     "entries",
     "faults",

@@ -12,7 +12,7 @@ from math import fsum, nan
 from types import MappingProxyType
 from typing import Any
 
-from core.design.parts import CamSlider, Motion, Named, Segment, SingleCam
+from core.design.parts import CamSlider, Motion, Segment, SingleCam, curve_of
 from core.design.paths import SECTIONS, entries, put, with_section
 from core.laws import find_law
 
@@ -76,7 +76,7 @@ def with_stroke(motion: Motion, wanted: float) -> Motion:
 def with_law(motion: Motion, index: int, law: str) -> Motion:
     """One segment's law changed; what becomes a dwell loses its rise to the next segment that moves."""
     segments = list(motion.segments)
-    segments[index] = replace(segments[index], curve=Named(law))
+    segments[index] = replace(segments[index], curve=curve_of(law))
     changed = replace(motion, segments=tuple(segments))
     row = find_law(law)
     return with_rise(changed, index, 0.0) if row is not None and row.still else changed

@@ -16,8 +16,13 @@ LARGEST = 1e15  # in the field's own unit: squares and products of such numbers 
 
 @dataclass(frozen=True)
 class Info:
-    """What is known of one field. ``low`` and ``high`` bound numbers (``open_low``: low itself is excluded);
-    ``choices`` bounds words; no bound stated means ``LARGEST``; ``step`` is a sensible step of a spin box, 0 = by magnitude."""
+    """What is known of one field.
+
+    low, high  bounds of a number (``open_low``: low itself is excluded); no bound stated means ``LARGEST``
+    choices    bounds words
+    step       a sensible step of a spin box, 0 = by magnitude
+    optional   may be None
+    """
 
     label: str
     help: str = ""
@@ -26,6 +31,7 @@ class Info:
     open_low: bool = False
     choices: tuple[str, ...] = ()
     step: float = 0.0
+    optional: bool = False
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
@@ -41,6 +47,8 @@ class Info:
     def admits(self, value: Any) -> bool:
         if self.choices:
             return value in self.choices
+        if value is None:
+            return self.optional
         above = value > self.low if self.open_low else value >= self.low
         return bool(math.isfinite(value) and above and value <= self.high)
 
@@ -56,7 +64,7 @@ def number(
     step: float = 0.0,
 ) -> Any:
     """A dataclass field for a number; its unit is told by its name."""
-    info = Info(label, help, low, high, open_low, step=step)
+    info = Info(label, help, low, high, open_low, step=step, optional=default is None)
     return dataclasses.field(default=default, metadata={_KEY: info})
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import ClassVar
 
 from core.design.fields import choice, coordinate, length, number
 from core.design.units import UNITS
@@ -17,12 +18,74 @@ from core.design.units import UNITS
 
 @dataclass(frozen=True)
 class Named:
-    """A curve known by its name in the table of laws."""
+    """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
+    deceleration, as a fraction of the span."""
 
     law: str
+    crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
 
 
-Curve = Named
+@dataclass(frozen=True)
+class Scca:
+    """Sine - constant - cosine acceleration: of what constant velocity leaves of the span, how much is sine ramp and
+    how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
+
+    law: ClassVar[str] = "scca"
+    cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
+    ramp_fraction: float = number("Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the rest")
+    flat_fraction: float = number(
+        "Constant acceleration", 0.0, 1.0, default=0.0, step=0.05, help="fraction of the rest"
+    )
+
+
+@dataclass(frozen=True)
+class End:
+    """What a polynomial does at one end, per degree of cam angle; an absent jerk is left free."""
+
+    velocity: float = number("Velocity", default=0.0, help="per degree")
+    acceleration: float = number("Acceleration", default=0.0, help="per degree squared")
+    jerk: float | None = number("Jerk", default=None, help="per degree cubed; empty = free")
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """The polynomial of least degree with the wanted ends."""
+
+    law: ClassVar[str] = "polynomial"
+    start: End = End()
+    end: End = End()
+
+
+@dataclass(frozen=True)
+class Point:
+    """What a spline does at an angle from the segment's start: its value (from the segment's start too), velocity and
+    acceleration per degree, as far as they are given."""
+
+    at_deg: float = number("At", 0.0, 360.0)
+    value: float | None = number("Value", default=None)
+    velocity: float | None = number("Velocity", default=None)
+    acceleration: float | None = number("Acceleration", default=None)
+
+
+@dataclass(frozen=True)
+class Spline:
+    """The curve of least jerk (in the mean square) through the points; periodic where it takes the whole turn, else it
+    starts and ends at rest where no point says otherwise."""
+
+    law: ClassVar[str] = "spline"
+    points: tuple[Point, ...] = ()
+
+
+Curve = Named | Scca | Polynomial | Spline
+CURVES: Mapping[str, type[Scca | Polynomial | Spline]] = MappingProxyType(
+    {c.law: c for c in (Scca, Polynomial, Spline)}
+)
+"""Laws with keys of their own; every other one is Named."""
+
+
+def curve_of(law: str) -> Curve:
+    """The curve of that law with nothing more said about it."""
+    return CURVES[law]() if law in CURVES else Named(law)
 
 
 @dataclass(frozen=True)

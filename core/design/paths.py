@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from core.design.fields import Info, info_of
-from core.design.parts import Motion, Named, SingleCam
+from core.design.parts import Motion, Segment, SingleCam, curve_of
 from core.design.units import NO_UNIT, UNITS, Unit, split_unit
 
 SECTIONS = ("motion", "follower", "cam", "shaft", "loads")
@@ -47,6 +47,7 @@ def entries(design: SingleCam, name: str) -> Iterator[Entry]:
     if isinstance(part, Motion):
         for i, segment in enumerate(part.segments):
             yield from _part_entries(segment, f"{name}.segments[{i}]", part.unit)
+            yield from _part_entries(segment.curve, f"{name}.segments[{i}]", None)
 
 
 def _part_entries(part: Any, path: str, motion_unit: str | None) -> Iterator[Entry]:
@@ -89,8 +90,10 @@ def _put(part: Any, steps: list[tuple[str, int | None]], value: Any, path: str) 
     if not steps:
         return value
     (name, index), rest = steps[0], steps[1:]
-    if name == "law" and isinstance(getattr(part, "curve", None), Named):
-        return replace(part, curve=Named(value))
+    if isinstance(part, Segment) and name == "law":
+        return replace(part, curve=curve_of(value))
+    if isinstance(part, Segment) and name in _names(part.curve):  # a curve's keys stand in the segment's table
+        return replace(part, curve=_put(part.curve, steps, value, path))
     key = _field_name(part, name, path)
     if index is None:
         return replace(part, **{key: _put(getattr(part, key), rest, value, path)})
@@ -104,14 +107,19 @@ def _child(design: SingleCam, at: Any, name: str, path: str) -> Any:
         if name in SECTIONS:
             return section(design, name)
         return getattr(design, name) if name in ("name", "assumed") else _nowhere(path)
-    if name == "law" and isinstance(getattr(at, "curve", None), Named):
+    if isinstance(at, Segment) and name == "law":
         return at.curve.law
+    if isinstance(at, Segment) and name in _names(at.curve):
+        return getattr(at.curve, name)
     return getattr(at, _field_name(at, name, path))
 
 
 def _field_name(part: Any, name: str, path: str) -> str:
-    names = {f.name for f in fields(part)}
-    return name if name in names else _nowhere(path)
+    return name if name in _names(part) else _nowhere(path)
+
+
+def _names(part: Any) -> set[str]:
+    return {f.name for f in fields(part)}
 
 
 def _steps(path: str, motion_unit: str) -> list[tuple[str, int | None]]:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
 from core.design.fields import field_faults
-from core.design.parts import CamSlider, Motion, Segment, SingleCam
-from core.errors import Fault
+from core.design.parts import CamSlider, Motion, Named, Scca, Segment, SingleCam, Spline
+from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
 
 CLOSING = 1e-9  # spans and rises may miss their sums by this much, in their own units
@@ -44,11 +45,62 @@ def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
 
 
 def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
+    if not isinstance(segment.curve, Named):
+        return
     law = find_law(segment.curve.law)
     if law is None:
         yield Fault(f"{path}.law", segment.curve.law, "unknown law", " | ".join(LAWS))
     elif law.still and segment.rise != 0.0:
         yield Fault(f"{path}.rise_{unit}", segment.rise, "a dwell does not rise", "0, or another law")
+    elif law.rises < 0 and segment.rise >= 0.0:
+        yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
+
+
+def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
+    total = curve.ramp_fraction + curve.flat_fraction
+    if total > 1.0:
+        told = f"ramp_fraction + flat_fraction = {total:.9g}"
+        yield Fault(path, told, "more than the whole", "a sum of at most 1")
+
+
+def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Iterator[Fault]:
+    seen: set[tuple[float, int]] = set()
+    for i, point in enumerate(curve.points):
+        at = f"{path}.points[{i}]"
+        if point.at_deg > segment.span_deg:
+            yield Fault(f"{at}.at_deg", point.at_deg, "beyond its segment", f"0 ... {segment.span_deg:g} deg")
+        wanted = [v for v in (point.value, point.velocity, point.acceleration) if v is not None]
+        if not wanted:
+            yield Fault(at, MISSING, "says nothing", "value, velocity or acceleration")
+        for order, value in enumerate((point.value, point.velocity, point.acceleration)):
+            if value is not None and (point.at_deg, order) in seen:
+                yield Fault(f"{at}.at_deg", point.at_deg, "said twice", "one point an angle")
+            if value is not None:
+                seen.add((point.at_deg, order))
+
+
+CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
+    {Scca: _ramps_fit, Spline: _points_are_in_the_span}
+)
+
+
+def _curve_faults(segment: Segment, path: str) -> Iterator[Fault]:
+    """Ranges of a curve's own numbers, then the rule that ties them together."""
+    yield from _deep_faults(segment.curve, path)
+    rule = CURVE_RULES.get(type(segment.curve))
+    if rule is not None:
+        yield from rule(segment.curve, segment, path)
+
+
+def _deep_faults(part: Any, path: str) -> Iterator[Fault]:
+    yield from field_faults(part, path)
+    for field in dataclasses.fields(part):
+        value = getattr(part, field.name)
+        if dataclasses.is_dataclass(value):
+            yield from _deep_faults(value, f"{path}.{field.name}")
+        elif isinstance(value, tuple):
+            for i, item in enumerate(value):
+                yield from _deep_faults(item, f"{path}.{field.name}[{i}]")
 
 
 def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
@@ -57,6 +109,7 @@ def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
         for fault in field_faults(segment, at):
             yield Fault(_with_unit(fault.path, motion.unit), fault.value, fault.problem, fault.allowed)
         yield from _law_fits_rise(segment, at, motion.unit)
+        yield from _curve_faults(segment, at)
 
 
 def _with_unit(path: str, unit: str) -> str:

@@ -95,6 +95,12 @@ class PieceTable:
             falling = last[1:] * np.arange(1, last.shape[0])[:, None]
             self.derivatives.append(falling if falling.shape[0] else np.zeros((1, m)))
 
+    def sizes(self) -> np.ndarray:
+        """How large value and derivatives can become on each piece, and so how large their rounding (4, m)."""
+        amplitude, frequency, _ = np.abs(self.sines)
+        waves = [(amplitude * frequency**order).sum(axis=0) for order in range(ORDERS)]
+        return np.array([np.abs(rows).sum(axis=0) for rows in self.derivatives]) + np.array(waves)
+
     def evaluate(self, index: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Value and three derivatives by w at ``w`` (n,) of the pieces ``index`` (n,): shape (4, n)."""
         out = np.empty((ORDERS, w.size))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
-from math import pi
+from math import comb, pi
 from types import MappingProxyType
 
 import numpy as np
@@ -20,6 +21,7 @@ class Law:
     slug     spelling in files; label, as shown
     pieces   s(u) as pieces; ``still`` marks the law that does not move
     source   where the formula stands
+    rises    1 where the curve is meant for a rise, -1 where it is a return and needs a rise below 0, 0 for both
     """
 
     slug: str
@@ -27,6 +29,7 @@ class Law:
     pieces: tuple[Piece, ...]
     source: str
     still: bool = False
+    rises: int = 0
 
     @cached_property
     def _table(self) -> PieceTable:
@@ -73,25 +76,66 @@ MODIFIED_SINE = (
     Piece(0.875, ((4 + 7 * pi / 8) * _K, pi * _K), (Sine(_K / 4, 4 * pi, pi / 2),)),
 )
 
+
+def _mirrored_p1() -> tuple[Piece, ...]:
+    """1 - P1(1-u), expanded in exact fractions."""
+    backwards = [Fraction(0)] * len(_P1)
+    for k, c in enumerate(_P1):
+        for j in range(k + 1):
+            backwards[j] += Fraction(c, 41) * comb(k, j) * (-1) ** j
+    told = [-c for c in backwards]
+    told[0] += 1
+    return _one(*map(float, told))
+
+
+_P1 = (0, 0, 0, 250, 0, -852, 1096, -558, 105)  # over 41; the literature's decimals are these fractions rounded
+C1 = _one(0.0, 1.0, sines=(Sine(-1.0 / pi, pi),))
+C2 = _one(0.0, 1.0, sines=(Sine(1.0 / pi, pi),))
+CYCLOIDAL = _one(0.0, 1.0, sines=(Sine(-0.5 / pi, 2 * pi),))
+H1 = _one(1.0, sines=(Sine(-1.0, pi / 2, pi / 2),))
+H2 = _one(0.0, sines=(Sine(1.0, pi / 2),))
+HARMONIC = _one(0.5, sines=(Sine(-0.5, pi, pi / 2),))
+P1 = _one(*(c / 41 for c in _P1))
+P2 = _mirrored_p1()
+LINE = _one(0.0, 1.0)
+
+
+def _sines(*terms: tuple[float, float]) -> tuple[Piece, ...]:
+    """u + sum A_k sin(2 pi k u)."""
+    return _one(0.0, 1.0, sines=tuple(Sine(a, 2 * pi * k) for k, a in terms))
+
+
+def modified_sine_with_cv(fraction: float) -> tuple[Piece, ...]:
+    """Modified sine whose middle runs at constant velocity over this fraction of the span."""
+    return scca(0.25 * (1 - fraction), 0.0, 0.75 * (1 - fraction))
+
+
 _ROWS = (
     Law("dwell", "Dwell", _one(0.0), "s = 0", still=True),
-    Law("constant-velocity", "Constant velocity", _one(0.0, 1.0), "Yang, CV1: s = u"),
+    Law("constant-velocity", "Constant velocity", LINE, "s = u"),
     Law(
-        "simple-harmonic",
-        "Simple harmonic",
-        _one(0.5, sines=(Sine(-0.5, pi, pi / 2),)),
-        "Yang, H5: s = (1 - cos pi u)/2",
+        "parabolic",
+        "Parabolic",
+        (Piece(0.0, (0.0, 0.0, 2.0)), Piece(0.5, (0.5, 2.0, -2.0))),
+        "constant acceleration: s = 2u^2, 1 - 2(1-u)^2",
     ),
+    Law("simple-harmonic", "Simple harmonic", HARMONIC, "s = (1 - cos pi u)/2"),
     Law(
-        "cycloidal",
-        "Cycloidal",
-        _one(0.0, 1.0, sines=(Sine(-0.5 / pi, 2 * pi),)),
-        "Yang, C5: s = u - sin(2 pi u)/(2 pi)",
+        "double-harmonic",
+        "Double harmonic",
+        _one(0.375, sines=(Sine(-0.5, pi, pi / 2), Sine(0.125, 2 * pi, pi / 2))),
+        "s = (1 - cos pi u)/2 - (1 - cos 2 pi u)/8",
     ),
+    Law("cycloidal", "Cycloidal", CYCLOIDAL, "s = u - sin(2 pi u)/(2 pi)"),
     Law("modified-sine", "Modified sine", MODIFIED_SINE, "Neklutin; Norton ch. 3: k = 1/(4 + pi)"),
     Law(
         "modified-trapezoid", "Modified trapezoid", scca(0.25, 0.5, 0.25), "Neklutin; Norton ch. 3: SCCA 1/4, 1/2, 1/4"
     ),
+    Law("mcv20", "Modified constant velocity 20 %", modified_sine_with_cv(0.2), "SCCA; Norton ch. 3"),
+    Law("mcv33", "Modified constant velocity 33 %", modified_sine_with_cv(1 / 3), "SCCA; exactly 1/3"),
+    Law("mcv50", "Modified constant velocity 50 %", modified_sine_with_cv(0.5), "SCCA; Norton ch. 3"),
+    Law("mcv66", "Modified constant velocity 66 %", modified_sine_with_cv(2 / 3), "SCCA; exactly 2/3"),
+    Law("2-3", "Polynomial 2-3", _one(0.0, 0.0, 3.0, -2.0), "s = 3u^2 - 2u^3"),
     Law("3-4-5", "Polynomial 3-4-5", _one(0.0, 0.0, 0.0, 10.0, -15.0, 6.0), "s = 10u^3 - 15u^4 + 6u^5"),
     Law(
         "4-5-6-7",
@@ -99,6 +143,46 @@ _ROWS = (
         _one(0.0, 0.0, 0.0, 0.0, 35.0, -84.0, 70.0, -20.0),
         "s = 35u^4 - 84u^5 + 70u^6 - 20u^7",
     ),
+    Law(
+        "5-6-7-8-9",
+        "Polynomial 5-6-7-8-9",
+        _one(0.0, 0.0, 0.0, 0.0, 0.0, 126.0, -420.0, 540.0, -315.0, 70.0),
+        "s = 126u^5 - 420u^6 + 540u^7 - 315u^8 + 70u^9",
+    ),
+    Law(
+        "freudenstein-1-3",
+        "Freudenstein 1-3",
+        _sines((1, -27 / (56 * pi)), (3, -1 / (168 * pi))),
+        "Freudenstein 1960: s = u - (27/28)[sin 2 pi u + sin(6 pi u)/81]/(2 pi)",
+    ),
+    Law(
+        "freudenstein-1-3-5",
+        "Freudenstein 1-3-5",
+        _sines(*((k, -1125 / (1192 * 2 * pi) * a) for k, a in ((1, 1.0), (3, 1 / 54), (5, 1 / 1250)))),
+        "Freudenstein 1960: s = u - (1125/1192)[sin 2 pi u + sin(6 pi u)/54 + sin(10 pi u)/1250]/(2 pi)",
+    ),
+    Law(
+        "gutman-1-3",
+        "Gutman 1-3",
+        _sines((1, -15 / (32 * pi)), (3, -1 / (96 * pi))),
+        "Gutman 1961: s = u - 15 sin(2 pi u)/(32 pi) - sin(6 pi u)/(96 pi)",
+    ),
+    Law("c1", "C1 half cycloid", C1, "Yang Table 1: s = u - sin(pi u)/pi", rises=1),
+    Law("c2", "C2 half cycloid", C2, "Yang Table 1: s = u + sin(pi u)/pi", rises=1),
+    Law("c3", "C3 half cycloid, return", C1, "Yang Table 1: 1 - C1", rises=-1),
+    Law("c4", "C4 half cycloid, return", C2, "Yang Table 1: 1 - C2", rises=-1),
+    Law("c5", "C5 cycloid", CYCLOIDAL, "Yang Table 1: s = u - sin(2 pi u)/(2 pi)", rises=1),
+    Law("c6", "C6 cycloid, return", CYCLOIDAL, "Yang Table 1: 1 - C5", rises=-1),
+    Law("h1", "H1 half harmonic", H1, "Yang Table 1: s = 1 - cos(pi u/2)", rises=1),
+    Law("h2", "H2 half harmonic", H2, "Yang Table 1: s = sin(pi u/2)", rises=1),
+    Law("h3", "H3 half harmonic, return", H1, "Yang Table 1: 1 - H1", rises=-1),
+    Law("h4", "H4 half harmonic, return", H2, "Yang Table 1: 1 - H2", rises=-1),
+    Law("h5", "H5 harmonic", HARMONIC, "Yang Table 1: s = (1 - cos pi u)/2", rises=1),
+    Law("h6", "H6 harmonic, return", HARMONIC, "Yang Table 1: 1 - H5", rises=-1),
+    Law("p1", "P1 eighth degree", P1, "Yang; (250u^3 - 852u^5 + 1096u^6 - 558u^7 + 105u^8)/41", rises=1),
+    Law("p2", "P2 eighth degree, return", P2, "Yang: P2(u) = P1(1-u)", rises=-1),
+    Law("cv1", "CV1 constant velocity", LINE, "Yang Table 1: s = u", rises=1),
+    Law("cv2", "CV2 constant velocity, return", LINE, "Yang Table 1: 1 - CV1", rises=-1),
 )
 
 LAWS: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS})

@@ -13,13 +13,10 @@ from typing import Any, get_type_hints
 from cattrs import Converter, override
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn
 
-from core.design import Curve, Info, Loads, Motion, Named, Segment, info_of, split_unit
+from core.design import CURVES, Curve, End, Info, Loads, Motion, Named, Point, Segment, info_of, split_unit
 from core.laws import LAWS, find_law
 
 Hook = Callable[[Any, Any], Any]
-
-# Laws with keys of their own; every other one is Named.
-CURVES: Mapping[str, type] = MappingProxyType({})
 
 
 class _NoWord(str):
@@ -205,6 +202,8 @@ def _writer(part: type, made: Converter, unit: str) -> Callable[[Any], dict[str,
     unstructure: Callable[[Any], dict[str, Any]] = make_dict_unstructure_fn(part, made, **overrides)
     if part is Segment:
         return lambda segment: _without_curve(segment, unstructure(segment), keys["rise"])
+    if part in (End, Point):
+        return lambda value: {k: v for k, v in unstructure(value).items() if v is not None}
     if issubclass(part, Loads):
         return lambda loads: _loads_in_order(unstructure(loads))
     return unstructure
@@ -216,7 +215,13 @@ def _without_curve(segment: Segment, table: dict[str, Any], rise: str) -> dict[s
     law = find_law(segment.curve.law) if slug is None else None
     if law is not None and law.still and str(segment.rise) == "0.0":
         del table[rise]
-    return {"law": slug or curve.pop("law"), **table, **curve}
+    return {"law": slug or curve.pop("law"), **table, **_said(curve, segment.curve)}
+
+
+def _said(table: dict[str, Any], curve: Any) -> dict[str, Any]:
+    """What a curve says beside its law: nothing that is as it would be without a word."""
+    bare = {f.name: f.default for f in fields(curve) if f.default is not NO_DEFAULT}
+    return {k: v for k, v in table.items() if k not in bare or getattr(curve, k) != bare[k]}
 
 
 def _loads_in_order(table: dict[str, Any]) -> dict[str, Any]:

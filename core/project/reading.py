@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cattrs import BaseValidationError
 
 from core.design import (
+    CURVES,
     FOLLOWER_KINDS,
     Design,
     Drive,
     FollowerKind,
     Motion,
+    Named,
     Segment,
     Shaft,
     SingleCam,
@@ -97,12 +100,17 @@ def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: st
             yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
 
 
+def _curve_keys() -> list[str]:
+    """What the kinds of curves add to a segment's table."""
+    return [f.name for curve in (Named, *CURVES.values()) for f in dataclasses.fields(curve) if f.name != "law"]
+
+
 def _field_paths(row: FollowerKind | None, unit: str, segments: int) -> dict[str, None]:
     """Every path that may be assumed, in the order of the file."""
     parts = {name: part for name, part in _parts(row).items() if part}
     paths = [f"{name}.{key}" for name, part in parts.items() for key in keys_of(part, unit).values()]
     for i in range(segments):
-        paths += [f"motion.segments[{i}].{key}" for key in keys_of(Segment, unit).values()]
+        paths += [f"motion.segments[{i}].{key}" for key in (*keys_of(Segment, unit).values(), *_curve_keys())]
     return {path: None for path in paths if path != "motion.segments"}
 
 

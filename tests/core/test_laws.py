@@ -11,7 +11,7 @@ from references import EPS, LAW_SLUGS, LAW_TERMS, MP, law, law_joins
 
 from core.laws import ALIASES, LAWS, Acceleration, Law, find_law, integrate, scca
 
-MOVING = [slug for slug in LAWS if not LAWS[slug].still]
+MOVING = [slug for slug in LAW_SLUGS if not LAWS[slug].still]
 
 # A value is reached over at most so many roundings of its terms: Horner's rule takes two for each of 7 powers, a sine
 # six (frequency, product, phase, sum, function, amplitude), and a coefficient of ``integrate`` comes of a dozen.
@@ -27,11 +27,12 @@ def places() -> list[float]:
     return [*at, *beside, *near, *(1.0 - u for u in near), *(chance.random() for _ in range(20))]
 
 
-def test_every_law_has_a_reference() -> None:
-    assert set(LAWS) == set(LAW_SLUGS) == set(LAW_TERMS)
+def test_the_basic_laws_have_their_references_here() -> None:
+    """The others have theirs in test_law_table."""
+    assert set(LAWS) >= set(LAW_SLUGS) == set(LAW_TERMS)
 
 
-@pytest.mark.parametrize("slug", LAWS)
+@pytest.mark.parametrize("slug", LAW_SLUGS)
 def test_a_law_and_its_three_derivatives_keep_to_the_textbook(slug: str) -> None:
     u = np.array(places())
     got = LAWS[slug](u)

@@ -265,7 +265,7 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
         ("motion.segments[1].rise_deg", 10.0, "wrong unit; allowed: rise_mm"),
         ("motion.segments[0].rise_deg", 10.0, "wrong unit; allowed: rise_mm"),
         ("motion.segments[1].curve", "dwell", "unknown key; allowed: span_deg | rise_mm | law"),
-        ("motion.segments[1].crossover", 0.5, "unknown key"),
+        ("motion.segments[1].crossing", 0.5, "unknown key"),
         # tables
         ("motion", GONE, "missing; allowed: a table [motion] with start_mm"),
         ("cam", GONE, "missing; allowed: a table [cam] with base_radius_mm, roller_radius_mm"),
@@ -668,7 +668,8 @@ def test_nan_of_python_is_a_fault_too() -> None:
 
 def test_every_law_has_a_slug_that_is_read() -> None:
     for law in LAWS:
-        edits = {f"motion.segments[{i}].law": law for i in (1, 3)}
+        moved = (1,) if LAWS[law].rises < 0 else (1, 3)  # the one that returns
+        edits = {f"motion.segments[{i}].law": law for i in moved}
         if LAWS[law].still:
             edits |= {f"motion.segments[{i}].rise_mm": 0.0 for i in (1, 3)}
         project.from_table(edited(edits))

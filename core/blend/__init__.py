@@ -1,0 +1,46 @@
+"""Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
+
+from core.blend.best import GOALS, best
+from core.blend.choose import blend
+from core.blend.curves import (
+    CONSTANT_VELOCITY,
+    ELEMENTS,
+    MOTION_TYPES,
+    Element,
+    MotionType,
+    Sequence,
+    admissible,
+    sequences,
+)
+from core.blend.family import Family, Solution, Task
+from core.blend.ranges import feasible_range, feasible_ranges
+from core.blend.request import Blended, BlendError, Request, candidates
+from core.blend.solver import Problem, Range
+from core.blend.wishes import SETTINGS, Wish
+
+__all__ = [
+    "CONSTANT_VELOCITY",
+    "ELEMENTS",
+    "GOALS",
+    "MOTION_TYPES",
+    "SETTINGS",
+    "BlendError",
+    "Blended",
+    "Element",
+    "Family",
+    "MotionType",
+    "Problem",
+    "Range",
+    "Request",
+    "Sequence",
+    "Solution",
+    "Task",
+    "Wish",
+    "admissible",
+    "best",
+    "blend",
+    "candidates",
+    "feasible_range",
+    "feasible_ranges",
+    "sequences",
+]  # fmt: skip

@@ -1,0 +1,132 @@
+"""The elementary curves as the blending sees them, and which may follow which (Yang Tables 1 and 2, Fig. 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, sqrt
+from types import MappingProxyType
+
+State = tuple[int, int]
+"""Signs of velocity and acceleration at an end of a curve; a dwell is (0, 0)."""
+
+
+@dataclass(frozen=True)
+class Element:
+    """One row of Yang's Table 1.
+
+    way         1 rise, -1 return
+    start, end  states; a curve may follow where its start is the state reached
+    speed       c of v = c h/β at its moving end, 0 where it has none
+    bend        c of |a| = c h/β² at its end or start where that is not 0, else 0
+    peak        c of the largest |a| = c h/β²
+    """
+
+    way: int
+    start: State
+    end: State
+    speed: float
+    bend: float
+    peak: float
+
+
+_H, _P = pi * pi / 4.0, 216.0 / 41.0
+
+ELEMENTS: Mapping[str, Element] = MappingProxyType(
+    {
+        "C1": Element(1, (0, 0), (1, 0), 2.0, 0.0, pi),
+        "C2": Element(1, (1, 0), (0, 0), 2.0, 0.0, pi),
+        "C3": Element(-1, (0, 0), (-1, 0), 2.0, 0.0, pi),
+        "C4": Element(-1, (-1, 0), (0, 0), 2.0, 0.0, pi),
+        "C5": Element(1, (0, 0), (0, 0), 0.0, 0.0, 2.0 * pi),
+        "C6": Element(-1, (0, 0), (0, 0), 0.0, 0.0, 2.0 * pi),
+        "H1": Element(1, (0, 1), (1, 0), pi / 2.0, _H, _H),
+        "H2": Element(1, (1, 0), (0, -1), pi / 2.0, _H, _H),
+        "H3": Element(-1, (0, -1), (-1, 0), pi / 2.0, _H, _H),
+        "H4": Element(-1, (-1, 0), (0, 1), pi / 2.0, _H, _H),
+        "H5": Element(1, (0, 1), (0, -1), 0.0, 2.0 * _H, 2.0 * _H),
+        "H6": Element(-1, (0, -1), (0, 1), 0.0, 2.0 * _H, 2.0 * _H),
+        "P1": Element(1, (0, 0), (0, -1), 0.0, _P, _P),
+        "P2": Element(-1, (0, -1), (0, 0), 0.0, _P, _P),
+        "CV1": Element(1, (1, 0), (1, 0), 1.0, 0.0, 0.0),
+        "CV2": Element(-1, (-1, 0), (-1, 0), 1.0, 0.0, 0.0),
+    }
+)
+CONSTANT = ("CV1", "CV2")
+
+
+@dataclass(frozen=True)
+class MotionType:
+    """One of Yang's motions by the states it passes: rise from ``bottom`` to ``top``, return to ``after``; a motion
+    without one of them has None there."""
+
+    label: str
+    rise: tuple[State, State] | None
+    back: tuple[State, State] | None
+
+
+MOTION_TYPES: Mapping[str, MotionType] = MappingProxyType(
+    {
+        "DRD": MotionType("Dwell - rise - dwell", ((0, 0), (0, 0)), None),
+        "DRD-return": MotionType("Dwell - return - dwell", None, ((0, 0), (0, 0))),
+        "DRRD": MotionType("Dwell - rise - return - dwell", ((0, 0), (0, -1)), ((0, -1), (0, 0))),
+        "RRR": MotionType("Rise - return - rise", ((0, 1), (0, -1)), ((0, -1), (0, 1))),
+    }
+)
+CONSTANT_VELOCITY = ("none", "rise", "return", "both")
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """Curves of the rise and of the return, either empty where the motion has none."""
+
+    rise: tuple[str, ...]
+    back: tuple[str, ...]
+
+    @property
+    def curves(self) -> tuple[str, ...]:
+        return self.rise + self.back
+
+    def __str__(self) -> str:
+        return "-".join(self.curves)
+
+
+def strokes(ends: tuple[State, State] | None, way: int, constant: bool) -> list[tuple[str, ...]]:
+    """All chains of curves of one way between two states that stand still only at their ends: with a curve of
+    constant velocity, or without one."""
+    if ends is None:
+        return [] if constant else [()]
+    found: list[tuple[str, ...]] = []
+    open_chains: list[tuple[tuple[str, ...], State]] = [((), ends[0])]
+    while open_chains:
+        chain, state = open_chains.pop()
+        for name, row in ELEMENTS.items():
+            if row.way != way or row.start != state or name in chain:
+                continue
+            if row.end == ends[1]:
+                found.append((*chain, name))
+            elif row.end[0] != 0:
+                open_chains.append(((*chain, name), row.end))
+    return sorted((c for c in found if any(n in CONSTANT for n in c) == constant), key=lambda c: (len(c), c))
+
+
+def sequences(motion_type: str, constant: str = "none") -> list[Sequence]:
+    """Every sequence the tables admit for a type of motion, fewest curves first; constant: one of
+    ``CONSTANT_VELOCITY``."""
+    row = MOTION_TYPES[motion_type]
+    rises = strokes(row.rise, 1, constant in ("rise", "both"))
+    backs = strokes(row.back, -1, constant in ("return", "both"))
+    return sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s)))
+
+
+def admissible(curves: tuple[str, ...], start: State) -> bool:
+    """Whether each curve may follow the one before (Yang Table 1), from the state at the start."""
+    state = start
+    for name in curves:
+        if ELEMENTS[name].start != state:
+            return False
+        state = ELEMENTS[name].end
+    return True
+
+
+KAPPA = sqrt(_P)

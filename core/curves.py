@@ -1,0 +1,101 @@
+"""A segment's curve as pieces: every kind of curve is one row that turns what was typed into a table of coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.design import Named, Polynomial, Scca, Segment, Spline
+from core.errors import DesignError, Fault
+from core.laws import Piece, asymmetric, cut, find_law, hermite, least_jerk, scca
+from core.laws.pieces import PieceTable
+
+
+@dataclass(frozen=True)
+class Shape:
+    """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; ways: the sign of the velocity on
+    each piece, 0 where nothing moves."""
+
+    pieces: tuple[Piece, ...]
+    gain: float
+    ways: tuple[float, ...]
+
+
+def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape:
+    law = find_law(curve.law)
+    if law is None:
+        raise DesignError([Fault(f"{path}.law", curve.law, "unknown law")])
+    pieces = law.pieces if curve.crossover == 0.5 else asymmetric(law.pieces, curve.crossover)
+    way = 0.0 if law.still else float(np.sign(segment.rise))
+    return Shape(pieces, segment.rise, (way,) * len(pieces))
+
+
+def _scca(curve: Scca, segment: Segment, whole_turn: bool, path: str) -> Shape:
+    rest = 1.0 - curve.cv_fraction
+    b, c = curve.ramp_fraction * rest, curve.flat_fraction * rest
+    pieces = scca(b, c, rest - b - c)
+    return Shape(pieces, segment.rise, (float(np.sign(segment.rise)),) * len(pieces))
+
+
+def _polynomial(curve: Polynomial, segment: Segment, whole_turn: bool, path: str) -> Shape:
+    span = segment.span_deg
+    ends = []
+    for value, end in ((0.0, curve.start), (segment.rise, curve.end)):
+        wanted = [value, end.velocity * span, end.acceleration * span**2]
+        ends.append(wanted if end.jerk is None else [*wanted, end.jerk * span**3])
+    return _turning((Piece(0.0, hermite(*ends)),))
+
+
+def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Shape:
+    span = segment.span_deg
+    given = [
+        (p.at_deg / span, order, value * span**order)
+        for p in curve.points
+        for order, value in enumerate((p.value, p.velocity, p.acceleration))
+        if value is not None
+    ]
+    told = {(place, order) for place, order, _ in given}
+    ends = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
+    if not whole_turn:
+        ends += [(place, order, 0.0) for place in (0.0, 1.0) for order in (1, 2)]
+    if whole_turn:
+        ends = ends[:1]  # the end is the start
+    given += [e for e in ends if e[:2] not in told and not (whole_turn and (1.0, e[1]) in told)]
+    knots = sorted({0.0, 1.0, *(place for place, _, _ in given)})
+    return _turning(least_jerk(knots, given, periodic=whole_turn))
+
+
+def _turning(pieces: tuple[Piece, ...]) -> Shape:
+    """Pieces cut where the velocity turns, so that each has one sign of it."""
+    ends = [*(p.start for p in pieces[1:]), 1.0]
+    cuts = []
+    for piece, end in zip(pieces, ends, strict=True):
+        speed = np.polynomial.polynomial.polyder(np.array(piece.polynomial)) if len(piece.polynomial) > 1 else [0.0]
+        if not np.any(speed):
+            continue
+        roots = np.polynomial.polynomial.polyroots(np.trim_zeros(np.asarray(speed), "b"))
+        real = roots[np.abs(roots.imag) < 1e-9].real + piece.start
+        width = end - piece.start
+        cuts += [float(r) for r in real if piece.start + 1e-6 * width < r < end - 1e-6 * width]
+    for at in sorted(cuts):
+        pieces = cut(pieces, at)
+    table = PieceTable(pieces)
+    ends = [*(p.start for p in pieces[1:]), 1.0]
+    middle = np.array([0.5 * (e - p.start) for p, e in zip(pieces, ends, strict=True)])
+    rows = table.evaluate(np.arange(len(pieces)), middle)
+    still = np.abs(rows[1]) <= 1e-12 * max(float(np.abs(rows[:2]).max()), 1e-300)
+    return Shape(pieces, 1.0, tuple(float(w) for w in np.where(still, 0.0, np.sign(rows[1]))))
+
+
+SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], Shape]] = MappingProxyType(
+    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline}
+)
+
+
+def shape_of(segment: Segment, whole_turn: bool, path: str) -> Shape:
+    """The pieces of a segment; whole_turn: it is the only one. Raises DesignError, NoSpline."""
+    return SHAPES[type(segment.curve)](segment.curve, segment, whole_turn, path)
