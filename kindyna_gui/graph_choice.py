@@ -123,10 +123,10 @@ class ChannelTree(QTreeWidget):
         with QSignalBlocker(self):
             if tuple(rows) != self._rows:
                 self._build(rows)
-            for name, item in self._items.items():
-                item.setDisabled(name in lacking)
-                if name in lacking:
-                    item.setToolTip(0, escape(lacking[name]))
+            for row in rows:
+                item, why = self._items[row.quantity], lacking.get(row.quantity, "")
+                item.setForeground(0, QColor(LIGHT.quiet if why else LIGHT.ink))
+                item.setToolTip(0, escape(why) or tip_of(row))
 
     def _build(self, rows: Sequence[Channel]) -> None:
         self.clear()
@@ -162,7 +162,7 @@ class ChannelTree(QTreeWidget):
 
     def _clicked(self, item: QTreeWidgetItem, column: int) -> None:
         """Symbol and unit belong to the box as its name does."""
-        if column > 0 and item.data(0, Qt.ItemDataRole.UserRole) and not item.isDisabled():
+        if column > 0 and item.data(0, Qt.ItemDataRole.UserRole):
             on = item.checkState(0) == Qt.CheckState.Checked
             item.setCheckState(0, Qt.CheckState.Unchecked if on else Qt.CheckState.Checked)
 

@@ -19,7 +19,6 @@ from kindyna_gui.session import Session
 from kindyna_gui.shown import missing, rows_of, split, stages_of
 from kindyna_gui.view import View
 
-
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
 

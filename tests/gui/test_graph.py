@@ -148,8 +148,12 @@ def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePlot)
     assert "jam" in plot._message.text
-    assert graph.tree.item_of("motor_torque").isDisabled()
+    assert "jam" in graph.tree.item_of("motor_torque").toolTip(0)
     assert "motor_torque" not in [row.quantity for row in graph.drawn]
+    tick(graph, "motor_torque")
+    assert "motor_torque" not in graph.choice.chosen
+    graph.session.put(PUSHER, "b")
+    assert "jam" not in graph.tree.item_of("motor_torque").toolTip(0)
 
 
 # -- plots ------------------------------------------------------------------------------------------------
