@@ -20,7 +20,7 @@ def display() -> Iterator[str]:
     if XVFB is None:
         pytest.skip("no Xvfb here")
     read, write = os.pipe()
-    command = [XVFB, "-displayfd", str(write), "-screen", "0", "1440x900x24", "-nolisten", "tcp"]
+    command = [XVFB, "-displayfd", str(write), "-screen", "0", "1440x900x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
     os.close(write)
     try:
