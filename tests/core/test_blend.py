@@ -134,7 +134,7 @@ def freedom(name: str, case: dict[str, Any]) -> int:
     return 2 if case["mirrored"] and name != "C1-H2-H3-C4" else 1 if case["mirrored"] else FREEDOM[name]
 
 
-@settings(max_examples=300)
+@settings(max_examples=300, derandomize=True, database=None)
 @given(cases(), st.randoms(use_true_random=False))
 def test_what_is_feasible_is_solved(case: tuple[str, str, str, dict[str, Any], int], pick: random.Random) -> None:
     """Of a motion made from free heights, as many settings as it takes give it back, or another that has them too."""
@@ -157,7 +157,7 @@ def test_what_is_feasible_is_solved(case: tuple[str, str, str, dict[str, Any], i
     assert all(h > 0.0 for h in got.heights)
 
 
-@settings(max_examples=60)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(cases(), st.floats(0.05, 0.95), st.floats(0.05, 0.95))
 def test_a_precision_point_is_passed(
     case: tuple[str, str, str, dict[str, Any], int], first: float, second: float
@@ -395,7 +395,7 @@ def check_ends(wish: Request, name: str, ranges: list[Any]) -> None:
             assert not solves(wish, name, found.high + step), (name, found)
 
 
-@settings(max_examples=150)
+@settings(max_examples=150, derandomize=True, database=None)
 @given(cases(unequal=True), st.randoms(use_true_random=False), st.floats(0.02, 50.0))
 def test_ranges_are_those_of_a_scan(
     case: tuple[str, str, str, dict[str, Any], int], pick: random.Random, factor: float
@@ -429,7 +429,7 @@ def test_ranges_are_those_of_a_scan(
 
 
 @pytest.mark.stress  # still finds accelerations, beside a return of constant velocity, whose root is missed
-@settings(max_examples=150)
+@settings(max_examples=150, derandomize=True, database=None)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.01, 30.0), min_size=4, max_size=4))
 def test_nonsense_is_always_refused_with_a_range(
     case: tuple[str, str, str, dict[str, Any], int], pick: random.Random, factors: list[float]
