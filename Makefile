@@ -60,14 +60,15 @@ ifneq ($(VENV_HOME),$(CURDIR))
 .PHONY: .venv/.ready
 endif
 
-.PHONY: help run test check bench stress soak wheel clean
+.PHONY: help run test check bench bench-check stress soak wheel clean
 
 help:
 	@cat <<-'END'
 	make run      start KINDYNA
 	make test     run the tests (make test ARGS="-k profile" selects some)
 	make check    lint, import contracts, types
-	make bench    measure speed against error
+	make bench    measure speed against error (out/bench; ARGS=--quick, ARGS=--readme)
+	make bench-check  fail where a kernel has become slower (ARGS=--update: take the present times)
 	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
 	make soak     run the window for minutes and look for leaks
 	make wheel    build dist/kindyna-*.whl
@@ -116,8 +117,20 @@ check: .venv/.ready
 	.venv/bin/lint-imports --no-logo
 	.venv/bin/mypy core
 
-bench: .venv/.ready
+# What the benchmark compares with. Where it cannot be had, its rows say so.
+.venv/.bench-packages: .venv/.ready
+	@echo "Installing the packages that the benchmark compares with"
+	if .venv/bin/python -m pip install -qq --disable-pip-version-check --no-input --retries 1 -e '.[dev,bench]'; then
+	    touch .venv/.bench-packages
+	else
+	    echo "Could not install them, going on without" >&2
+	fi
+
+bench: .venv/.bench-packages
 	@.venv/bin/python tests/benchmarks/run.py $(ARGS)
+
+bench-check: .venv/.ready
+	@.venv/bin/python tests/benchmarks/run.py --check $(ARGS)
 
 stress: export KINDYNA_STRESS_SECONDS ?= 600
 stress: .venv/.ready

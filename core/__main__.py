@@ -6,6 +6,7 @@ Exit codes: 0 done; 1 done and all files written, but a finding is an error; 2 n
 from __future__ import annotations
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -15,13 +16,18 @@ from types import MappingProxyType
 from typing import NoReturn
 
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
+from core.centring import centres_data
+from core.charting import stability_command, stability_words
+from core.design import require_single_cam
 from core.errors import KindynaError
 from core.export import export, files
 from core.files import write_all
 from core.findings import ERROR
 from core.making import blend_text, curves_data, into_design, laws_data, laws_text
+from core.measured import measured_motion, measured_words
 from core.project import load, save
 from core.report import finding_line, printable, report
+from core.stability import Chart
 from core.study import SAMPLES, Study
 from core.summary import to_json
 
@@ -29,8 +35,8 @@ DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 MOST_LINES = 100
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
-Painter = Callable[[Study], Mapping[str, bytes]]
-"""Paints a study: file name -> content."""
+Painter = Callable[[Study | Chart], Mapping[str, bytes]]
+"""Paints a study or a chart of stability: file name -> content."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -94,7 +100,7 @@ def check(words: argparse.Namespace, painter: Painter | None) -> int:
     study = Study(load(words.design))
     found, proof = study.findings(), study.certificate()
     for finding in found:
-        print(finding_line(finding))
+        print(finding_line(finding, study.angle_name))
     for name, residual in proof.items():
         if not residual.kept:
             print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
@@ -185,8 +191,29 @@ def blend_motion(words: argparse.Namespace, painter: Painter | None) -> int:
     )
     found = best(request, words.best) if words.best else blend(request)
     if words.into is not None:
-        save(into_design(load(words.into), found), words.into)
+        save(into_design(require_single_cam(load(words.into)), found), words.into)
     print(to_json(curves_data(found)) if words.json else blend_text(found), end="")
+    return DONE
+
+
+def _centres_words(parser: argparse.ArgumentParser) -> None:
+    _design(parser)
+    parser.add_argument("--angle", type=_angle, required=True, metavar="DEG", help="of the driver")
+
+
+def _angle(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r}: angle of the driver in degrees; allowed: any number")
+    return value
+
+
+def centres(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Instant centres and velocities of a linkage at one position, as JSON."""
+    print(to_json(centres_data(Study(load(words.design)), words.angle)), end="")
     return DONE
 
 
@@ -202,8 +229,11 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "check": Command("findings and proof of a design", _design, check),
         "report": Command("the whole report of a design", _report_words, full_report),
         "export": Command("tables as CSV and figures as JSON", _export_words, export_tables),
+        "centres": Command("instant centres and velocities of a linkage at one position", _centres_words, centres),
         "laws": Command("the motion laws and their peak coefficients", _laws_words, laws),
         "blend": Command("a motion blended from elementary curves", _blend_words, blend_motion),
+        "stability": Command("chart and forbidden speeds of a flexible camshaft", stability_words, stability_command),
+        "measured": Command("a motion from a measured table", measured_words, measured_motion),
     }
 )
 

@@ -5,17 +5,23 @@ The quantity itself stands in ``core.study.quantities``; here is what a reader o
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from core.design import FOLLOWER_KINDS, Design, Unit, kind_of, split_unit
-from core.study import QUANTITIES, Study
+from core.design import FOLLOWER_KINDS, Design, LinkageDesign, SingleCam, Unit, kind_of, split_unit
+from core.study import QUANTITIES, Study, quantity
+from core.study.linkage_quantities import names_of
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
+LINKAGE = "linkage.csv"
+ANGLES: Mapping[str, str] = MappingProxyType({PROFILE: "cam_angle_deg", KINEMATICS: "cam_angle_deg"})
+"""First column of the tables whose angle is the cam's in every kind of design."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +52,11 @@ class Channel:
 
     @property
     def stage(self) -> str:
-        return QUANTITIES[self.quantity].stage
+        return quantity(self.quantity).stage
 
     def values(self, study: Study) -> np.ndarray:
         """The channel in its own unit (n,)."""
-        return QUANTITIES[self.quantity].value(study) / self.unit.factor + 0.0  # no minus zero in tables
+        return quantity(self.quantity).value(study) / self.unit.factor + 0.0  # no minus zero in tables
 
 
 # {m} is the unit of the motion: mm where the output slides, deg where it swings
@@ -126,9 +132,73 @@ CHANNELS: Mapping[str, tuple[Channel, ...]] = MappingProxyType(
 """The rows of each kind of follower, in the order of the tables."""
 
 
+# -- linkages ---------------------------------------------------------------------------------------------
+
+# quantity's name as a pattern -> slug, label, symbol, family, equation, source; {} is the link, point, joint or pair
+_BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
+    (r"link\.(\d+)", "link{}_deg", "Link {}", "θ{}", "angle", "triangles of the dyads", "Velocity, closed loops"),
+    (r"link\.(\d+)_velocity", "link{}_rad_s", "Link {}, velocity", "ω{}", "velocity", "ω_d θ'", "Velocity 6.4"),
+    (r"link\.(\d+)_acceleration", "link{}_rad_s2", "Link {}, acceleration", "α{}", "acceleration", "ω_d² θ''",
+     "loop equations"),
+    (r"slide\.(\d+)", "link{}_slide_mm", "Slide of link {}", "s{}", "displacement", "along the line", "loop equations"),
+    (r"slide\.(\d+)_velocity", "link{}_slide_mm_s", "Slide of link {}, velocity", "ṡ{}", "velocity", "ω_d s'",
+     "Velocity 6.4"),
+    (r"slide\.(\d+)_acceleration", "link{}_slide_mm_s2", "Slide of link {}, acceleration", "s̈{}", "acceleration", "ω_d² s''",
+     "loop equations"),
+    (r"point\.(\w+)_x", "{}_x_mm", "{}, x", "x_{}", "length", "pose of its link", "closed loops"),
+    (r"point\.(\w+)_y", "{}_y_mm", "{}, y", "y_{}", "length", "pose of its link", "closed loops"),
+    (r"point\.(\w+)_vx", "{}_vx_mm_s", "{}, velocity x", "ẋ_{}", "velocity", "V_A + V_PA", "Velocity 6.1"),
+    (r"point\.(\w+)_vy", "{}_vy_mm_s", "{}, velocity y", "ẏ_{}", "velocity", "V_A + V_PA", "Velocity 6.1"),
+    (r"point\.(\w+)_ax", "{}_ax_mm_s2", "{}, acceleration x", "ẍ_{}", "acceleration", "loop equations", "loop equations"),
+    (r"point\.(\w+)_ay", "{}_ay_mm_s2", "{}, acceleration y", "ÿ_{}", "acceleration", "loop equations", "loop equations"),
+    (r"point\.(\w+)_speed", "{}_speed_mm_s", "{}, speed", "|V_{}|", "velocity", "√(ẋ² + ẏ²)", "Velocity 6.1"),
+    (r"transmission\.(\w+)", "transmission_{}_deg", "Transmission angle at {}", "μ_{}", "pressure-angle",
+     "arcsin(|c1 × c2|/(|c1||c2|))", "angle between the links at the joint"),
+    (r"force\.(\d+)_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links"),
+    (r"force\.(\d+)_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links"),
+    (r"force\.(\d+)_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links"),
+    (r"force\.(\w+)_x", "{}_x_n", "Force at {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links"),
+    (r"force\.(\w+)_y", "{}_y_n", "Force at {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links"),
+    (r"force\.(\w+)_size", "{}_n", "Force at {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links"),
+    (r"couple\.(\w+)", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque", "dyad by dyad",
+     "balance of the links"),
+    ("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power"),
+    ("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power"),
+    ("roller_force", "contact_force_n", "Contact force", "F_c", "force", "Q_d/(n·∂R/∂q)", "virtual power"),
+    ("camshaft_torque", "drive_torque_nm", "Cam torque", "T_c", "torque", "-d (R × F_c n)", "Shin1995 (27)"),
+)  # fmt: skip
+_TABLES: Mapping[str, str] = MappingProxyType({"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS})
+
+
+@lru_cache(maxsize=64)
+def linkage_channels(design: LinkageDesign) -> tuple[Channel, ...]:
+    """A row for each quantity of this very linkage."""
+    shared = {row.quantity: row for row in _ROWS}
+    unit = design.motion.unit if design.motion is not None else ""
+    return tuple(
+        _for_unit(shared[name], unit) if name in shared else _linkage_row(name) for name in names_of(design)
+    )
+
+
+def _linkage_row(name: str) -> Channel:
+    for pattern, slug, label, symbol, family, equation, source in _BY_NAME:
+        match = re.fullmatch(pattern, name)
+        if match:
+            of = match[1] if match.groups() else ""
+            table = _TABLES[quantity(name).stage]
+            return Channel(slug.format(of), name, label.format(of), symbol.format(of), family, table, equation, source)
+    raise KeyError(name)
+
+
+ROWS_OF: Mapping[type, Callable[[Any], tuple[Channel, ...]]] = MappingProxyType(
+    {SingleCam: lambda design: CHANNELS[kind_of(design.drive.follower)], LinkageDesign: linkage_channels}
+)
+"""The rows of each kind of design."""
+
+
 def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:
     """The rows of this design, of the named stages or of all."""
-    rows, wanted = CHANNELS[kind_of(design.drive.follower)], tuple(stages)
+    rows, wanted = ROWS_OF[type(design)](design), tuple(stages)
     return tuple(row for row in rows if not wanted or row.stage in wanted)
 
 
@@ -143,4 +213,4 @@ def channel(kind: str, slug: str) -> Channel:
 
 def existing(study: Study, rows: Iterable[Channel]) -> list[Channel]:
     """Those rows that this very design has."""
-    return [row for row in rows if QUANTITIES[row.quantity].exists(study)]
+    return [row for row in rows if quantity(row.quantity).exists(study)]

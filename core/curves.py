@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import comb
 from types import MappingProxyType
 from typing import Any
 
@@ -11,8 +12,9 @@ import numpy as np
 
 from core.design import Named, Polynomial, Scca, Segment, Spline
 from core.errors import DesignError, Fault
-from core.laws import Piece, asymmetric, cut, find_law, hermite, least_jerk, scca
+from core.laws import Piece, asymmetric, find_law, hermite, least_jerk, scca
 from core.laws.pieces import PieceTable
+from core.laws.shapes import moved
 
 
 @dataclass(frozen=True)
@@ -71,24 +73,46 @@ def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Sha
 
 def _turning(pieces: tuple[Piece, ...]) -> Shape:
     """Pieces cut where the velocity turns, so that each has one sign of it."""
-    ends = [*(p.start for p in pieces[1:]), 1.0]
-    cuts = []
-    for piece, end in zip(pieces, ends, strict=True):
-        speed = np.polynomial.polynomial.polyder(np.array(piece.polynomial)) if len(piece.polynomial) > 1 else [0.0]
-        if not np.any(speed):
-            continue
-        roots = np.polynomial.polynomial.polyroots(np.trim_zeros(np.asarray(speed), "b"))
-        real = roots[np.abs(roots.imag) < 1e-9].real + piece.start
-        width = end - piece.start
-        cuts += [float(r) for r in real if piece.start + 1e-6 * width < r < end - 1e-6 * width]
-    for at in sorted(cuts):
-        pieces = cut(pieces, at)
-    table = PieceTable(pieces)
-    ends = [*(p.start for p in pieces[1:]), 1.0]
-    middle = np.array([0.5 * (e - p.start) for p, e in zip(pieces, ends, strict=True)])
-    rows = table.evaluate(np.arange(len(pieces)), middle)
+    parts: list[Piece] = []
+    for piece, turns in zip(pieces, _turns(pieces), strict=True):
+        parts.append(piece)
+        parts += [Piece(piece.start + w, moved(piece.polynomial, w)) for w in turns]
+    table = PieceTable(parts)
+    ends = [*(p.start for p in parts[1:]), 1.0]
+    middle = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
+    rows = table.evaluate(np.arange(len(parts)), middle)
     still = np.abs(rows[1]) <= 1e-12 * max(float(np.abs(rows[:2]).max()), 1e-300)
-    return Shape(pieces, 1.0, tuple(float(w) for w in np.where(still, 0.0, np.sign(rows[1]))))
+    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(still, 0.0, np.sign(rows[1]))))
+
+
+def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:
+    """Where inside each polynomial piece the velocity is zero, in order, from the piece's start."""
+    powers = max(2, *(len(p.polynomial) for p in pieces))
+    rows = np.zeros((len(pieces), powers))
+    for row, piece in zip(rows, pieces, strict=True):
+        row[: len(piece.polynomial)] = piece.polynomial
+    width = np.diff([*(p.start for p in pieces), 1.0])
+    speed = (rows * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
+    found: list[list[float]] = [[] for _ in pieces]
+    degrees = powers - 2 - np.argmax(speed[:, ::-1] != 0.0, axis=1)
+    turning = _both_signs(speed)
+    for n in set(degrees[turning].tolist()):
+        which = np.flatnonzero(turning & (degrees == n))
+        companion = np.zeros((which.size, n, n))
+        companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
+        companion[:, :, -1] = -speed[which, :n] / speed[which, n : n + 1]
+        for i, roots in zip(which.tolist(), np.linalg.eigvals(companion[:, ::-1, ::-1]), strict=True):
+            real = roots[np.abs(roots.imag) < 1e-9].real
+            found[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
+    return found
+
+
+def _both_signs(polynomials: np.ndarray) -> np.ndarray:
+    """Which polynomials (m, n + 1) can be of both signs within 0...1: those whose Bernstein coefficients are."""
+    n = polynomials.shape[1] - 1
+    bernstein = np.array([[comb(i, j) / comb(n, j) for j in range(n + 1)] for i in range(n + 1)])
+    ordinates = polynomials @ bernstein.T
+    return (ordinates.max(axis=1) > 0.0) & (ordinates.min(axis=1) < 0.0)
 
 
 SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], Shape]] = MappingProxyType(

@@ -78,10 +78,12 @@ class NoAnswer(KindynaError):
     cam_angles    ranges (from, to) in degrees, a single angle being (a, a); empty where it fails everywhere
     """
 
+    angle = "cam angle"
+
     def __init__(self, problem: str, field: str, hint: str, cam_angles: Sequence[tuple[float, float]] = ()) -> None:
         self.problem, self.field, self.hint = problem, field, hint
         self.cam_angles = tuple(cam_angles)
-        where = f" at cam angle {angle_list(cam_angles)}" if cam_angles else ""
+        where = f" at {self.angle} {angle_list(cam_angles)}" if cam_angles else ""
         super().__init__(f"{field}: {problem}{where}; {hint}")
 
 
@@ -89,8 +91,18 @@ class NoAssembly(NoAnswer):
     """The linkage cannot be put together at these cam angles."""
 
 
+class NoPosition(NoAssembly):
+    """The links cannot be put together at these positions of the driver."""
+
+    angle = "driver angle"
+
+
 class NoCam(NoAnswer):
     """No cam can drive the follower at these cam angles."""
+
+
+class NoStability(NoAnswer):
+    """Nothing can be said of the stability of this shaft."""
 
 
 def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoAnswer:

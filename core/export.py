@@ -7,13 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from core.channels import DYNAMICS, KINEMATICS, PROFILE, channels, existing
+from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
 from core.files import write_all
-from core.motion import degrees
+from core.stability import EQUATIONS, Tongues
 from core.study import Study
 from core.summary import summary, to_json
 
-TABLES = (PROFILE, KINEMATICS, DYNAMICS)
+TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
+TONGUES = "tongues.csv"
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
@@ -28,8 +29,17 @@ def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
     rows = existing(study, (row for row in channels(study.design, stages) if row.table == name))
     if not rows:
         return None
-    names = ["cam_angle_deg", *(row.slug for row in rows)]
-    return csv(names, [degrees(study.samples), *(row.values(study) for row in rows)])
+    names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
+    return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
+
+
+def tongues_table(found: Sequence[Tongues]) -> str:
+    """The instability tongues of some rows of Q, one a line, those that are open."""
+    lines = ["model,q,n,eta_lo,eta_hi"]
+    for each in sorted(found, key=lambda t: t.equation):
+        for q, edges in zip(each.q.tolist(), each.edges.tolist(), strict=True):
+            lines += [f"{each.equation},{q!r},{n},{lo!r},{hi!r}" for n, (lo, hi) in enumerate(edges, 1) if hi > 0.0]
+    return "\n".join(lines) + "\n"
 
 
 def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
@@ -39,6 +49,8 @@ def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
         study.require_stage(name)
     made = {name: table(study, name, wanted) for name in TABLES}
     told = {name: text for name, text in made.items() if text is not None}
+    if "stability" in wanted and study.stability is not None:
+        told[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
     told["summary.json"] = to_json(summary(study, wanted))
     return told
 

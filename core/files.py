@@ -38,11 +38,8 @@ _REASONS: Mapping[int, str] = MappingProxyType(
 )
 
 
-def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
-    """The text of a UTF-8 file, without its byte order mark.
-
-    Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.
-    """
+def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
+    """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
     with _told(path, "read"):
         status = os.stat(path)
         _ordinary(path, status, "read")
@@ -52,6 +49,15 @@ def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
                 data = file.read(most_bytes + 1)
     if max(status.st_size, len(data)) > most_bytes:
         _refuse(path, "read", f"larger than {most_bytes / 1e6:g} MB; name another file")
+    return data
+
+
+def read_text(path: AnyPath, most_bytes: int = MOST_BYTES) -> str:
+    """The text of a UTF-8 file, without its byte order mark.
+
+    Raises FileError where it is missing, no ordinary file, not to be read, too large or no UTF-8.
+    """
+    data = read_bytes(path, most_bytes)
     try:
         return data.decode("utf-8").removeprefix("\ufeff")
     except UnicodeDecodeError as error:

@@ -38,6 +38,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "jump-velocity": "velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration",
         "jump-acceleration": "acceleration jumps by {jump:.6g} {unit_name}/rad^2 at a join: infinite jerk",
         "pressure-angle": "pressure angle {value:.4g} deg exceeds the usual {limit:.4g} deg; a larger base radius lowers it",
+        "roller-pressure-angle": "pressure angle {value:.4g} deg exceeds the usual {limit:.4g} deg; carry the roller at another "
+        "point, or move the cam's centre",
         "undercut": "undercut: the smallest radius of the pitch curve, {pitch_radius_mm:.5g} mm, "
         "is below the roller radius {roller_radius_mm:.5g} mm",
         "separation": "the roller leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
@@ -45,6 +47,21 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "dead-centre": "rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}",
         "rod-across-guide": "the rod comes close to standing across the guide, where the arm cannot drive the slider: "
         "cosine of its angle {value:.3g}",
+        "crank-cannot-turn": "the crank cannot turn fully: the linkage can be assembled with it within {ranges} only, and "
+        "locks at {joints}",
+        "not-periodic": "after one turn of the driver the linkage stands otherwise than before",
+        "change-point": "the links at {joint} come to lie in one line, where both ways to assemble them meet (change point); "
+        "the motion goes on smoothly, but play decides",
+        "linkage-dead-centre": "dead centre: the links at {joint} come to lie in one line, transmission angle {value:.3g} deg",
+        "transmission-angle": "transmission angle at {joint} falls to {value:.4g} deg, usual are {limit:.4g} deg and more",
+        "unstable-speed": "{rpm:.6g} rpm lies in a forbidden band of speed, {rpm_lo:.6g} ... {rpm_hi:.6g} rpm (tongue {n:.0f}): "
+        "twist of the shaft grows by up to {growth_percent:.3g} % a turn; change its stiffness or the speed",
+        "unstable-shaft": "at {rpm:.6g} rpm twist of the shaft grows by {growth_percent:.3g} % a turn; change its stiffness or the "
+        "speed",
+        "near-unstable-speed": "{rpm:.6g} rpm is near a forbidden band of speed, {rpm_lo:.6g} ... {rpm_hi:.6g} rpm (tongue {n:.0f}), "
+        "in which twist of the shaft grows by up to {growth_percent:.3g} % a turn",
+        "above-all-speeds": "{rpm:.6g} rpm is above {top_rpm:.6g} rpm, from where on the shaft does not hold the cam",
+        "no-stability": "no word on the stability of the shaft: {why}; {hint}",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import pi
 
 import numpy as np
@@ -11,7 +11,9 @@ import numpy as np
 from core.curves import shape_of
 from core.design import Motion
 from core.findings import ERROR, WARNING, Finding
-from core.laws import PieceTable
+from core.keeping import WhenAsked
+from core.laws import PieceTable, runs_of
+from core.vectors import unit
 
 TURN = 2.0 * pi
 EPS = float(np.finfo(float).eps)
@@ -26,11 +28,13 @@ class Angles:
     theta  (n,) [rad], 0 ... 2π
     piece  (n,) row of ``Program``; at a join it says which side is meant
     kept   True for a grid that stages may keep results of
+    unit   (n,) complex, e^{iθ}, made when it is asked for
     """
 
     theta: np.ndarray
     piece: np.ndarray
     kept: bool = False
+    unit: WhenAsked[np.ndarray] = WhenAsked(lambda angles: unit(angles.theta))
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +105,21 @@ class Program:
 
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
+        runs = runs_of(angles.piece)
+        if runs is None:
+            return self._anywhere(angles)
+        y, way = np.empty((4, angles.theta.size)), np.empty(angles.theta.size)
+        for piece, part in runs:
+            w = (angles.theta[part] - self._begin[piece]) / self._span[piece] - self._u0[piece]
+            out = y[:, part]
+            self._table.along(piece, w, out)
+            out *= self._gain[:, piece, None]
+            out[0] += self._base[piece]
+            way[part] = self.way_of[piece]
+        return MotionState(angles, y, way)
+
+    def _anywhere(self, angles: Angles) -> MotionState:
+        """The same for angles that jump from piece to piece."""
         at = angles.piece
         w = (angles.theta - self._begin[at]) / self._span[at] - self._u0[at]
         y = self._table.evaluate(at, w)
@@ -108,7 +127,7 @@ class Program:
         y[0] += self._base[at]
         return MotionState(angles, y, self.way_of[at])
 
-    @property
+    @cached_property
     def joins(self) -> tuple[Join, ...]:
         """Every join of two segments, the one at 360 -> 0 last."""
         first = np.flatnonzero(np.diff(self.segment, prepend=-1))

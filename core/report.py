@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from core.channels import Channel, channels
-from core.design import UNITS, entries
+from core.design import CRANK, UNITS, entries, kind_row
 from core.findings import Finding
 from core.laws import find_law
-from core.study import Study
-from core.summary import extremes, flywheel, joins
+from core.stability import LABELS
+from core.study import LinkageStudy, Study
+from core.summary import extremes, flywheel, joins, mechanism, stability
 
 _ASSUMED = "*"
 
@@ -43,8 +45,8 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def finding_line(finding: Finding) -> str:
-    where = "" if finding.cam_angle_deg is None else f" at cam angle {digits(finding.cam_angle_deg)} °"
+def finding_line(finding: Finding, angle: str = "cam angle") -> str:
+    where = "" if finding.cam_angle_deg is None else f" at {angle} {digits(finding.cam_angle_deg)} °"
     return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
 
 
@@ -54,15 +56,42 @@ def _heading(text: str) -> list[str]:
 
 def _inputs(study: Study) -> list[str]:
     lines = []
-    for name in ("follower", "cam", "shaft", "loads"):
+    for name in kind_row(study.design).report_sections:
         rows = []
         for entry in entries(study.design, name):
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
             mark = _ASSUMED if entry.path in study.design.assumed else ""
             rows.append((entry.info.label, value, entry.unit.symbol, mark))
-        lines += _heading(name.capitalize()) + columns(rows)
+        if rows:
+            lines += _heading(name.capitalize()) + columns(rows)
     if study.design.assumed:
         lines += ["", f"{_ASSUMED} assumed, not taken from a source"]
+    return lines
+
+
+def linkage_inputs(study: LinkageStudy) -> list[str]:
+    """Links with their points, sliding pairs, driver and branches, and what follows from how they hang together."""
+    linkage, assumed = study.design.linkage, study.design.assumed
+    rows: list[Sequence[str]] = [("Link", "point", "x mm", "y mm", "")]
+    for i, link in enumerate(linkage.links):
+        for place in link.points:
+            at = f"linkage.links[{i}].points"
+            marked = any(path in assumed for path in (at, f"{at}.{place.name}", f"{at}.{place.name}.x_mm"))
+            told = f"{place.x_mm:.10g}", f"{place.y_mm:.10g}"
+            rows.append((str(link.number), place.name, *told, _ASSUMED if marked else ""))
+    lines = _heading("Linkage") + columns(rows, left=2)
+    if linkage.sliders:
+        rows = [("Slider", "on link", "through x mm", "y mm", "angle °")]
+        for s in linkage.sliders:
+            rows.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
+        lines += ["", *columns(rows)]
+    driver, facts = linkage.driver, mechanism(study)
+    told_by = "turns" if driver.kind == CRANK else "follows the motion"
+    lines += ["", f"Link {driver.link} {told_by}, {driver.speed_rpm:.10g} rpm"]
+    lines += [f"Branch {', '.join(f'{s.joint} {s.side:+d}' for s in linkage.branch)}"] if linkage.branch else []
+    lines += [f"Solved as {', '.join(d['kind'] + ' ' + '-'.join(map(str, d['links'])) for d in facts['dyads'])}"]
+    if facts["four_bar"]:
+        lines += [f"Four-bar: {facts['four_bar']['kind']} (Grashof)"]
     return lines
 
 
@@ -72,7 +101,9 @@ def _law_label(slug: str) -> str:
 
 
 def _motion(study: Study) -> list[str]:
-    motion = study.design.drive.motion
+    if "motion" not in study.stages:
+        return []
+    motion = study.program.motion
     unit = UNITS[motion.unit].symbol
     rows: list[Sequence[str]] = [("Segment", "from °", "to °", f"rise {unit}")]
     at = 0.0
@@ -87,6 +118,8 @@ def _motion(study: Study) -> list[str]:
 
 
 def _base(study: Study) -> list[str]:
+    if not study.linkage.base:
+        return []
     rows = [(name, digits(v / UNITS[u].factor, 10), UNITS[u].symbol) for name, (v, u) in study.linkage.base.items()]
     return _heading("Base position") + columns(rows)
 
@@ -105,9 +138,10 @@ def _extremes(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> l
 
 
 def _flywheel(study: Study) -> list[str]:
-    wheel, shaft = flywheel(study), study.design.shaft
+    wheel = flywheel(study)
     if not wheel:
         return []
+    shaft = study.design.shaft
     rows = [
         ("Mean torque", digits(wheel["mean_torque_nm"]), "N·m"),
         ("Energy swing", digits(wheel["energy_swing_j"]), "J"),
@@ -121,9 +155,56 @@ def _flywheel(study: Study) -> list[str]:
     return _heading("Flywheel") + columns(rows)
 
 
+def _stability(study: Study) -> list[str]:
+    told = stability(study)
+    if not told:
+        return []
+    rows = [
+        ("Frequency ratio η", digits(told["eta"]), ""),
+        ("Inertia ratio Q", digits(told["q"]), ""),
+        ("Natural frequency of the shaft", digits(told["natural_rpm"]), "rpm"),
+        ("Harmonics", str(told["harmonics"]), ""),
+        ("Error of an edge η", f"{told['edge_error']:.0e}", ""),
+    ]
+    lines = _heading("Stability of the flexible shaft") + columns(rows) + _forbidden(told)
+    said: list[Sequence[str]] = [("At the speed of the machine", "", "growth a turn %", "wind-up °")]
+    for verdict in told["verdicts"]:
+        word = {True: "stable", False: "unstable", None: "no answer"}[verdict["stable"]]
+        numbers = (verdict["growth_percent_per_turn"], verdict["largest_wind_up_deg"])
+        said.append((LABELS[verdict["model"]], word, *("" if v is None else digits(v, 4) for v in numbers)))
+    return [*lines, "", *columns(said, left=2), *_needed(study, told)]
+
+
+def _forbidden(told: dict[str, Any]) -> list[str]:
+    if not told["bands"]:
+        return ["", "No forbidden band of speed"]
+    rows: list[Sequence[str]] = [
+        ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
+    ]
+    for band in told["bands"]:
+        growth = band["growth_percent_per_turn"]
+        edges = (digits(band[k], 8) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
+        rows.append(
+            (f"tongue {band['n']}", *edges, digits(growth, 3), digits(math.log(2.0) / math.log1p(growth / 100.0), 3))
+        )
+    return ["", *columns(rows)]
+
+
+def _needed(study: Study, told: dict[str, Any]) -> list[str]:
+    needed, now = told["stiffness"], study.design.shaft.elastic
+    if now is None or needed["allowed"]:
+        return ["", "At this speed the shaft keeps clear of the forbidden bands."]
+    softer = needed["greatest_softer_nm_per_rad"]
+    stiffer = f"a stiffness from {digits(needed['least_stiffer_nm_per_rad'])} N·m/rad on"
+    return [
+        "",
+        f"To keep clear of the forbidden bands at this speed: {stiffer}{f', or up to {digits(softer)} N·m/rad' if softer else ''}.",
+    ]
+
+
 def _findings(study: Study, stages: Sequence[str]) -> list[str]:
     found = study.findings(tuple(stages))
-    return _heading("Findings") + ([finding_line(f) for f in found] or ["none"])
+    return _heading("Findings") + ([finding_line(f, study.angle_name) for f in found] or ["none"])
 
 
 def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
@@ -134,12 +215,18 @@ def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
     return _heading("Certificate") + columns(rows)
 
 
+def stability_text(study: Study) -> str:
+    """The report's section on the flexible shaft alone."""
+    return "\n".join(_stability(study)[1:]) + "\n"
+
+
 def report(study: Study) -> str:
     """The whole report, lines ending with a newline. Raises NoAnswer where the design has none."""
     stages = study.stages
     name = printable(study.design.name)
     lines = [name, "=" * len(name)]
+    lines += linkage_inputs(study) if isinstance(study, LinkageStudy) else []
     lines += _inputs(study) + _motion(study) + _base(study)
     lines += _extremes(study, channels(study.design), stages)
-    lines += _flywheel(study) + _findings(study, stages) + _certificate(study, stages)
+    lines += _flywheel(study) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"

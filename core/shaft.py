@@ -13,6 +13,7 @@ from math import pi
 
 import numpy as np
 
+from core.crossings import crossings
 from core.design import Shaft, si
 from core.errors import NoAnswer, angle_ranges
 from core.motion import TURN, Angles, Program
@@ -88,19 +89,62 @@ def panel_angles(program: Program) -> tuple[np.ndarray, np.ndarray, Angles]:
     return starts, widths, Angles(theta.ravel(), np.repeat(pieces, NODES))
 
 
-def torque_curve(torque: Callable[[Angles], np.ndarray], program: Program) -> TorqueCurve:
-    """The torque fitted on panels; torque gives (n,) [N m] at any cam angles. Raises NoAnswer where it is infinite."""
+def torque_curve(
+    torque: Callable[[Angles], np.ndarray], program: Program, switch: Callable[[Angles], np.ndarray] | None = None
+) -> TorqueCurve:
+    """The torque fitted on panels; torque gives (n,) [N m] at any cam angles. Raises NoAnswer where it is infinite.
+
+    switch  (n,) at any cam angles: where its sign changes, as that of the guide's force does, friction breaks the
+            torque, and so panels end there
+    """
     start, width, angles = panel_angles(program)
+    values = _finite(torque, angles)
+    if switch is not None:
+        start, width, values = _cut(torque, (start, width, angles, values), crossings(switch, angles, switch(angles)))
     _, to_chebyshev, to_powers = _nodes()
+    power = to_powers @ (to_chebyshev @ values.reshape(-1, NODES).T)
+    mean = float((width * (power / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
+    return TorqueCurve(start, width, power, mean)
+
+
+def _finite(torque: Callable[[Angles], np.ndarray], angles: Angles) -> np.ndarray:
     values = torque(angles)
     lost = ~np.isfinite(values)
     if lost.any():
         raise NoAnswer(
             "the torque is infinite, the guide jams", "loads.friction", "lower it", angle_ranges(angles.theta, lost)
         )
-    power = to_powers @ (to_chebyshev @ values.reshape(-1, NODES).T)
-    mean = float((width * (power / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
-    return TorqueCurve(start, width, power, mean)
+    return values
+
+
+def _cut(
+    torque: Callable[[Angles], np.ndarray],
+    panels: tuple[np.ndarray, np.ndarray, Angles, np.ndarray],
+    at: Angles,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Start, width and values at the nodes of panels that are cut at these angles."""
+    start, width, angles, values = panels
+    if not at.theta.size:
+        return start, width, values
+    pieces = angles.piece[::NODES]
+    whole = np.ones(start.size, dtype=bool)
+    starts, widths, of = [], [], []
+    inside = np.searchsorted(start, at.theta, side="right") - 1
+    for panel in np.unique(inside):
+        cuts = at.theta[inside == panel]
+        edges = np.unique(np.concatenate(([start[panel]], cuts, [start[panel] + width[panel]])))
+        whole[panel] = False
+        starts.append(edges[:-1])
+        widths.append(np.diff(edges))
+        of.append(np.full(edges.size - 1, pieces[panel]))
+    new_start, new_width = np.concatenate(starts), np.concatenate(widths)
+    x, _, _ = _nodes()
+    nodes = (new_start[:, None] + new_width[:, None] * x).ravel()
+    new = _finite(torque, Angles(nodes, np.repeat(np.concatenate(of), NODES)))
+    all_starts = np.concatenate((start[whole], new_start))
+    order = np.argsort(all_starts, kind="stable")
+    all_values = np.concatenate((values.reshape(-1, NODES)[whole], new.reshape(-1, NODES)))
+    return all_starts[order], np.concatenate((width[whole], new_width))[order], all_values[order].ravel()
 
 
 def _phi(z: np.ndarray) -> np.ndarray:
@@ -109,10 +153,10 @@ def _phi(z: np.ndarray) -> np.ndarray:
     By Gauss-Legendre where e^{-z} is mild (all terms positive: no cancellation), else by the upward recurrence
     I_k = (1 - k I_{k-1})/z, which shrinks errors.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    s = 0.5 + 0.5 * nodes
-    mild = np.minimum(z, _STIFF)
-    by_sum = np.array([(0.5 * weights * s**k) @ np.exp(-np.outer(1.0 - s, mild)) for k in range(NODES)])
+    if not z.any():
+        return np.repeat(1.0 / np.arange(1.0, NODES + 1.0)[:, None], z.size, axis=1)
+    rest, weights = _gauss()
+    by_sum = weights @ np.exp(-np.outer(rest, np.minimum(z, _STIFF)))
     stiff = np.maximum(z, _STIFF)
     by_step = np.empty_like(by_sum)
     by_step[0] = -np.expm1(-stiff) / stiff
@@ -122,6 +166,14 @@ def _phi(z: np.ndarray) -> np.ndarray:
 
 
 _STIFF = 30.0
+
+
+@lru_cache(maxsize=1)
+def _gauss() -> tuple[np.ndarray, np.ndarray]:
+    """1 - s (40,) at the nodes s of 0...1, and the weights of s**k there (NODES, 40)."""
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    s = 0.5 + 0.5 * nodes
+    return 1.0 - s, 0.5 * weights * s ** np.arange(NODES)[:, None]
 
 
 def filtered(curve: TorqueCurve, rate: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -143,13 +195,31 @@ def filtered(curve: TorqueCurve, rate: float) -> Callable[[np.ndarray], np.ndarr
     begins = x[:-1]
 
     def solution(theta: np.ndarray) -> np.ndarray:
+        out = np.empty(theta.size)
+        for part in range(0, theta.size, _BLOCK):  # forty exponentials an angle, so few at once
+            out[part : part + _BLOCK] = block(theta[part : part + _BLOCK])
+        return out
+
+    def block(theta: np.ndarray) -> np.ndarray:
         at = np.clip(np.searchsorted(curve.start, theta, side="right") - 1, 0, None)
         h = theta - curve.start[at]
         r = h / curve.width[at]
-        reach = power[:, at] * r ** np.arange(NODES)[:, None]
+        reach = power[:, at] * _powers(r)
         return np.exp(-rate * h) * begins[at] + h * (reach * _phi(rate * h)).sum(axis=0)
 
     return solution
+
+
+_BLOCK = 512
+
+
+def _powers(r: np.ndarray) -> np.ndarray:
+    """1, r, r², ... (NODES, n)."""
+    out = np.empty((NODES, r.size))
+    out[0] = 1.0
+    for k in range(1, NODES):
+        np.multiply(out[k - 1], r, out=out[k])
+    return out
 
 
 def flywheel(torque: Callable[[Angles], np.ndarray], curve: TorqueCurve, shaft: Shaft) -> Flywheel:

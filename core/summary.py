@@ -10,23 +10,29 @@ from typing import Any
 import numpy as np
 
 from core.channels import channels, existing
-from core.design import UNITS
-from core.study import Study
+from core.design import UNITS, kind_row
+from core.design.topology import mobility
+from core.errors import NoStability
+from core.mechanism import four_bar
+from core.study import LinkageStudy, Study
 
 
 def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
-    """The figures of ``summary.json`` for the named stages."""
+    """The figures of ``summary.json`` for the named stages; ``stability`` where the shaft is flexible."""
+    shaft = stability(study) if "stability" in stages else {}
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "name": study.design.name,
-        "kind": "cam",
+        "kind": kind_row(study.design).slug,
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
             f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
         },
         "joins": joins(study),
+        **(mechanism(study) if isinstance(study, LinkageStudy) and linkage is not None else {}),
         "extremes": extremes(study, stages),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
+        **({"stability": shaft} if shaft else {}),
         "findings": [
             {
                 "code": f.code,
@@ -47,8 +53,10 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
 
 def joins(study: Study) -> list[dict[str, float]]:
     """Every join of segments: cam angle and the jumps of s, v, a, j there, per radian of cam angle and in the
-    motion's unit; what is rounding counts as 0."""
-    scale = study.design.drive.motion.scale
+    motion's unit; what is rounding counts as 0. None where no motion is asked for."""
+    if "motion" not in study.stages:
+        return []
+    scale = study.program.motion.scale
     told = []
     for join in study.program.joins:
         jump = np.where(join.jumps, join.jump, 0.0) / scale
@@ -84,6 +92,81 @@ def flywheel(study: Study) -> dict[str, float | None]:
         "energy_swing_j": _number(wheel.energy_swing),
         "needed_inertia_kg_m2": _number(wheel.needed_inertia),
     }
+
+
+def mechanism(study: LinkageStudy) -> dict[str, Any]:
+    """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
+    course, linkage = study.course, study.design.linkage
+    unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
+    suffix = "deg" if course.plan.driver.revolute else "mm"
+    bar = four_bar(course.plan)
+    return {
+        "mobility": mobility(linkage),
+        "dyads": [{"kind": step.kind, "links": list(step.links)} for step, _ in course.plan.steps],
+        "driver_ranges": [
+            {f"from_{suffix}": r.low / unit.factor, f"to_{suffix}": r.high / unit.factor, "locks_at": [r.low_joint, r.high_joint]}
+            for r in course.ranges
+        ],
+        "change_points": [{f"at_{suffix}": c.at / unit.factor, "joint": c.joint} for c in course.changes],
+        "four_bar": {} if bar is None else {
+            **{f"{name}_mm": getattr(bar, name) * 1e3 for name in ("ground", "crank", "coupler", "rocker")}, "kind": bar.kind
+        },
+    }  # fmt: skip
+
+
+def stability(study: Study) -> dict[str, Any]:
+    """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
+    empty where the shaft is rigid or nothing excites it."""
+    found = study.stability if "stability" in study.stages else None
+    if found is None:
+        return {}
+    try:
+        row, machine = found.exact, found.machine
+    except NoStability:
+        return {}
+    needed = found.stiffness_for(study.design.shaft.speed_rpm)
+    return {
+        "eta": machine.eta,
+        "q": machine.q,
+        "natural_rpm": machine.natural / UNITS["rpm"].factor,
+        "top_rpm": _number(found.top_rpm),
+        "harmonics": row.order,
+        "method": row.method,
+        "edge_error": _number(float(np.nanmax(row.error, initial=0.0))),
+        "bands": [
+            {
+                "n": band.n,
+                "eta_lo": band.eta_lo,
+                "eta_hi": band.eta_hi,
+                "rpm_lo": band.rpm_lo,
+                "rpm_hi": _number(band.rpm_hi),
+                "growth_percent_per_turn": 100.0 * math.expm1(band.growth),
+                "growth_per_s": _number(band.rate),
+            }
+            for band in found.bands
+        ],
+        "verdicts": [
+            {
+                "model": verdict.model,
+                "stable": verdict.stable,
+                "trace": _given(verdict.trace),
+                "growth_percent_per_turn": _given(round(100.0 * math.expm1(verdict.growth), 6)),
+                "largest_wind_up_deg": _given(360.0 * verdict.largest),
+                "leaves_cam_at_turns": verdict.lost,
+            }
+            for verdict in found.told
+        ],
+        "stiffness": {
+            "allowed": needed.allowed,
+            "least_stiffer_nm_per_rad": needed.stiffer,
+            "greatest_softer_nm_per_rad": needed.softer,
+        },
+    }
+
+
+def _given(value: float) -> float | None:
+    """None stands for what a model does not say."""
+    return value if math.isfinite(value) else None
 
 
 def _number(value: Any) -> Any:

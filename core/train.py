@@ -11,8 +11,9 @@ from types import MappingProxyType
 
 import numpy as np
 
+from core.keeping import WhenAsked
 from core.motion import MotionState
-from core.vectors import turning
+from core.vectors import turned, turning, unit
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"
@@ -21,16 +22,18 @@ _NOTHING: Mapping[str, complex] = MappingProxyType({})
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where a body is: its origin and its angle with three derivatives by cam angle.
+    """Where a body is: its origin and its angle with three derivatives by cam angle; functions that make them will do.
 
     z       (4, n) complex, origin in the global frame [m]
     angle   (4, n) [rad], counter-clockwise from global +x
     points  the body's own points, fixed in its frame [m], for drawing and for pairs
+    unit    (n,) complex, the body's x axis: e^{i angle}, where it is known without the angle
     """
 
-    z: np.ndarray
-    angle: np.ndarray
+    z: WhenAsked[np.ndarray] = WhenAsked()
+    angle: WhenAsked[np.ndarray] = WhenAsked()
     points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
+    unit: WhenAsked[np.ndarray] = WhenAsked(lambda pose: unit(pose.angle[0]))
 
     @property
     def x(self) -> np.ndarray:
@@ -44,11 +47,23 @@ class Pose:
         """A body-fixed point in the global frame with three derivatives (4, n)."""
         if local == 0:
             return self.z
-        return self.z + turning(local * np.exp(1j * self.angle[0]), self.angle)
+        moved = turning(local * self.unit, self.angle)
+        moved += self.z
+        return moved
+
+    def derivative(self, local: complex, order: int) -> np.ndarray:
+        """One row of ``at`` (n,)."""
+        if local == 0:
+            return self.z[order]
+        return self.z[order] + turned(local * self.unit, self.angle, order)
 
     def point(self, name: str) -> np.ndarray:
         """A named point in the global frame with three derivatives (4, n)."""
         return self.at(self.points[name])
+
+    def place(self, name: str) -> np.ndarray:
+        """A named point in the global frame (n,)."""
+        return self.derivative(self.points[name], 0)
 
 
 @dataclass(frozen=True)
@@ -85,13 +100,14 @@ class Dyad:
 
 @dataclass(frozen=True, eq=False)
 class Train:
-    """A solved mechanism at n cam angles.
+    """A solved mechanism at n cam angles. What not everyone needs may be given as a function that makes it.
 
     bodies         name -> Pose
     pairs          name -> Pair; the body moved by the cam stands on the frame in ``ground``
     dyads          outermost first: forces are found in this order
     output         body whose motion was asked for; follower_body: body the cam acts on, its origin the face's
-                   reference point; ``ground``: pair that holds the follower body
+                   reference point; ``ground``: pair that holds the follower body on the frame, empty where none does;
+                   ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
     travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
     singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
     coordinates    the follower's own variables, (4, n), named as in tables (phi, beta, slider_position)
@@ -106,12 +122,13 @@ class Train:
     output: str
     follower_body: str
     ground: str
-    travel: np.ndarray
-    coordinates: Mapping[str, np.ndarray]
-    base: Mapping[str, tuple[float, str]]
-    residual: np.ndarray
-    condition: np.ndarray
-    singular: Mapping[str, np.ndarray] = field(default_factory=lambda: MappingProxyType({}))
+    travel: WhenAsked[np.ndarray] = WhenAsked()
+    coordinates: WhenAsked[Mapping[str, np.ndarray]] = WhenAsked()
+    base: WhenAsked[Mapping[str, tuple[float, str]]] = WhenAsked()
+    residual: WhenAsked[np.ndarray] = WhenAsked()
+    condition: WhenAsked[np.ndarray] = WhenAsked()
+    singular: WhenAsked[Mapping[str, np.ndarray]] = WhenAsked(lambda train: MappingProxyType({}))
+    carrier: str = ""
 
     @property
     def theta(self) -> np.ndarray:

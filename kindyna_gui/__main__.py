@@ -1,6 +1,7 @@
 """The program: ``kindyna [DESIGN]`` opens the window, ``kindyna --headless COMMAND ...`` never shows one.
 
-Qt is imported inside functions, and only where something is really drawn.
+Qt is imported inside functions, and only where something is really drawn; so is the command line of the core, for
+which a window need not wait.
 """
 
 from __future__ import annotations
@@ -11,19 +12,20 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
-from core.__main__ import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
-from core.__main__ import main as core_main
 from core.errors import KindynaError
-from core.files import write_all
-from core.findings import ERROR
-from core.study import Study
 from kindyna_gui.display import lacking, obstacle
-from kindyna_gui.headless import COMMANDS
 from kindyna_gui.places import default_design
 
-Run = Callable[[argparse.Namespace, Painter | None], int]
+if TYPE_CHECKING:
+    from core.__main__ import Painter
+    from core.stability import Chart
+    from core.study import Study
+
+    Run = Callable[[argparse.Namespace, Painter | None], int]
+
+DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2  # exit codes, as those of the core
 HEADLESS = "--headless"
 OUT = Path("out")
 PACKAGES = "libegl1 libgl1 libglib2.0-0 libdbus-1-3 libfontconfig1 libxkbcommon0"
@@ -50,8 +52,8 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def paint(study: Study) -> Mapping[str, bytes]:
-    """The pictures of a study; none, and one line that says why, where Qt cannot be loaded."""
+def paint(study: Study | Chart) -> Mapping[str, bytes]:
+    """The pictures of a study or of a chart; none, and one line that says why, where Qt cannot be loaded."""
     try:
         from kindyna_gui.pictures.files import paint as painted
     except ImportError as error:
@@ -85,8 +87,11 @@ def missing(reason: str, packages: str = PACKAGES) -> str:
 def without_window(path: Path, why: str) -> int:
     """The main job without a window: the report on the terminal, tables and pictures into ``out``."""
     from core.export import files
+    from core.files import write_all
+    from core.findings import ERROR
     from core.project import load
     from core.report import report
+    from core.study import Study
 
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
     study = Study(load(path))
@@ -101,6 +106,9 @@ def without_window(path: Path, why: str) -> int:
 def window(path: Path | None) -> int:
     """Open the window; returns the exit code when it is closed. Without the libraries it needs, what works without."""
     trouble = ""
+    # before Qt, which looks into the source of all that is imported after it
+    from core import project, study  # noqa: F401
+
     try:
         trouble = lacking()
         if not trouble:
@@ -115,6 +123,15 @@ def window(path: Path | None) -> int:
     return code
 
 
+def headless(words: Sequence[str]) -> int:
+    """The command line of the core with the commands that need a window which is never shown; returns the exit code."""
+    from core.__main__ import main as core_main
+    from kindyna_gui.headless import COMMANDS
+
+    extra = {name: replace(row, run=_with_qt(row.run)) for name, row in COMMANDS.items()}
+    return core_main(words, painter=paint, program=f"kindyna {HEADLESS}", extra=extra)
+
+
 def _of_qt(error: ImportError) -> bool:
     """Whether Qt or a library it needs is missing, not a part of this program."""
     return ".so" in str(error) or (error.name or "").split(".")[0] in ("PySide6", "shiboken6", "pyqtgraph")
@@ -127,8 +144,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="replace")
     words = list(sys.argv[1:] if argv is None else argv)
     if words[:1] == [HEADLESS]:
-        extra = {name: replace(row, run=_with_qt(row.run)) for name, row in COMMANDS.items()}
-        return core_main(words[1:], painter=paint, program=f"kindyna {HEADLESS}", extra=extra)
+        return headless(words[1:])
     try:
         asked = parser().parse_args(words)
         if asked.headless is not None:

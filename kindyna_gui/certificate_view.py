@@ -11,6 +11,7 @@ from core.findings import ERROR, Residual
 from core.study import Study
 from kindyna_gui.look import WRONG, sign
 from kindyna_gui.player import Player
+from kindyna_gui.reads import READS
 from kindyna_gui.session import Session
 from kindyna_gui.tables import Heading, Row, RowsTable
 from kindyna_gui.view import View
@@ -24,32 +25,54 @@ HEADINGS = (
     Heading("What it proves", wide=True),
 )
 
-PROVES: Mapping[str, str] = MappingProxyType(
+PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "motion_closure": "after one turn the follower is back where it began, relative to the stroke",
-        "loop_closure": "the bodies fit together at every cam angle, relative to their lengths",
-        "instant_centre": "cam and follower slide past each other as their instant centre asks, at every cam angle",
-        "roller_tangency": "the roller touches the finished profile and cuts into it nowhere, tried point by point",
-        "power_balance": "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",
-        "momentum_balance": "all forces and their moments add up to the change of momentum, at every cam angle",
+        "motion_closure": (
+            "back where it began",
+            "after one turn the follower is back where it began, relative to the stroke",
+        ),
+        "loop_closure": (
+            "the bodies fit together",
+            "the bodies fit together at every cam angle, relative to their lengths",
+        ),
+        "instant_centre": (
+            "sliding as Q asks",
+            "cam and follower slide past each other as their instant centre asks, at every cam angle",
+        ),
+        "roller_tangency": (
+            "touches, cuts nowhere",
+            "the roller touches the finished profile and cuts into it nowhere, tried point by point",
+        ),
+        "power_balance": (
+            "power in is power out",
+            "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",
+        ),
+        "momentum_balance": (
+            "forces add up",
+            "all forces and their moments add up to the change of momentum, at every cam angle",
+        ),
+        "three_centres": (
+            "three centres in line",
+            "the instant centres of any three links lie on one line, at every driver angle",
+        ),
     }
 )
-"""Residual -> what it proves."""
+"""Residual -> what it proves: in few words for the table, and in full."""
 
 
 def certificate_row(name: str, residual: Residual) -> Row:
     """A residual as a line of the table."""
-    proves = sentence(PROVES.get(name, ""))
+    short, proves = PROVES.get(name, ("", ""))
     return Row(
         (
             sentence(name.replace("_", " ")),
-            f"{residual.value:.1e}",
+            f"{residual.value:.1e}" if residual.value else "0",
             f"{residual.bound:.1e}",
             "kept" if residual.kept else "not kept",
-            proves,
+            sentence(short),
         ),
         sign("none" if residual.kept else ERROR),
-        proves,
+        sentence(proves),
         "" if residual.kept else WRONG,
     )
 
@@ -57,7 +80,7 @@ def certificate_row(name: str, residual: Residual) -> Row:
 class CertificateView(View):
     """The table of residuals."""
 
-    stages = Study.stages
+    stages = READS["certificate"]
     pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import Enum
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from PySide6.QtCore import Qt
@@ -102,6 +101,8 @@ def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
 
 def about(parent: QWidget) -> None:
     """What this program is."""
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         number = version("kindyna")
     except PackageNotFoundError:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -65,6 +64,8 @@ def _answers_x(display: str) -> bool:
 
 
 def _connects(path: str) -> bool:
+    import socket
+
     try:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as link:
             link.settimeout(PATIENCE)
@@ -75,6 +76,8 @@ def _connects(path: str) -> bool:
 
 
 def _reaches(host: str, number: int) -> bool:
+    import socket
+
     try:
         socket.create_connection((host, X_PORT + number), PATIENCE).close()
     except (OSError, ValueError, OverflowError):

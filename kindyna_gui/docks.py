@@ -54,8 +54,12 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("mechanism_view", "MechanismView"), CENTRE, picture=True),
         "graph": ViewRow("Graph", lazily("graph_view", "GraphView"), CENTRE, shown=False, picture=True),
+        "laws": ViewRow("Laws", lazily("laws_view", "LawsView"), CENTRE, shown=False, picture=True),
+        "stability": ViewRow("Stability", lazily("stability_view", "StabilityView"), CENTRE, shown=False, picture=True),
         "parameters": ViewRow("Parameters", lazily("forms", "ParametersView"), LEFT),
         "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
+        "centres": ViewRow("Centres", lazily("centres_view", "CentresView"), LEFT, "motion", shown=False),
+        "circle": ViewRow("Circle diagram", lazily("circle_view", "CircleView"), LEFT, "motion", shown=False),
         "displacement": ViewRow("Displacement", _plot("displacement"), RIGHT, picture=True),
         "velocity": ViewRow("Velocity", _plot("velocity"), RIGHT, "displacement", picture=True),
         "acceleration": ViewRow("Acceleration", _plot("acceleration"), RIGHT, "displacement", picture=True),
@@ -80,7 +84,7 @@ SIZES: Mapping[str, tuple[Qt.Orientation, float]] = MappingProxyType(
         "parameters": (Qt.Orientation.Horizontal, 384.0),
         "displacement": (Qt.Orientation.Horizontal, 0.3),
         "findings": (Qt.Orientation.Vertical, 125.0),
-        "motion": (Qt.Orientation.Vertical, 0.36),
+        "motion": (Qt.Orientation.Vertical, 0.525),
     }
 )
 """Width or height of docks in the first layout: pixels, or below 1 a part of the window's."""
@@ -99,6 +103,7 @@ class Dock(QDockWidget):
         self.setObjectName(name)
         self._make = make
         self._view: View | None = None
+        self._held = False
         self._blank = QWidget()
         self._no_title = QWidget()
         self._no_title.setParent(self)
@@ -123,9 +128,15 @@ class Dock(QDockWidget):
 
     def wake(self) -> None:
         """Make the view, or let it catch up, if something of the dock can be seen."""
-        if in_sight(self):
+        if in_sight(self) and not self._held:
             self.build().wake()
         self.seen.emit()
+
+    def hold(self, on: bool) -> None:
+        """Make no view while something else is to be seen first."""
+        self._held = on
+        if not on:
+            self._soon.start()
 
     def _visibility_changed(self, visible: bool) -> None:
         # whether it stands in front is known once the tabs are laid out

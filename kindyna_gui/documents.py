@@ -9,7 +9,8 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import FOLLOWER_KINDS, kind_of
+from core.design import FOLLOWER_KINDS, Design, Segment, SingleCam, kind_of
+from core.design.paths import with_section
 from core.errors import KindynaError
 from core.project import load
 from kindyna_gui import dialogs
@@ -58,15 +59,15 @@ class Documents(QObject):
     # -- opening ------------------------------------------------------------------------------------------
 
     def new(self, kind: str) -> None:
-        """A design of this kind of follower to begin with: the values of the first example of that kind."""
+        """A design of this kind of follower to begin with: it stands still, in the lengths of the first example of that
+        kind."""
         if not self.may_leave():
             return
         for _, path in examples():
             design = load(path)
-            if kind_of(design.drive.follower) == kind:
-                label = FOLLOWER_KINDS[kind].label
-                self._session.start(replace(design, name=f"New {label[:1].lower()}{label[1:]}"))
-                self.told.emit(f"Began with the values of {path.stem}")
+            if isinstance(design, SingleCam) and kind_of(design.drive.follower) == kind:
+                self._session.start(_at_rest(design, FOLLOWER_KINDS[kind].label))
+                self.told.emit(f"Began with the lengths of {path.stem}; its motion is still to be laid out")
                 return
 
     def open_file(self) -> None:
@@ -87,6 +88,11 @@ class Documents(QObject):
                 self._session.start(load(path))
             except KindynaError as error:
                 self._tell(f"{path.name} cannot be opened.", error)
+
+    def begin(self, design: Design, name: str) -> None:
+        """Begin with a design that has no file yet."""
+        self._session.start(design)
+        self.told.emit(f"Began with {name}")
 
     def _open(self, path: Path) -> bool:
         try:
@@ -126,6 +132,14 @@ class Documents(QObject):
 
     def _tell(self, what: str, error: KindynaError) -> None:
         dialogs.show_faults(self._window, what, str(error).splitlines())
+
+
+def _at_rest(design: SingleCam, label: str) -> SingleCam:
+    """The design without its motion: one dwell at the base position."""
+    motion = replace(design.drive.motion, start=0.0, segments=(Segment(360.0, 0.0),))
+    assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
+    renamed = replace(design, name=f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
+    return with_section(renamed, "motion", motion)
 
 
 def dropped_design(event: QDropEvent) -> Path | None:

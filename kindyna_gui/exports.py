@@ -1,6 +1,7 @@
 """What leaves the program besides the design itself: tables, report, pictures, animation, numbers of a plot.
 
-Each asks first, writes whole or not at all, and tells what it has done or why it could not.
+Each asks first, writes whole or not at all, and tells what it has done or why it could not. What writes is imported
+when something is to be written: the window need not wait for it.
 """
 
 from __future__ import annotations
@@ -16,12 +17,9 @@ from PySide6.QtWidgets import QApplication, QWidget
 from core.channels import Channel
 from core.design import Design
 from core.errors import KindynaError
-from core.export import csv, files
 from core.files import write, write_all
-from core.motion import degrees
-from core.report import report
 from core.study import SAMPLES, Study
-from kindyna_gui import dialogs, export_dialogs
+from kindyna_gui import dialogs
 from kindyna_gui.pictures.mechanism import LAYERS
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
@@ -34,13 +32,17 @@ Made = TypeVar("Made")
 
 def numbers(design: Design, rows: Sequence[Channel]) -> str:
     """The channels as a table at the full resolution of the core, as the core writes them."""
+    from core.export import csv
+
     study = Study(design)
-    names = ["cam_angle_deg", *(row.slug for row in rows)]
-    return csv(names, [degrees(study.samples), *(row.values(study) for row in rows)])
+    names = [study.angle_column, *(row.slug for row in rows)]
+    return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
 
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
     """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
+    from core.export import files
+
     made = files(Study(design, samples))
     write_all(folder, made)
     return list(made)
@@ -108,6 +110,8 @@ class Exports(QObject):
 
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
+        from kindyna_gui import export_dialogs
+
         wanted = export_dialogs.tables_wanted(self._window, self._settings.folder)
         if wanted is None:
             return
@@ -121,17 +125,20 @@ class Exports(QObject):
 
     def report(self) -> None:
         """The report as plain text."""
+        from core.report import report
+
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         self._tell(written(self._window, path, lambda: report(Study(self._session.design))))
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
-        seconds = 2.0 * pi / (self._player.omega * self._player.speed)
+        from kindyna_gui import export_dialogs
+        from kindyna_gui.pictures.film import shoot
+
+        seconds = 2.0 * pi / (abs(self._player.omega) * self._player.speed)
         wanted = export_dialogs.film_wanted(self._window, self._settings.folder, self._name, seconds)
         if wanted is None:
             return
-        from kindyna_gui.pictures.film import shoot
-
         path, film = wanted
         try:
             with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:

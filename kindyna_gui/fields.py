@@ -12,7 +12,7 @@ from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from core.design import Design, Entry, Info, Unit, get, with_assumed
+from core.design import Design, Entry, Info, Unit, get, is_assumed, with_assumed
 from kindyna_gui.field_parts import Mark, NameLabel
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -116,7 +116,7 @@ class Field(QObject):
     def refresh(self, design: Design) -> None:
         """Show the design's value, unless something wrong, or unfinished, stands there."""
         if self.mark is not None:
-            assumed = self.spec.path in design.assumed
+            assumed = is_assumed(design, self.spec.path)
             told = "assumed, not taken from a source" if assumed else "taken from a source"
             self.mark.setChecked(assumed)
             self.mark.setToolTip(f"{self.spec.info.label} is {told}; click to change")

@@ -12,12 +12,13 @@ from core.findings import Finding
 from core.study import Study
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
+from kindyna_gui.reads import READS
 from kindyna_gui.session import Session
 from kindyna_gui.tables import Heading, Row, RowsTable
 from kindyna_gui.view import View
 from kindyna_gui.wording import name_of, sentence
 
-HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Cam angle °", number=True))
+HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °", number=True))
 
 
 class FindingsView(View):
@@ -26,7 +27,7 @@ class FindingsView(View):
     field_wanted   (path): the reader wants to see this field
     """
 
-    stages = Study.stages
+    stages = READS["findings"]
     pause_ms = 150
     field_wanted = Signal(str)
 
@@ -54,7 +55,7 @@ class FindingsView(View):
             Row(
                 (sentence(f.message), name_of(study.design, f.field), _angle(f)),
                 sign(f.severity),
-                f"{sentence(f.severity)}. Click to go to its cam angle and to {f.field}",
+                f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}",
             )
             for f in self._findings
         ]

@@ -2,24 +2,69 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, entries, kind_of
+from core.design import FOLLOWER_KINDS, Design, Entry, SingleCam, entries, kind_of, kind_row
+from core.design.paths import section as section_of
 from core.findings import ERROR
 from core.project import to_table
-from core.study import Study
+from core.study import LinkageStudy, Study
 from kindyna_gui.fields import COLUMNS, Field, NameField, Spec
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
 from kindyna_gui.view import View
-from kindyna_gui.wording import SECTION_NAMES
+from kindyna_gui.wording import SECTION_NAMES, entry_label, heading_of
 
 SECTIONS = ("follower", "cam", "shaft", "loads")
+EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads")  # of all kinds of design, in the order of tabs
+
+
+_STRUCTURE = frozenset({"number", "link", "on"})
+"""What a linkage consists of, rather than its dimensions: it is laid out in its file, or begun from a preset."""
+
+
+def specs_of(design: Design, section: str) -> list[Spec]:
+    """The rows of a section, in the order of the file."""
+    if isinstance(design, SingleCam):
+        specs = {entry.path: Spec.of(entry) for entry in entries(design, section)}
+        order = [f"{section}.{key}" for key in to_table(design)[section]]
+        return [specs[path] for path in order if path in specs]
+    return [
+        _named(design, entry) for entry in entries(design, section) if entry.path.rpartition(".")[2] not in _STRUCTURE
+    ]
+
+
+def _named(design: Design, entry: Entry) -> Spec:
+    """A row of a linkage: named after what it belongs to; a side is chosen of two."""
+    info = replace(entry.info, label=entry_label(design, entry))
+    if entry.path.startswith("linkage.branch."):
+        info = replace(info, choices=(1, -1))
+    return Spec.of(replace(entry, info=info))
+
+
+def _part(design: Design, section: str) -> Any:
+    """The table of the design that a form shows; None where its kind has none of that name."""
+    if section not in kind_row(design).sections:
+        return None
+    return section_of(design, section) if isinstance(design, SingleCam) else getattr(design, section)
+
+
+class Heading(QLabel):
+    """What the fields below belong to."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        bold = self.font()
+        bold.setBold(True)
+        self.setFont(bold)
+        self.setContentsMargins(0, 5, 0, 1)
 
 
 class Form(QScrollArea):
@@ -29,17 +74,25 @@ class Form(QScrollArea):
         super().__init__()
         self._session, self._section = session, section
         self.fields: dict[str, Field] = {}
+        self._shown: tuple[Any, Any] | None = None
+        self._heads: list[str] = []
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def refresh(self, design: Design) -> None:
-        """Show this design; fields are made anew only where another kind of design asks for others."""
-        specs = {entry.path: Spec.of(entry) for entry in entries(design, self._section)}
-        if set(specs) != set(self.fields):
-            order = [f"{self._section}.{key}" for key in to_table(design)[self._section]]  # as the file has it
-            self._build([specs[path] for path in order if path in specs])
+        """Show this design; fields are made anew only where another kind of design asks for others, and left alone
+        where the section is the one they show."""
+        shown = (_part(design, self._section), design.assumed)
+        if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:
+            return
+        self._shown = shown
+        specs = specs_of(design, self._section)
+        heads = [heading_of(design, spec.path) for spec in specs]
+        if [spec.path for spec in specs] != list(self.fields) or heads != self._heads:
+            self._heads = heads
+            self._build(specs)
         for field in self.fields.values():
             field.refresh(design)
 
@@ -51,12 +104,17 @@ class Form(QScrollArea):
         grid.setVerticalSpacing(3)
         grid.setColumnStretch(1, 1)
         self.fields = {}
-        for row, spec in enumerate(specs):
+        row = 0
+        for i, spec in enumerate(specs):
+            if self._heads[i] and self._heads[i] != (self._heads[i - 1] if i else ""):
+                grid.addWidget(Heading(self._heads[i]), row, 0, 1, COLUMNS)
+                row += 1
             field = Field(self._session, spec)
             field.setParent(paper)  # goes with it
-            field.add_to(grid, 2 * row)
+            field.add_to(grid, row)
+            row += 2
             self.fields[spec.path] = field
-        grid.setRowStretch(2 * len(specs), 1)
+        grid.setRowStretch(row, 1)
         self.setWidget(paper)
         # else the fields are squeezed under the scroll bar
         self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
@@ -64,6 +122,14 @@ class Form(QScrollArea):
     @property
     def in_trouble(self) -> bool:
         return any(field.trouble for field in self.fields.values())
+
+
+def kind_label(study: Study) -> str:
+    """What kind of mechanism a design is, in a few words."""
+    if isinstance(study, LinkageStudy):
+        links = len(study.design.linkage.links)
+        return f"Linkage of {links} links{' and a cam' if study.design.cam is not None else ''}"
+    return FOLLOWER_KINDS[kind_of(study.design.drive.follower)].label
 
 
 class ParametersView(View):
@@ -77,7 +143,7 @@ class ParametersView(View):
         self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed, not taken from a source")
         coloured(self.legend, QUIET)
         self.tabs = QTabWidget(documentMode=True)
-        self.forms = {section: Form(session, section) for section in SECTIONS}
+        self.forms = {section: Form(session, section) for section in EVERY_SECTION}
         for section, form in self.forms.items():
             self.tabs.addTab(form, SECTION_NAMES[section])
         head = QHBoxLayout()
@@ -98,8 +164,12 @@ class ParametersView(View):
     def refresh(self, study: Study) -> None:
         design = study.design
         self.name.refresh(design)
-        self.kind.setText(FOLLOWER_KINDS[kind_of(design.drive.follower)].label)
-        for form in self.forms.values():
+        self.kind.setText(kind_label(study))
+        for section, form in self.forms.items():
+            there = _part(design, section) is not None
+            self.tabs.setTabVisible(self.tabs.indexOf(form), there)
+            if not there:
+                continue
             before = form.widget()
             form.refresh(design)
             if form.widget() is not before:
@@ -121,6 +191,9 @@ class ParametersView(View):
         """Bring the field of a path, or the first of a section, before the reader; False where there is none."""
         self.pull()
         section = path.partition(".")[0]
+        design = self.session.design
+        if _part(design, section) is None:
+            section = next(name for name in EVERY_SECTION if _part(design, name) is not None)
         form = self.forms.get(section)
         if form is None or not form.fields:
             return False

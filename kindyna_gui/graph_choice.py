@@ -11,11 +11,13 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from core.channels import DYNAMICS, KINEMATICS, PROFILE, Channel
+from core.channels import DYNAMICS, KINEMATICS, LINKAGE, PROFILE, Channel
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import legible
 
-GROUPS: Mapping[str, str] = MappingProxyType({KINEMATICS: "Kinematics", PROFILE: "Cam profile", DYNAMICS: "Dynamics"})
+GROUPS: Mapping[str, str] = MappingProxyType(
+    {KINEMATICS: "Kinematics", LINKAGE: "Linkage", PROFILE: "Cam profile", DYNAMICS: "Dynamics"}
+)
 """Tables of the core in the order of the tree."""
 
 HEADINGS = ("Channel", "", "Unit")
@@ -132,6 +134,8 @@ class ChannelTree(QTreeWidget):
         self.clear()
         self._rows, self._items = tuple(rows), {}
         for table, title in GROUPS.items():
+            if not any(row.table == table for row in rows):
+                continue
             group = QTreeWidgetItem(self, [title])
             group.setFirstColumnSpanned(True)
             group.setSizeHint(0, QSize(0, ROW_HEIGHT))

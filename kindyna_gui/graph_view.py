@@ -23,12 +23,14 @@ from core.study import Study
 from kindyna_gui.exports import save_numbers, save_picture
 from kindyna_gui.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph_panel import FORMS, Panel
+from kindyna_gui.linkage_plots import first_graph
 from kindyna_gui.live_plot import LivePlot
 from kindyna_gui.look import icon
 from kindyna_gui.player import Player
 from kindyna_gui.player_keys import obey
 from kindyna_gui.session import Session
 from kindyna_gui.shown import lack, stages_of
+from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 
 EMPTY = "Tick channels in the tree on the left to draw them here"
@@ -120,6 +122,10 @@ class GraphView(View):
         rows = channels(study.design)
         self._rows = {row.quantity: row for row in rows}
         self.choice.keep(self._rows)
+        if is_linkage(study.design) and not self.choice.chosen:
+            self.choice = Choice(first_graph(study))
+        if not self.choice.plots:  # a graph without a plot would not say how to fill it
+            self.choice.add()
         self._lacking = {}
         for name in self.choice.chosen:
             try:
@@ -206,8 +212,6 @@ class GraphView(View):
             self.choice.tick(name, {q: row.unit.symbol for q, row in self._rows.items()})
         else:
             self.choice.untick(name)
-        if not self.choice.plots:
-            self.choice.add()
         self._changed()
 
     def add_plot(self) -> None:

@@ -11,6 +11,7 @@ from PySide6.QtGui import QTextBlockFormat, QTextCharFormat, QTextCursor, QTextD
 from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBrowser, QWidget
 
 from core.laws import LAWS
+from core.laws.table import short_name
 from kindyna_gui.places import help_text
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -26,8 +27,10 @@ def _formula(text: str) -> str:
 
 def _laws(page: str) -> str:
     """The table of laws stands in the core, not in the page."""
-    rows = "\n".join(f"| {law.label} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items())
-    return page.replace("{laws}", f"| law | in the file | formula |\n|---|---|---|\n{rows}")
+    rows = "\n".join(
+        f"| {law.label} | {short_name(slug)} | `{slug}` | {_formula(law.source)} |" for slug, law in LAWS.items()
+    )
+    return page.replace("{laws}", f"| law | in small plots | in the file | formula |\n|---|---|---|---|\n{rows}")
 
 
 def _as_is(page: str) -> str:
@@ -35,7 +38,14 @@ def _as_is(page: str) -> str:
 
 
 PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
-    {"tour": ("Tour", _as_is), "laws": ("Laws and conventions", _laws)}
+    {
+        "tour": ("Tour", _as_is),
+        "making": ("Making a motion", _as_is),
+        "blending": ("Blended motions", _as_is),
+        "linkages": ("Linkages", _as_is),
+        "stability": ("Stability of the camshaft", _as_is),
+        "laws": ("Laws and conventions", _laws),
+    }
 )
 """File of ``resources/help`` -> title, and what completes the page."""
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from math import radians
 
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QFrame, QWidget
 
+from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.pictures.polar import PolarPlot
 
@@ -15,13 +16,20 @@ TIP = "Click or drag to set the cam angle; right click to export"
 
 
 class LivePlot(CurvePlot):
-    """Curves over one turn under the mouse."""
+    """Curves over one turn under the mouse.
+
+    angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
+    """
+
+    angle_moved = Signal(float)
+    unseen = UNSEEN
 
     def __init__(self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True) -> None:
         super().__init__(parent, names=names, angles=angles)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
+        self.keep_axes()
 
     def angle_at(self, pixel: QPointF) -> float:
         """The cam angle [deg] at a place of the widget [pixels], 0 ... 360 also beside the axes."""
@@ -62,6 +70,8 @@ class LivePlot(CurvePlot):
 
 class LivePolar(PolarPlot):
     """Curves in polar form under the mouse."""
+
+    unseen = UNSEEN
 
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QShowEvent
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
 
+from core.design import with_elastic
+from core.errors import KindynaError
 from core.project import load
 from kindyna_gui import dialogs, menus
 from kindyna_gui.docks import CENTRE, PLAYER_BAR, VIEWS, Dock, arrange, proportion
@@ -24,8 +26,10 @@ from kindyna_gui.places import default_design
 from kindyna_gui.player import Player
 from kindyna_gui.session import Refusal, Session
 from kindyna_gui.settings import Settings
+from kindyna_gui.shares import Shares
+from kindyna_gui.shown_kinds import is_linkage, ranges_of
 from kindyna_gui.status_line import StatusLine
-from kindyna_gui.view import View
+from kindyna_gui.view import View, in_sight
 
 FIRST_SIZE = (1440, 900)
 _FRAME = 40  # pixels a desktop takes for the window's own frame
@@ -39,9 +43,12 @@ class MainWindow(QMainWindow):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else what is connected to them would keep the window for ever
+        session.design_changed.connect(self._design_changed)  # before the views, which ask the player for the angle
+        self._design_changed()
         self.documents = Documents(session, settings, self)
         self.exports = Exports(session, player, self)
         self._pages: dict[str, View] = {}
+        self._painted, self._begun = False, True
         self._help: HelpWindow | None = None
         self.setAcceptDrops(True)
         self.setDockOptions(
@@ -63,8 +70,8 @@ class MainWindow(QMainWindow):
         self._titles = QTimer(self, singleShot=True, interval=0)
         self._titles.timeout.connect(self._title_docks)
         self._lay_out()
+        self.shares = Shares(self, self.docks.values())
         self._connect()
-        self._design_changed()
         self._name_window()
         self._name_steps()
 
@@ -87,6 +94,8 @@ class MainWindow(QMainWindow):
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
         view.told.connect(lambda text: self.status.tell(text))
+        if hasattr(view, "abilities_changed"):
+            view.abilities_changed.connect(self._enable_segment_edits)
         if hasattr(view, "field_wanted"):
             view.field_wanted.connect(self.focus_field)
         return view
@@ -101,8 +110,9 @@ class MainWindow(QMainWindow):
     def _connect(self) -> None:
         session, player, stack = self.session, self.player, self.session.stack
         session.stages_on_screen = self.stages_on_screen
-        session.design_changed.connect(self._design_changed)
         session.file_changed.connect(self._name_window)
+        session.started.connect(partial(setattr, self, "_begun", True))
+        session.file_changed.connect(self._front_dock)
         session.refused.connect(self._tell_refusal)
         stack.indexChanged.connect(self._name_steps)
         stack.cleanChanged.connect(self._name_window)
@@ -113,6 +123,7 @@ class MainWindow(QMainWindow):
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
         self.centre.currentChanged.connect(lambda _: self.status.recount())
         for dock in self.docks.values():
+            dock.hold(True)
             dock.seen.connect(self._docks_moved)
             dock.topLevelChanged.connect(self._docks_moved)
             dock.dockLocationChanged.connect(self._docks_moved)
@@ -178,18 +189,82 @@ class MainWindow(QMainWindow):
         if view is not None:
             save_picture(view, name)
 
+    def _front_dock(self) -> None:
+        """Another kind of design: the docks of linkages come with a linkage and go with it, behind or before the motion."""
+        if not self._begun:
+            return
+        self._begun = False
+        linkage = is_linkage(self.session.design)
+        if self.docks["motion"].isHidden() and linkage:
+            return  # the user does without what stands at this place
+        for name in ("centres", "circle"):
+            self.docks[name].setVisible(linkage)
+        if linkage or in_sight(self.docks["motion"]):
+            self.docks["centres" if linkage else "motion"].raise_()
+
     # -- the design ---------------------------------------------------------------------------------------
 
-    def insert_segment(self) -> None:
+    def edit_segment(self, name: str) -> None:
+        """One of ``motion_actions.ACTIONS`` on the chosen segment."""
         view: Any = self.show_view("motion")
-        view.insert()
+        if not view.not_here:
+            view.act(name)
 
-    def delete_segment(self) -> None:
-        view: Any = self.show_view("motion")
-        view.delete()
+    def _enable_segment_edits(self, able: dict[str, bool]) -> None:
+        for name, on in able.items():
+            self.actions_by_key[f"edit_segment:{name}"].setEnabled(on)
+
+    def blend_motion(self) -> None:
+        """Ask for a blended motion."""
+        from kindyna_gui.blend_wizard import open_blend
+
+        self.documents.settle()
+        open_blend(self.session, self)
+
+    def import_measured(self) -> None:
+        """Ask for a measured table and for how it shall become the motion."""
+        from kindyna_gui.measured_dialog import import_measured
+
+        self.documents.settle()
+        import_measured(self.session, self)
+
+    def make_flexible(self) -> None:
+        """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
+        from kindyna_gui.stability_shaft import flexible
+
+        if self.session.design.shaft.elastic is None:
+            try:
+                changed = flexible(self.session.study)
+            except KindynaError as error:
+                self.status.tell(str(error))
+                return
+            self.session.put(changed, "Make the shaft flexible")
+            self.session.end_gesture()
+        self.show_view("stability")
+        self.focus_field("shaft.stiffness_nm_per_rad")
+
+    def make_rigid(self) -> None:
+        """Take the elasticity out of the design."""
+        if self.session.design.shaft.elastic is not None:
+            self.session.put(with_elastic(self.session.design, None), "Make the shaft rigid")
+            self.session.end_gesture()
+
+    def choose_mechanism(self) -> None:
+        """Begin with a layout or a linkage, chosen by its picture."""
+        from kindyna_gui import gallery
+
+        if self.documents.may_leave():
+            choice = gallery.mechanism_wanted(self)
+            if choice is not None:
+                self.documents.begin(choice.design(), choice.name)
 
     def _design_changed(self) -> None:
-        self.player.omega = self.session.study.omega
+        study = self.session.study
+        self.player.omega = study.omega
+        try:
+            self.player.set_ranges(ranges_of(study))
+        except KindynaError:
+            self.player.set_ranges(())  # it stands nowhere, which the views tell
 
     def _tell_refusal(self, refusal: Refusal) -> None:
         self.status.tell(f"Refused: {refusal.told[0][1]}: {refusal.told[0][2]}")
@@ -230,6 +305,8 @@ class MainWindow(QMainWindow):
     def reset_layout(self) -> None:
         """All docks back to where they were at first."""
         arrange(self, self.docks)
+        self._begun = True
+        self._front_dock()
 
     def _docks_moved(self, *_: object) -> None:
         self._titles.start()
@@ -247,6 +324,21 @@ class MainWindow(QMainWindow):
         if not self._restored and not event.spontaneous():
             self._restored = True
             proportion(self, self.docks)
+        page = self.centre.currentWidget()
+        if isinstance(page, View) and not event.spontaneous():
+            page.pull()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The first thing that is seen is the mechanism; the docks around it come next."""
+        super().paintEvent(event)
+        if not self._painted:
+            self._painted = True
+            QTimer.singleShot(0, self, self._furnish)
+
+    def _furnish(self) -> None:
+        for dock in self.docks.values():
+            dock.hold(False)
+        self._front_dock()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         if not self.documents.may_leave():

@@ -4,24 +4,33 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from math import ceil, log10
 
-from PySide6.QtCore import QPointF, QRectF, Qt, QTimer
+from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView, QLabel, QVBoxLayout
 
+from core.design import LinkageDesign
+from core.design.linkage_paths import place_of
 from core.errors import NoAnswer
+from core.mechanism import with_point_at
 from core.study import Study
 from kindyna_gui.look import WRONG, coloured
-from kindyna_gui.pictures.mechanism import LAYERS, MechanismScene
+from kindyna_gui.pictures.mechanism import EVERY_LAYER, MechanismScene, layers_of
+from kindyna_gui.pictures.reading import MM
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.player import Player
 from kindyna_gui.player_keys import obey
+from kindyna_gui.reads import READS
 from kindyna_gui.session import Session
+from kindyna_gui.shown_kinds import has_cam, is_linkage
 from kindyna_gui.view import View
+from kindyna_gui.wording import reason
 
 NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
 FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
 HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
+REACH = 9.0  # pixels from a joint within which it is taken
 REST_MS = 250  # after an edit or a move, before labels look for better sides
 _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 
@@ -32,11 +41,16 @@ class Canvas(QGraphicsView):
     Qt's own scroll bars and transformation anchors are left aside: what is visible is a centre and a scale, so that
     neither an edit nor a change of size can move it.
 
+    taken, dragged, dropped   a joint was taken by its name, drawn to a place [mm], let go
+
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     """
 
+    taken, dragged, dropped = Signal(str), Signal(str, complex), Signal(str)
+
     def __init__(self, scene: MechanismScene) -> None:
         super().__init__(scene)
+        self._joint = ""
         self._scene = scene
         self.fitted = True
         self._centre, self._scale = QPointF(), 1.0
@@ -53,6 +67,7 @@ class Canvas(QGraphicsView):
         self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setCursor(Qt.CursorShape.ArrowCursor)
+        self.viewport().setMouseTracking(True)
 
     # -- what is visible ----------------------------------------------------------------------------------
 
@@ -78,19 +93,18 @@ class Canvas(QGraphicsView):
         if keep_labels:
             self.rest.start()
 
-    def fit(self) -> None:
+    def fit(self, keep_labels: bool = False) -> None:
         """Show the whole mechanism."""
         visible, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
-        self.look_at(visible.center(), scale)
+        self.look_at(visible.center(), scale, keep_labels)
         self.fitted = True
 
     def look_again(self) -> None:
         """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
         if self.fitted:
             wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
-            whole = self._scene.fit_rect()
-            if not self.visible.contains(whole) or self._scale < HALF_EMPTY * scale:
-                self.look_at(wanted.center(), scale)
+            if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
+                self.look_at(wanted.center(), scale, keep_labels=True)
 
     def zoom(self, factor: float, about: QPointF) -> None:
         """Zoom by a factor; what stands at a place of the viewport [pixels] stays there."""
@@ -107,6 +121,14 @@ class Canvas(QGraphicsView):
         y = pixel.y() - self.viewport().height() / 2.0
         return self._centre + QPointF(x / self._scale, -y / self._scale)
 
+    def joint_at(self, pixel: QPointF) -> str:
+        """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
+        at = self._place(pixel)
+        found = self._scene.joints_now()
+        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in found.items()}
+        best = min(near, key=lambda name: near[name], default="")
+        return best if best and near[best] <= REACH else ""
+
     # -- events -------------------------------------------------------------------------------------------
 
     def wheelEvent(self, event: QWheelEvent) -> None:
@@ -116,12 +138,24 @@ class Canvas(QGraphicsView):
         event.accept()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() in _GRIPS:
+        joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
+        if joint:
+            self._joint = joint
+            self.taken.emit(joint)
+        elif event.button() in _GRIPS:
             self._grip = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._grip is None or event.position() == self._grip:
+        if self._joint:
+            at = self._place(event.position())
+            self.dragged.emit(self._joint, complex(at.x(), at.y()))
+            return
+        if self._grip is None:
+            over = self.joint_at(event.position())
+            self.setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.ArrowCursor)
+            return
+        if event.position() == self._grip:
             return
         moved = event.position() - self._grip
         self._grip = event.position()
@@ -131,7 +165,10 @@ class Canvas(QGraphicsView):
         self.fitted = False
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if event.button() in _GRIPS:
+        if self._joint and event.button() == Qt.MouseButton.LeftButton:
+            name, self._joint = self._joint, ""
+            self.dropped.emit(name)
+        elif event.button() in _GRIPS:
             self._grip = None
             self.setCursor(Qt.CursorShape.ArrowCursor)
 
@@ -145,9 +182,15 @@ class Canvas(QGraphicsView):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         if self.fitted:
-            self.fit()
+            self.fit(keep_labels=True)
         else:
-            self.look_at(self._centre, self._scale)
+            self.look_at(self._centre, self._scale, keep_labels=True)
+
+
+def joint_path(design: LinkageDesign, name: str) -> str:
+    """The path of a point, of the first link that has it."""
+    number = next(link.number for link in design.linkage.links if name in link.places)
+    return place_of(design, number, name)
 
 
 class MechanismView(View):
@@ -169,9 +212,13 @@ class MechanismView(View):
         self.set_content_layout(column)
         self.setFocusProxy(self.canvas)
         self._fit_wanted = True
-        self._layers_wanted = {name: layer.shown for name, layer in LAYERS.items()}
-        self._actions = [self._action(name, layer.label) for name, layer in LAYERS.items()]
+        self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
+        self._actions = {name: self._action(name, layer.label) for name, layer in EVERY_LAYER.items()}
         session.started.connect(self._another_design)
+        session.step_changed.connect(self._show_step)
+        self.canvas.taken.connect(self._take_joint)
+        self.canvas.dragged.connect(self._drag_joint)
+        self.canvas.dropped.connect(self._drop_joint)
 
     def _action(self, name: str, label: str) -> QAction:
         action = QAction(label, self, checkable=True, checked=self._layers_wanted[name])
@@ -183,13 +230,14 @@ class MechanismView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces are computed only while they are drawn."""
-        return ("linkage", "cam", "dynamics") if self._layers_wanted["forces"] else ("linkage", "cam")
+        return READS["mechanism with forces" if self._layers_wanted["forces"] else "mechanism"]
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         self._take_layers()
         self._say_what_lacks(study)
+        self.scene.show_step(self.session.step if is_linkage(study.design) else None, draw=False)
         self.scene.update_study(study, keep_labels=True)
         self.canvas.rest.start()
         if self._fit_wanted:
@@ -202,9 +250,9 @@ class MechanismView(View):
         """A linkage without a cam is still drawn, with the reason below it."""
         told = ""
         try:
-            _ = study.cam
+            _ = study.cam if has_cam(study) else None
         except NoAnswer as error:
-            told = f"No cam: {error}"
+            told = f"No cam: {reason(study.design, error)}"
         self.note.setText(told)
         self.note.setVisible(bool(told))
 
@@ -218,22 +266,44 @@ class MechanismView(View):
         else:
             self._fit_wanted = True
 
+    # -- joints -------------------------------------------------------------------------------------------
+
+    def _take_joint(self, name: str) -> None:
+        self.player.play(False)
+        self.session.end_gesture()
+
+    def _drag_joint(self, name: str, place: complex) -> None:
+        """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
+        design, theta = self.session.design, self.player.theta
+        train = self.session.at(theta).linkage
+        decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
+        moved = with_point_at(design, train, name, place / MM, decimals)
+        self.session.put(moved, f"Move joint {name}", joint_path(design, name))
+
+    def _drop_joint(self, name: str) -> None:
+        self.session.end_gesture()
+        self.session.withdraw(joint_path(self.session.design, name))
+
     def _another_design(self) -> None:
         self._fit_wanted = True
+
+    def _show_step(self) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self.scene.show_step(self.session.step)
 
     # -- layers -------------------------------------------------------------------------------------------
 
     def layer_actions(self) -> list[QAction]:
-        return list(self._actions)
+        return [self._actions[name] for name in layers_of(self.session.study)]
 
     def show_layer(self, name: str, shown: bool) -> None:
-        """Show or hide one of ``LAYERS``."""
+        """Show or hide one of ``EVERY_LAYER``."""
         self._layers_wanted[name] = shown
         self.wake()
 
     def _take_layers(self) -> None:
         for name, shown in self._layers_wanted.items():
-            if self.scene.layer_shown(name) != shown:
+            if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
 
     # -- as a file ----------------------------------------------------------------------------------------
@@ -246,11 +316,11 @@ class MechanismView(View):
 
     def picture(self, ending: str) -> bytes:
         """What is visible, in the size it has on the screen; a PNG has twice the dots."""
-        from kindyna_gui.pictures.files import RATIO, Sheet, png, svg
+        from kindyna_gui.pictures.files import ENLARGED, RATIO, Sheet, png, svg
 
         self.pull()
         vector = ending == ".svg"
-        scene = MechanismScene(theme=LIGHT if vector else replace(LIGHT, ratio=RATIO))
+        scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
         for name, shown in self._layers_wanted.items():
             scene.set_layer(name, shown)
         scene.update_study(self.session.study)

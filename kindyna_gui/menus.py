@@ -53,6 +53,10 @@ def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "
     return Item(text, "show_view", name, keys, tip, icon)
 
 
+def _segment(text: str, name: str, keys: str, tip: str) -> Item:
+    return Item(text, "edit_segment", name, keys, tip, name)
+
+
 def _field(text: str, path: str, tip: str) -> Item:
     return Item(text, "focus_field", path, None, tip)
 
@@ -72,6 +76,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
             SEPARATOR,
+            Item("&Import measured motion...", "import_measured", None, None,
+                 "Fit a motion to a table of measured displacements, velocities or accelerations"),
             Submenu("Expor&t", submenus.fill_exports, "exports"),
             SEPARATOR,
             Item("&Quit", "close", None, Keys.Quit, "Leave KINDYNA"),
@@ -88,9 +94,14 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Make",
         (
             _view("&Motion table", "motion", "Segments of the motion: law, span, rise", "Ctrl+M"),
+            _view("&Law table", "laws", "Every motion law with its peaks, drawn over each other", "Ctrl+L"),
+            Item("&Blend...", "blend_motion", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
             SEPARATOR,
-            Item("&Insert segment", "insert_segment", None, "Ctrl+I", "A dwell behind the chosen segment", "insert"),
-            Item("&Delete segment", "delete_segment", None, "Ctrl+D", "Take the chosen segment away", "delete"),
+            _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
+            _segment("S&plit segment", "split", "Ctrl+K", "Cut the chosen segment where the cam stands"),
+            _segment("D&uplicate segment", "duplicate", "Ctrl+Shift+D", "A copy behind the chosen segment"),
+            _segment("Mi&rror stroke", "mirror", "Ctrl+Shift+M", "Make the return the mirror image of the rise"),
+            _segment("&Delete segment", "delete", "Ctrl+D", "Take the chosen segment away"),
             SEPARATOR,
             _field("&Start", "motion.start", "Where the follower stands at cam angle 0"),
             _field("S&troke", "motion.stroke", "Highest minus lowest position of the follower"),
@@ -101,9 +112,16 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("&Mechanism", "mechanism", "The mechanism to scale"),
             SEPARATOR,
+            Item("C&hoose a mechanism...", "choose_mechanism", None, None,
+                 "The layouts of the cam slider and the linkages, as pictures to begin with"),
+            SEPARATOR,
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
+            _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
+            SEPARATOR,
+            _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
+            _view("Circle &diagram", "circle", "Find the instant centres step by step, as the lecture does"),
         ),
     ),
     (
@@ -135,7 +153,14 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     ),
     (
         "&Stability",
-        (_field("&Camshaft data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),),
+        (
+            _view("&Chart", "stability", "Tongues of instability of the flexible camshaft, and the wind-up there", "Ctrl+T"),
+            Item("&Flexible shaft", "make_flexible", None, None,
+                 "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
+            Item("&Rigid shaft", "make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
+            SEPARATOR,
+            _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
+        ),
     ),
     (
         "&Graph",
@@ -161,6 +186,10 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Help",
         (
             Item("&Tour", "show_help", "tour", Keys.HelpContents, "What is where, in five minutes", "help"),
+            Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
+            Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),
+            Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
+            Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             SEPARATOR,
             Item("&About KINDYNA", "about", None, None, "Version and origin"),

@@ -46,8 +46,9 @@ class RedFrame:
     _refused = False
 
     def set_refused(self, on: bool) -> None:
-        self._refused = on
-        self.update()  # type: ignore[attr-defined]
+        if on != self._refused:
+            self._refused = on
+            self.update()  # type: ignore[attr-defined]
 
     @property
     def refused(self) -> bool:

@@ -8,6 +8,12 @@ from PySide6.QtCore import QElapsedTimer, QObject, QTimer, Signal
 
 TURN = 2.0 * pi
 FRAME_MS = 16
+TINY = 1e-6  # [rad] from a dead centre, where velocities grow without limit
+
+
+def _edge(place: float, inwards: float) -> float:
+    """An end of a range, a hair inside where it is a dead centre."""
+    return place if place in (0.0, TURN) else place + inwards * TINY
 
 
 class Player(QObject):
@@ -16,6 +22,7 @@ class Player(QObject):
     theta    cam angle [rad], 0 ... 2π
     speed    1 plays in true time, at the speed of the shaft given by ``omega``
     forward  False plays backwards
+    ranges   where the angle can go [rad], in rising order; everywhere where none is named
     """
 
     angle_changed = Signal(float)
@@ -29,6 +36,7 @@ class Player(QObject):
         self.speed = 1.0
         self.forward = True
         self.omega = pi
+        self.ranges: tuple[tuple[float, float], ...] = ()
         self._clock = QElapsedTimer()
         self._timer = QTimer(self, interval=FRAME_MS)
         self._timer.timeout.connect(self._tick)
@@ -53,9 +61,22 @@ class Player(QObject):
         theta = theta % TURN
         if theta >= TURN:  # what lies below 0 by less than rounding
             theta = 0.0
+        theta = self._within(theta)
         if theta != self.theta:
             self.theta = theta
             self.angle_changed.emit(theta)
+
+    def set_ranges(self, ranges: tuple[tuple[float, float], ...]) -> None:
+        """Keep the angle within these ranges; it goes to the nearest place where it may stand."""
+        self.ranges = ranges
+        self.set_theta(self.theta)
+
+    def _within(self, theta: float) -> float:
+        """The nearest allowed angle, a hair off the dead centres."""
+        if not self.ranges:
+            return theta
+        kept = [min(max(theta, _edge(low, 1.0)), _edge(high, -1.0)) for low, high in self.ranges]
+        return min(kept, key=lambda place: abs((place - theta + pi) % TURN - pi))
 
     def step(self, degrees: float) -> None:
         """Move by so many degrees, forward positive; playing stops."""
@@ -76,7 +97,10 @@ class Player(QObject):
     def advance(self, seconds: float) -> None:
         """Move on by a time, as a frame does."""
         way = 1.0 if self.forward else -1.0
-        self.set_theta(self.theta + way * self.speed * self.omega * seconds)
+        wanted = self.theta + way * self.speed * self.omega * seconds
+        self.set_theta(wanted)
+        if self.ranges and abs((self.theta - wanted + pi) % TURN - pi) > TINY:  # at a dead centre it swings back
+            self.set_forward(not self.forward)
 
     def _tick(self) -> None:
         self.advance(self._clock.restart() / 1000.0)

@@ -196,6 +196,11 @@ class PlayerBar(View):
 
     def refresh(self, study: Study) -> None:
         self._joins = tuple(join.theta for join in study.program.joins)
+        name = study.angle_name.capitalize()
+        if self.angle.accessibleName() != name:
+            for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {TOLD}")):
+                widget.setAccessibleName(name)
+                widget.setToolTip(tip)
         self.slider.show_joins(tuple(degrees(theta) for theta in self._joins))
         rows = speeds(study.omega)
         if [self.speed.itemData(i) for i in range(self.speed.count())] != list(rows):

@@ -11,12 +11,14 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout
 from core.channels import Channel
 from core.study import Study
 from kindyna_gui.exports import save_numbers, save_picture
+from kindyna_gui.linkage_plots import lacking, quantities_for
 from kindyna_gui.live_plot import LivePlot
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.player import Player
 from kindyna_gui.player_keys import obey
 from kindyna_gui.session import Session
 from kindyna_gui.shown import missing, rows_of, split, stages_of
+from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
@@ -27,8 +29,7 @@ class PlotView(View):
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)
-        self.quantities = tuple(quantities)
-        self.stages = stages_of(self.quantities)
+        self.usual = tuple(quantities)
         self.plot = LivePlot()
         self.plot.setMinimumWidth(LEAST_WIDTH)
         self.note = QLabel()
@@ -51,22 +52,37 @@ class PlotView(View):
         self.plot.angle_moved.connect(self._turn)
         self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (
-            ("Export picture...", lambda: save_picture(self, self.quantities[0])),
-            ("Export numbers...", lambda: save_numbers(self, self.rows, self.quantities[0])),
+            ("Export picture...", lambda: save_picture(self, self.usual[0])),
+            ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
         ):
             action = QAction(text, self.plot)
             action.triggered.connect(slot)
             self.plot.addAction(action)
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is shown of the design in place."""
+        return quantities_for(self.session.study, self.usual)
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Those that the quantities shown need."""
+        return stages_of(self.quantities)
+
     def refresh(self, study: Study) -> None:
+        if is_linkage(study.design):
+            _ = study.linkage  # where it stands nowhere, that is the reason
         drawn, told = split(study, rows_of(study, self.quantities))
         self.rows = tuple(drawn)
         if drawn:
             self.plot.set_curves(study, drawn)
         else:
-            self.plot.show_message("\n".join(told) or missing(self.quantities))
+            self.plot.show_message("\n".join(told) or self._missing(study))
         self.note.setText("; ".join(told))
         self.note.setVisible(bool(drawn and told))
+
+    def _missing(self, study: Study) -> str:
+        return lacking(study, self.usual) if is_linkage(study.design) else missing(self.usual)
 
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)

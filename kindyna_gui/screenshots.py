@@ -20,6 +20,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
+from kindyna_gui.shown_kinds import has_cam
 from kindyna_gui.view import View
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
@@ -84,10 +85,18 @@ def png(widget: QWidget) -> bytes:
     return bytes(data.data())
 
 
+def telling_angle(study: Study) -> float:
+    """Where the pressure angle is largest; of a linkage without a cam an eighth of a turn on [rad]. Raises NoAnswer."""
+    if not has_cam(study):
+        return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
+    top: float = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta
+    return top
+
+
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
     """File name -> picture of the window and of each view, where the pressure angle is largest. Raises NoAnswer."""
     study = Study(design)
-    top = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta
+    top = telling_angle(study)
     window = hidden_window(design, size)
     try:
         window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)
@@ -96,7 +105,7 @@ def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
         for name in VIEWS:
             view = window.show_view(name)
             rest(window)
-            for ending in FORMS.get(name, _as_it_is)(view):
+            for ending in (_as_it_is if view.not_here else FORMS.get(name, _as_it_is))(view):
                 rest(window)
                 made[f"{name}{ending}.png"] = png(view)
         window.show_view("graph")
@@ -129,10 +138,11 @@ def _tab_by_tab(view: View) -> Iterator[str]:
     """The first page as the view itself, the others by their titles."""
     tabs = view.findChild(QTabWidget)
     assert tabs is not None
-    for page in range(tabs.count()):
+    pages = [page for page in range(tabs.count()) if tabs.isTabVisible(page)]
+    for page in pages:
         tabs.setCurrentIndex(page)
-        yield f"_{tabs.tabText(page).lower()}" if page else ""
-    tabs.setCurrentIndex(0)
+        yield f"_{tabs.tabText(page).lower()}" if page != pages[0] else ""
+    tabs.setCurrentIndex(pages[0])
 
 
 def _straight_and_polar(view: View) -> Iterator[str]:
@@ -150,5 +160,6 @@ FORMS: dict[str, Callable[[View], Iterator[str]]] = {
     "mechanism": _with_vectors,
     "parameters": _tab_by_tab,
     "graph": _straight_and_polar,
+    "centres": _tab_by_tab,
 }
 """Views that are taken more than once."""

@@ -11,23 +11,25 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QFont
 
-from core.design import UNITS, Info, Motion, Segment, Unit, info_of
+from core.design import CURVES, UNITS, Info, Motion, Segment, Unit, info_of, join_angles
 from core.laws import LAWS, find_law
 from core.motion import Join
 from core.study import Study
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
-from kindyna_gui.pictures.units import MINUS, digits
+from kindyna_gui.motion_laws import law_tip, short_label
+from kindyna_gui.motion_marks import Words, join_help, join_text, marks, wordings
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.wording import law_label, parsed, segment_of, sentence, shortest, value_text
+from kindyna_gui.shown_kinds import motion_of
+from kindyna_gui.wording import law_label, parsed, sentence, shortest, value_text
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
 _SEGMENT: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segment) if (i := info_of(f))})
-GAP = "\u2002"  # between the numbers and the text right of them
-_PER = ("", "/rad", "/rad²", "/rad³")
-_ORDERS = ("displacement", "velocity", "acceleration", "jerk")
+LONGEST = 7  # characters of a number that are all shown
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+STILL = Motion(0.0, (Segment(360.0, 0.0),))
+"""What stands in the place of a motion where a kind of design has none."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,12 @@ class Column:
 
 
 COLUMNS = (
-    Column("Law", "motion law of the segment", "law", Info("Law", choices=tuple(LAWS))),
+    Column("Law", "motion law of the segment", "law", Info("Law", choices=(*LAWS, *CURVES))),
     Column("From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]),
     Column("To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]),
     Column("Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]),
     Column("Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]),
-    Column(f"{GAP}Join", "what is continuous at the end of the segment, else the first jump there", "", Info("")),
+    Column("Join", "what is continuous at the end of the segment, and how far the rest jumps", "", Info("")),
 )
 
 
@@ -55,26 +57,24 @@ def difference(to: float, start: float) -> float:
     return float(Decimal(shortest(to)) - Decimal(shortest(start)))
 
 
-def join_text(join: Join, motion: Motion) -> str:
-    """``s v a`` where these are continuous; ``Δv 49.1``, the first that jumps and its size."""
-    jumping = [k for k in range(4) if join.jumps[k]]
-    if not jumping or jumping[0] == 3:
-        return "s v a" if jumping else "s v a j"
-    return f"Δ{'sva'[jumping[0]]} {_jump(join, jumping[0], motion).lstrip(MINUS)}"
+def readable(value: float) -> str:
+    """A number for a narrow column: all its digits where they are few, else those that matter."""
+    text = shortest(value)
+    return text if len(text) <= LONGEST else shortest(float(f"{value:.5g}"))
 
 
-def join_help(join: Join, motion: Motion) -> str:
-    """The join in a sentence: what is continuous there, and how far the rest jumps."""
-    jumping = [k for k in range(4) if join.jumps[k]]
-    smooth = [_ORDERS[k] for k in range(4) if k not in jumping]
-    rows = [f"continuous in {', '.join(smooth)}"] if smooth else []
-    unit = UNITS[motion.unit].symbol
-    rows += [f"{_ORDERS[k]} jumps by {_jump(join, k, motion)} {unit}{_PER[k]}" for k in jumping]
-    return "\n".join(map(sentence, rows))
+@dataclass(frozen=True)
+class Look:
+    """A cell as it is painted: its text, with what is written where there is little room; or for a join the ways to
+    write its marks, the longest first."""
 
-
-def _jump(join: Join, order: int, motion: Motion) -> str:
-    return digits(float(join.jump[order]) / motion.scale, 3)
+    text: str
+    colour: str | None
+    right: bool
+    short: str = ""
+    italic: bool = False
+    refused: bool = False
+    words: tuple[Words, ...] = ()
 
 
 class SegmentsModel(QAbstractTableModel):
@@ -88,9 +88,11 @@ class SegmentsModel(QAbstractTableModel):
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
-        self._motion, self._assumed = session.design.drive.motion, session.design.assumed
+        self._motion, self._assumed = motion_of(session.design) or STILL, session.design.assumed
+        self._angles = (*join_angles(self._motion), 360.0)
         self._joins: tuple[Join, ...] = ()
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
+        self._looks: dict[tuple[int, int], Look] = {}
         self._trying = ""
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
@@ -106,7 +108,9 @@ class SegmentsModel(QAbstractTableModel):
         same = len(motion.segments) == len(self._motion.segments) and self._joins
         if not same:
             self.beginResetModel()
+        self._looks.clear()
         self._motion, self._assumed, self._joins = motion, assumed, study.program.joins
+        self._angles = (*join_angles(motion), 360.0)
         if same:
             self._all_changed()
         else:
@@ -115,12 +119,13 @@ class SegmentsModel(QAbstractTableModel):
             self.told.emit("")
 
     def _all_changed(self) -> None:
+        self._looks.clear()
         last = self.index(self.rowCount() - 1, self.columnCount() - 1)
         self.dataChanged.emit(self.index(0, 0), last)
-        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, self.columnCount() - 1)
 
     def _refused(self, refusal: Refusal) -> None:
-        if segment_of(refusal.path) is not None:
+        rows = range(self.rowCount())
+        if any(refusal.path == self.path(row, column) for row in rows for column in (LAW, SPAN, RISE)):
             self._wrong = {refusal.path: self._trying}
             self.told.emit(refusal.at(refusal.path))
             self._all_changed()
@@ -129,12 +134,14 @@ class SegmentsModel(QAbstractTableModel):
         if path in self._wrong:
             self.withdraw()
 
-    def withdraw(self) -> None:
-        """Forget what was refused."""
-        if self._wrong:
-            self._wrong.clear()
-            self.told.emit("")
-            self._all_changed()
+    def withdraw(self) -> bool:
+        """Forget what was refused; False where nothing was."""
+        if not self._wrong:
+            return False
+        self._wrong.clear()
+        self.told.emit("")
+        self._all_changed()
+        return True
 
     # -- the table ----------------------------------------------------------------------------------------
 
@@ -189,15 +196,11 @@ class SegmentsModel(QAbstractTableModel):
     def value(self, row: int, column: int) -> Any:
         """What the design has there: slug, number, or text."""
         segment = self._motion.segments[row]
-        ends = [round(sum(s.span_deg for s in self._motion.segments[:i]), 10) for i in (row, row + 1)]
-        return {
-            LAW: segment.curve.law,
-            FROM: ends[0],
-            TO: 360.0 if row == self.rowCount() - 1 else ends[1],
-            SPAN: segment.span_deg,
-            RISE: segment.rise,
-            JOIN: GAP + join_text(self._joins[row], self._motion) if self._joins else "",
-        }[column]
+        if column == JOIN:
+            return join_text(self._joins[row], self._motion) if self._joins else ""
+        if column in (FROM, TO):
+            return self._angles[row if column == FROM else row + 1]
+        return segment.curve.law if column == LAW else segment.span_deg if column == SPAN else segment.rise
 
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
         if not index.isValid():
@@ -205,45 +208,44 @@ class SegmentsModel(QAbstractTableModel):
         row, column = index.row(), index.column()
         if role == Qt.ItemDataRole.TextAlignmentRole:
             return _LEFT if column in (LAW, JOIN) else _RIGHT
-        if role in (Qt.ItemDataRole.DisplayRole, Qt.ItemDataRole.EditRole):
-            return self._text(row, column, role)
+        if role == Qt.ItemDataRole.EditRole:
+            wrong = self._wrong.get(self.path(row, column)) if self.refused(row, column) else None
+            return self.value(row, column) if wrong is None else wrong
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return self._tip(row, column)
+        look = self.look(row, column)
+        if role == Qt.ItemDataRole.DisplayRole:
+            return look.text
         if role == Qt.ItemDataRole.ForegroundRole:
-            return self._colour(row, column)
-        if role == Qt.ItemDataRole.FontRole and self.assumed(row, column):
+            return None if look.colour is None else QColor(look.colour)
+        if role == Qt.ItemDataRole.FontRole and look.italic:
             font = QFont()
             font.setItalic(True)
             return font
-        if role == Qt.ItemDataRole.ToolTipRole:
-            return self._tip(row, column)
         return None
 
-    def _text(self, row: int, column: int, role: int) -> Any:
-        path = self.path(row, column)
-        if path in self._wrong and column not in (FROM, TO):
-            return self._wrong[path]
-        value = self.value(row, column)
-        if role == Qt.ItemDataRole.EditRole:
-            return value
-        return law_label(value) if column == LAW else shortest(value) if isinstance(value, float) else value
+    def look(self, row: int, column: int) -> Look:
+        """A cell as it is painted; made once for each state of the motion, for a table is painted often."""
+        known = self._looks.get((row, column))
+        if known is None:
+            known = self._looks[row, column] = self._made_look(row, column)
+        return known
 
-    def _colour(self, row: int, column: int) -> QColor | None:
-        if self.refused(row, column):
-            return QColor(WRONG)
-        if column == JOIN and self._joins:
-            smooth = not any(self._joins[row].jumps[:3])
-            return QColor(QUIET if smooth else WRONG)
-        if self.assumed(row, column):
-            return QColor(ASSUMED)
-        return None if self.flags(self.index(row, column)) & Qt.ItemFlag.ItemIsEditable else QColor(QUIET)
+    def _made_look(self, row: int, column: int) -> Look:
+        refused, assumed = self.refused(row, column), self.assumed(row, column)
+        value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
+        if column == JOIN:
+            rows = wordings(marks(self._joins[row], self._motion)) if self._joins else ()
+            return Look(value, QUIET, False, words=rows)
+        text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
+        editable = bool(self.flags(self.index(row, column)) & Qt.ItemFlag.ItemIsEditable)
+        colour = WRONG if refused else ASSUMED if assumed else None if editable else QUIET
+        return Look(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
 
     def _tip(self, row: int, column: int) -> str:
         if column == JOIN:
             return join_help(self._joins[row], self._motion) if self._joins else ""
-        if column == LAW:
-            law = find_law(self.value(row, LAW))
-            told = law.source if law is not None else ""
-        else:
-            told = COLUMNS[column].help
+        told = law_tip(self.value(row, LAW)) if column == LAW else COLUMNS[column].help
         mark = "\nAssumed, not taken from a source" if self.assumed(row, column) else ""
         return sentence(told) + mark
 
@@ -280,4 +282,4 @@ class SegmentsModel(QAbstractTableModel):
         return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
 
 
-__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "SegmentsModel"]
+__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "Look", "SegmentsModel"]

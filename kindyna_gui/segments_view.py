@@ -1,131 +1,208 @@
-"""The motion as a table of segments, with start and stroke above it."""
+"""The motion: start and stroke, the displacement diagram, the segments as a table, and what their curves take."""
 
 from __future__ import annotations
 
-from typing import Any
+from functools import partial
+from math import degrees
 
-from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QMenu,
-    QToolButton,
-    QVBoxLayout,
-)
+import numpy as np
+from PySide6.QtCore import QPoint, Qt, QTimer, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
-from core.design import UNITS, Info, entries, insert_segment, remove_segment, stroke, with_assumed
-from core.design.fields import LONGEST_MM
+from core.channels import Channel
+from core.design import Design, with_assumed
+from core.errors import KindynaError
 from core.study import Study
-from kindyna_gui.fields import Field, Spec
-from kindyna_gui.look import WRONG, coloured, icon
+from kindyna_gui.fields import Field
+from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.motion_actions import ACTIONS
+from kindyna_gui.motion_bar import SegmentBar
+from kindyna_gui.motion_curve import CurveForm
+from kindyna_gui.motion_editor import MotionEditor
+from kindyna_gui.motion_grips import ANGLE_STEP, meant, snapped
+from kindyna_gui.motion_head import MotionHead
 from kindyna_gui.player import Player
 from kindyna_gui.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.segments_table import SegmentsTable
-from kindyna_gui.session import Session
+from kindyna_gui.session import SAMPLES, Refusal, Session
+from kindyna_gui.shown import rows_of
+from kindyna_gui.shown_kinds import motion_of, only_cams
 from kindyna_gui.view import View
 from kindyna_gui.wording import segment_of
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
+_ACTS = "motion.segments"
+"""The path at which edits of whole segments are made, and refused."""
+TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
+BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
+
+
+def no_motion_table(design: Design) -> str:
+    """Why a linkage has no table of segments here, in a sentence."""
+    if motion_of(design) is None:
+        return "The crank turns at constant speed: there is no motion to lay out. Its speed stands among the parameters."
+    return "The motion that drives this linkage is laid out in its design file, in the table [motion]."
 
 
 class SegmentsView(View):
-    """Start, stroke and the segments between."""
+    """The motion editor.
+
+    abilities_changed   (dict: name of an action -> whether it makes sense now)
+    """
+
+    abilities_changed = Signal(dict)
+    stages = ("motion",)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.model = SegmentsModel(session, self)
         self.table = SegmentsTable(session, self.model)
-        self.fields: dict[str, Field] = {}
-        self._head = QGridLayout()
-        self._head.setContentsMargins(10, 6, 6, 2)
-        self._head.setHorizontalSpacing(6)
-        self._head.setVerticalSpacing(3)
-        self._head.setColumnStretch(1, 1)
+        self.diagram = MotionEditor(session, player)
+        self.diagram.setMinimumSize(240, 96)
+        self.curve = CurveForm(session, player)
+        self.head = MotionHead(session)
         self.message = QLabel(wordWrap=True)
         self.message.setMargin(6)
         coloured(self.message, WRONG)
         self.message.hide()
-        foot = QHBoxLayout()
-        foot.setContentsMargins(8, 2, 8, 5)
-        self.insert_button = self._button("insert", "Insert", "A dwell behind the chosen segment (Ins)", self.insert)
-        self.delete_button = self._button("delete", "Delete", "Take the chosen segment away (Del)", self.delete)
-        foot.addWidget(self.insert_button)
-        foot.addWidget(self.delete_button)
-        foot.addStretch(1)
+        self.bar = SegmentBar()
+        self._act_refused = False
+        self._forgotten = False  # the motion before the last edit is not to be seen
+        self._recalled: Design | None = None
+        self._recalled_values: np.ndarray | None = None
+        self._sharing = QTimer(self, singleShot=True, interval=0)  # once all has its place
+        self._sharing.timeout.connect(self._share)
+        self._lay_out()
+        self._connect()
+
+    def _lay_out(self) -> None:
+        lower = QWidget()
+        column = QVBoxLayout(lower)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(1)
+        column.addWidget(self.table, 1)
+        column.addWidget(self.curve)
+        column.addWidget(self.message)
+        column.addWidget(self.bar)
+        self.splitter = QSplitter(Qt.Orientation.Vertical)
+        self.splitter.setChildrenCollapsible(False)
+        self.splitter.addWidget(self.diagram)
+        self.splitter.addWidget(lower)
+        self.splitter.setStretchFactor(0, 1)
+        self.splitter.setStretchFactor(1, 0)
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(2)
-        layout.addLayout(self._head)
-        layout.addWidget(self.table, 1)
-        layout.addWidget(self.message)
-        layout.addLayout(foot)
+        layout.setSpacing(1)
+        layout.addWidget(self.head)
+        layout.addWidget(self.splitter, 1)
         self.set_content_layout(layout)
+
+    def _connect(self) -> None:
         self.model.told.connect(self._tell)
-        self.table.insert_wanted.connect(self.insert)
-        self.table.delete_wanted.connect(self.delete)
+        self.curve.told.connect(self._tell)
+        self.table.insert_wanted.connect(partial(self.act, "insert"))
+        self.table.delete_wanted.connect(partial(self.act, "delete"))
+        self.bar.wanted.connect(self.act)
+        self.bar.abilities_changed.connect(self.abilities_changed)
+        self.table.nudge_wanted.connect(self.diagram.nudge)
+        self.table.dropped.connect(self.diagram.escape)
+        self.table.selectionModel().currentChanged.connect(self._row_chosen)
         self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         self.table.customContextMenuRequested.connect(self._open_menu)
+        self.diagram.segment_chosen.connect(self._choose_row)
+        self.diagram.menu_wanted.connect(self._open_diagram_menu)
+        self.diagram.settled.connect(self._draw)
+        self.diagram.released.connect(self._forget_before)
+        self.session.refused.connect(self._refused)
+        self.session.accepted.connect(self._accepted)
+        self.session.segment_chosen.connect(self._segment_chosen)
 
-    def _button(self, name: str, text: str, tip: str, slot: Any) -> QToolButton:
-        button = QToolButton(autoRaise=True)
-        button.setText(text)
-        button.setIcon(icon(name))
-        button.setToolTip(tip)
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.clicked.connect(lambda: slot())
-        return button
+    @property
+    def fields(self) -> dict[str, Field]:
+        """Start and stroke, and what the curve of the chosen segment takes, by their paths."""
+        return {**self.head.fields, **self.curve.fields}
 
     # -- showing ------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        motion = study.design.drive.motion
-        specs = self._specs(study)
-        if [spec.path for spec in specs] != list(self.fields):
-            self._build(specs)
-        for field in self.fields.values():
-            field.refresh(study.design)
-        moves = stroke(motion) != 0.0
-        stroke_field = self.fields[f"motion.stroke_{motion.unit}"]
-        stroke_field.editor.setEnabled(moves)
+        only_cams(study.design, no_motion_table(study.design))
+        if not self.head.fields:
+            self._sharing.start()
+        self.head.show_motion(study)
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
         self.model.show(study)
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
-        self.delete_button.setEnabled(self.model.rowCount() > 1)
+        self._draw()
+        self._show_chosen()
+        if self._act_refused:  # something else has been done since
+            self.session.withdraw(_ACTS)
 
-    def _specs(self, study: Study) -> list[Spec]:
-        motion = study.design.drive.motion
-        info = Info(
-            "Stroke",
-            "highest minus lowest position; start and rises grow along",
-            0.0,
-            LONGEST_MM,
-            open_low=True,
-            step=1.0,
-        )
-        start = [Spec.of(e) for e in entries(study.design, "motion") if segment_of(e.path) is None]
-        path = f"motion.stroke_{motion.unit}"
-        return [*start, Spec(path, info, UNITS[motion.unit], lambda d: stroke(d.drive.motion), can_be_assumed=False)]
+    def follow(self, theta: float) -> None:
+        self.diagram.set_angle(theta)
 
-    def _build(self, specs: list[Spec]) -> None:
-        for field in self.fields.values():
-            for widget in field.widgets():
-                widget.deleteLater()
-            field.deleteLater()
-        self.fields = {}
-        for row, spec in enumerate(specs):
-            field = Field(self.session, spec)
-            field.setParent(self)
-            field.add_to(self._head, 2 * row)
-            self.fields[spec.path] = field
+    def _draw(self) -> None:
+        """The diagram, with the motion before the last edit where there is one to be seen."""
+        study = self.session.study
+        self.diagram.chosen = self.chosen
+        self.diagram.show_motion(study, self._channel(study), self._values_before(study))
+
+    @staticmethod
+    def _channel(study: Study) -> Channel:
+        return rows_of(study, ("displacement",))[0]
+
+    def _values_before(self, study: Study) -> np.ndarray | None:
+        """The displacement before the last edit (n,), where the motion was another one and has not been let go."""
+        before = self.session.before
+        if before is not self._recalled:
+            self._recalled, self._forgotten = before, False
+            self._recalled_values = None if before is None else self._displacement(Study(before, SAMPLES))
+        same = before is None or before.drive.motion == study.design.drive.motion
+        return None if same or self._forgotten else self._recalled_values
+
+    def _displacement(self, study: Study) -> np.ndarray | None:
+        try:
+            return self._channel(study).values(study)
+        except KindynaError:
+            return None  # a spline whose points contradict each other
+
+    def _forget_before(self) -> None:
+        self._forgotten = True
+        self._draw()
 
     def _tell(self, text: str) -> None:
         self.message.setText(text)
         self.message.setVisible(bool(text))
 
-    # -- changing -----------------------------------------------------------------------------------------
+    def _refused(self, refusal: Refusal) -> None:
+        if refusal.path == _ACTS:
+            self._act_refused = True
+            self._tell(refusal.at(_ACTS))
+
+    def _accepted(self, path: str) -> None:
+        if path == _ACTS and self._act_refused:
+            self._act_refused = False
+            self._tell("")
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        wide = self.width() >= BESIDE and self.width() > self.height()
+        turned = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
+        if turned != self.splitter.orientation():
+            self.splitter.setOrientation(turned)
+            self._sharing.start()
+
+    def _share(self) -> None:
+        """The table gets what its rows need, or its words where it stands beside; the diagram the rest."""
+        beside = self.splitter.orientation() == Qt.Orientation.Horizontal
+        hint = self.splitter.widget(1).sizeHint()
+        room = self.splitter.width() if beside else self.splitter.height()
+        wanted = max(hint.width(), round(TABLE_PART * room)) if beside else hint.height()
+        self.splitter.setSizes([max(room - wanted, 1), wanted])
+
+    # -- choosing -----------------------------------------------------------------------------------------
 
     @property
     def chosen(self) -> int:
@@ -138,47 +215,81 @@ class SegmentsView(View):
         row = max(0, min(row, self.model.rowCount() - 1))
         self.table.setCurrentIndex(self.model.index(row, max(0, column)))
 
-    def insert(self) -> None:
-        """A dwell behind the chosen segment, of half its span."""
-        row = self.chosen
-        if self.session.put(insert_segment(self.session.design, row), f"Insert segment behind segment {row + 1}"):
-            self.pull()
-            self.choose(row + 1)
+    def _choose_row(self, row: int) -> None:
+        if row != self.chosen:
+            self.choose(row, self.table.currentIndex().column())
 
-    def delete(self) -> None:
-        """Take the chosen segment away."""
-        row = self.chosen
-        if self.model.rowCount() > 1:
-            self.session.put(remove_segment(self.session.design, row), f"Delete segment {row + 1}")
+    def _segment_chosen(self) -> None:
+        """In another view."""
+        self._choose_row(self.session.segment)
+
+    def _row_chosen(self, *_: object) -> None:
+        if self.up_to_date and self.table.currentIndex().isValid():
+            self.diagram.chosen = self.chosen
+            self.diagram.point_out()
+            self._show_chosen()
+
+    def _show_chosen(self) -> None:
+        """What belongs to the chosen segment: its curve, and what can be done with it."""
+        design, row = self.session.design, self.chosen
+        self.session.choose_segment(row)
+        self.curve.show_segment(design, row)
+        self.bar.show_segment(design, row)
+
+    # -- changing -----------------------------------------------------------------------------------------
+
+    def act(self, name: str, angle: float | None = None) -> None:
+        """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
+        self.pull()
+        action, row, design = ACTIONS[name], self.chosen, self.session.design
+        if not action.able(design, row):
+            return
+        there = meant(degrees(self.player.theta)) if angle is None else angle
+        self.session.end_gesture()
+        try:
+            changed = action.change(design, row, there)
+        except KindynaError as error:
+            self.session.refuse(_ACTS, str(error))
+            return
+        done = self.session.put(changed, action.step.format(n=row + 1), _ACTS)
+        self.session.end_gesture()
+        if done:
+            self.pull()
+            self.choose(row + action.after, self.table.currentIndex().column())
 
     def focus_field(self, path: str) -> bool:
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
         self.pull()
-        for own, field in self.fields.items():
-            if own == path or own.rpartition("_")[0] == path:
-                field.focus()
-                return True
-        row = segment_of(path) or 0
-        self.choose(row, _KEYS.get(path.rpartition(".")[2], LAW))
-        self.table.setFocus(Qt.FocusReason.OtherFocusReason)
+        if self.head.focus_field(path):
+            return True
+        self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
+        if not self.curve.focus_field(path):
+            self.table.setFocus(Qt.FocusReason.OtherFocusReason)
         return path.startswith("motion")
+
+    # -- menus --------------------------------------------------------------------------------------------
 
     def _open_menu(self, place: QPoint) -> None:
         index = self.table.indexAt(place)
         path = self.model.path(index.row(), index.column()) if index.isValid() else ""
-        menu = QMenu(self.table)
-        menu.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        menu = self.bar.menu(self.table)
         if path and index.column() in (LAW, SPAN, RISE):
             on = path in self.session.design.assumed
+            first = menu.actions()[0]
             assumed = menu.addAction("Assumed, not taken from a source", lambda: self._assume(path, not on))
+            menu.insertAction(first, assumed)
+            menu.insertSeparator(first)
             assumed.setCheckable(True)
             assumed.setChecked(on)
-            menu.addSeparator()
-        menu.addAction(icon("insert"), "Insert segment", self.insert)
-        menu.addAction(icon("delete"), "Delete segment", self.delete).setEnabled(self.model.rowCount() > 1)
         menu.popup(self.table.viewport().mapToGlobal(place))
+
+    def _open_diagram_menu(self, place: QPoint, angle: float) -> None:
+        self.bar.menu(self.diagram, snapped(angle, ANGLE_STEP)).popup(place)
 
     def _assume(self, path: str, on: bool) -> None:
         key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0
         text = f"Mark {key} of segment {number + 1} as {'assumed' if on else 'known'}"
         self.session.put(with_assumed(self.session.design, path, on), text)
+
+
+__all__ = ["SegmentsView"]

@@ -18,6 +18,7 @@ from kindyna_gui.main_window import MainWindow
 from kindyna_gui.places import examples
 from kindyna_gui.player import TURN
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
+from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 
 FRAMES = 360
@@ -59,13 +60,33 @@ def _try(path: Path) -> str:
 
 
 def _edit_and_undo(window: MainWindow) -> None:
+    if is_linkage(window.session.design):
+        _speed_and_undo(window)
+    else:
+        _stroke_and_undo(window)
+
+
+def _speed_and_undo(window: MainWindow) -> None:
+    session = window.session
+    before, wanted = session.study.omega, session.design.linkage.driver.speed_rpm * LONGER
+    _must(session.edit("linkage.driver.speed_rpm", wanted, "Change speed"), "a higher speed was refused")
+    rest(window)
+    _must(abs(session.study.omega / before - LONGER) < 1e-12, "the driver does not turn at the speed")
+    _must(session.modified, "the edit has left no trace")
+    session.stack.undo()
+    rest(window)
+    _must(not session.modified, "undo left the design modified")
+
+
+def _stroke_and_undo(window: MainWindow) -> None:
     session = window.session
     before, wanted = session.study, stroke(session.design.drive.motion) * LONGER
     _must(session.edit("motion.stroke", wanted, "Change stroke"), "a longer stroke was refused")
     rest(window)
     found = stroke(session.design.drive.motion)
     _must(abs(found - wanted) < 1e-9 * wanted, f"the stroke became {found:g}, not {wanted:g}")
-    way = float(session.study.motion.y[0].max() - session.study.motion.y[0].min())
+    reached = session.study.extremes("motion", ("displacement",))["displacement"]
+    way = reached.high.value - reached.low.value
     scale = session.design.drive.motion.scale
     _must(abs(way / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")
     _must(session.study is not before and session.modified, "the edit has left no trace")
@@ -87,7 +108,7 @@ def _turn(window: MainWindow) -> int:
     away = min(player.theta, TURN - player.theta)
     _must(len(shown) == FRAMES and away < 1e-9, "one turn does not end where it began")
     for view in window.findChildren(View):
-        _must(not view.in_trouble or not view.on_screen(), f"{type(view).__name__} has nothing to show")
+        _must(not view.in_trouble or view.not_here or not view.on_screen(), f"{type(view).__name__} has nothing to show")
     return len(shown)
 
 

@@ -15,7 +15,8 @@ from core.design import Design, edited, faults
 from core.errors import Fault, KindynaError, NoAnswer
 from core.project import load, save
 from core.study import Study
-from kindyna_gui.wording import name_of, sentence
+from kindyna_gui.shown_kinds import motion_of
+from kindyna_gui.wording import name_of, named, sentence
 
 SAMPLES = 1800
 """Cam angles per turn on the screen."""
@@ -82,6 +83,8 @@ class Session(QObject):
     refused          (Refusal): an edit was wrong; the last good design stays
     accepted         (path): nothing is wrong any longer with what was typed there
     file_changed     path or saved state changed
+    segment_chosen   another segment of the motion is the chosen one
+    step_changed     another step of the circle diagram is shown
     """
 
     design_changed = Signal()
@@ -90,13 +93,19 @@ class Session(QObject):
     refused = Signal(Refusal)
     accepted = Signal(str)
     file_changed = Signal()
+    segment_chosen = Signal()
+    step_changed = Signal()
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
         self.stack = QUndoStack(self)
-        self.design = design
+        self.design: Any = design
         self.path = path
         self._gesture = 0
+        self._segment = 0
+        self._running = ("", -1)  # path and gesture of the last step
+        self._before: Design | None = None
+        self.step: int | None = None
         self._study: Study | None = None
         self._at: tuple[float, Study] | None = None
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
@@ -116,6 +125,29 @@ class Session(QObject):
         if self._at is None or self._at[0] != theta:
             self._at = (theta, self.study.at_theta(np.array([theta])))
         return self._at[1]
+
+    def choose_step(self, step: int | None) -> None:
+        """The step of the circle diagram that views show: 0 what is known at sight, then a centre each; None: none."""
+        if step != self.step:
+            self.step = step
+            self.step_changed.emit()
+
+    @property
+    def before(self) -> Design | None:
+        """The design before the last step, or before the gesture that runs; None after undo, redo or another file."""
+        return self._before
+
+    @property
+    def segment(self) -> int:
+        """The number of the chosen segment, from 0: the one that the user works on, whichever view it was chosen in."""
+        motion = motion_of(self.design)
+        return min(self._segment, len(motion.segments) - 1) if motion is not None else 0
+
+    def choose_segment(self, number: int) -> None:
+        """Choose a segment by its number, from 0."""
+        if number != self._segment:
+            self._segment = number
+            self.segment_chosen.emit()
 
     @property
     def modified(self) -> bool:
@@ -140,6 +172,9 @@ class Session(QObject):
         if wrong:
             self.refused.emit(Refusal(path or wrong[0][0], wrong))
             return False
+        if not path or (path, self._gesture) != self._running:
+            self._before = self.design
+        self._running = (path, self._gesture)
         self.stack.push(ChangeDesign(self, design, label, path, self._gesture))
         self.accepted.emit(path)
         return True
@@ -166,13 +201,18 @@ class Session(QObject):
             for stage in self.stages_on_screen():
                 getattr(study, stage)
         except NoAnswer as error:
-            return ((error.field, name_of(design, error.field), str(error).removeprefix(f"{error.field}: ")),)
+            told = named(design, str(error).removeprefix(f"{error.field}: "))
+            return ((error.field, name_of(design, error.field), told),)
+        except KindynaError as error:  # a curve that there is none of
+            field, _, why = str(error).partition(": ")
+            return ((field, name_of(design, field), why or field),)
         return ()
 
     def _show(self, design: Design, restored: bool) -> None:
         self.design = design
         self._study = self._at = None
         if restored:
+            self._before = None
             self.end_gesture()
             self.restored.emit()
         self.design_changed.emit()
@@ -187,6 +227,7 @@ class Session(QObject):
         """Begin with a design; path None: it has no file yet."""
         self.path = path
         self.stack.clear()
+        self.choose_step(None)
         self.started.emit()
         self._show(design, restored=True)
         self.file_changed.emit()

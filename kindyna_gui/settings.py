@@ -7,7 +7,7 @@ from pathlib import Path
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QMainWindow
 
-LAYOUT = 1
+LAYOUT = 2
 """Raised whenever docks come, go or change their place: an older layout is then forgotten."""
 
 MOST_RECENT = 8

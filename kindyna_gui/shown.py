@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 
 from core.channels import Channel, channels, existing
 from core.errors import KindynaError
-from core.study import QUANTITIES, Study
+from core.study import Study, quantity
 from kindyna_gui.pictures.files import different
-from kindyna_gui.wording import name_of, sentence
+from kindyna_gui.wording import reason, sentence
 
 
 def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
@@ -19,7 +19,7 @@ def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
 
 def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
     """The stages that these quantities need, each once, in the order of a study."""
-    wanted = {QUANTITIES[name].stage for name in quantities}
+    wanted = {quantity(name).stage for name in quantities}
     return tuple(stage for stage in Study.stages if stage in wanted)
 
 
@@ -40,15 +40,8 @@ def lack(study: Study, row: Channel) -> str:
     try:
         row.values(study)
     except KindynaError as error:
-        return f"No {row.label[:1].lower()}{row.label[1:]}: {_reason(study, error)}"
+        return f"No {row.label[:1].lower()}{row.label[1:]}: {reason(study.design, error)}"
     return f"No {row.label[:1].lower()}{row.label[1:]} exists here"
-
-
-def _reason(study: Study, error: KindynaError) -> str:
-    """What the error says, its field by the name that the forms use."""
-    field = getattr(error, "field", "")
-    text = str(error).removeprefix(f"{field}: ")
-    return f"{name_of(study.design, field)}: {text}" if field else text
 
 
 def missing(quantities: Iterable[str]) -> str:

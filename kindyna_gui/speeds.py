@@ -22,9 +22,9 @@ class Speed:
 
 @lru_cache(maxsize=8)
 def speeds(omega: float) -> tuple[Speed, ...]:
-    """The speeds offered for a shaft that turns at omega [rad/s], the slowest first; true time is always among them."""
+    """The speeds offered for a shaft that turns at omega [rad/s] either way, the slowest first; true time is always among them."""
     steps = [Fraction(m) * Fraction(10) ** e for e in range(-8, 5) for m in (1, 2, 5)]
-    true_turn = 2.0 * pi / omega
+    true_turn = 2.0 * pi / abs(omega)
     offered = [Speed(part, true_turn / float(part)) for part in steps]
     return tuple(s for s in offered if LEAST_TURN <= s.seconds <= LONGEST_TURN or s.part == 1)
 

@@ -14,6 +14,7 @@ from core.findings import ERROR, NOTE, WARNING, Finding
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
+from kindyna_gui.wording import reason
 
 PAUSE_MS = 150
 STAY_MS = 6000  # of a message
@@ -30,8 +31,9 @@ class StatusLine(QStatusBar):
         self.findings.clicked.connect(lambda: show_findings())
         self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        self.angle.setMinimumWidth(self.fontMetrics().horizontalAdvance("cam angle 359.9°  "))
-        self.angle.setToolTip("Cam angle of all views")
+        # of a fixed size: else each angle that is told would lay out the whole line anew
+        self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
+        self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source")
         for label in (self.saved, self.assumed):
             coloured(label, QUIET)
@@ -63,7 +65,7 @@ class StatusLine(QStatusBar):
             text, severity = counted(found)
             tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
         except KindynaError as error:
-            text, severity, tip = "no answer", ERROR, str(error)
+            text, severity, tip = "no answer", ERROR, reason(self._session.design, error)
         self.findings.setText(text)
         self.findings.setIcon(sign(severity))
         self.findings.setToolTip(tip)
@@ -72,13 +74,14 @@ class StatusLine(QStatusBar):
         number = len(self._session.design.assumed)
         self.assumed.setText(f"{number} assumed" if number else "")
         self.recount()
+        self._angle_changed(self._player.theta)
 
     def _file_changed(self) -> None:
         named = "saved" if self._session.path is not None else "not saved to a file"
         self.saved.setText("unsaved changes" if self._session.modified else named)
 
     def _angle_changed(self, theta: float) -> None:
-        self.angle.setText(f"cam angle {theta * 180.0 / pi:.1f}°")
+        self.angle.setText(f"{self._session.study.angle_name} {theta * 180.0 / pi:.1f}°")
 
 
 def counted(findings: Iterable[Finding]) -> tuple[str, str]:

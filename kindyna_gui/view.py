@@ -10,6 +10,8 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
+from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.wording import reason
 
 
 def in_sight(widget: QWidget) -> bool:
@@ -36,6 +38,7 @@ class View(QWidget):
 
     told   (str): what has been done, for the status line
 
+    ``not_here``: this kind of design has nothing for the view, which says so in a sentence.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
     """
 
@@ -46,7 +49,7 @@ class View(QWidget):
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
         self.session, self.player = session, player
-        self._stale = True
+        self._stale, self.not_here = True, False
         self._content = content if content is not None else QWidget()
         self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         self._trouble.setMargin(24)
@@ -115,13 +118,14 @@ class View(QWidget):
         """Refresh if out of date."""
         if not self._stale:
             return
-        self._stale = False
+        self._stale, self.not_here = False, False
         try:
             self.refresh(self.session.study)
             self._stack.setCurrentWidget(self._content)
             self.follow(self.player.theta)
         except KindynaError as error:
-            self._trouble.setText(str(error))
+            self.not_here = isinstance(error, NotHere)
+            self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
             self._stack.setCurrentWidget(self._trouble)
 
     def settle(self) -> None:
@@ -133,8 +137,12 @@ class View(QWidget):
         return self._stack.currentWidget() is self._trouble
 
     def wake(self) -> None:
-        """The view may have come into sight: catch up once the events at hand are done."""
-        self._soon.start()
+        """The view may have come into sight: catch up once the events at hand are done, what is read rather than watched
+        after all others have been painted."""
+        if self.pause_ms and self._stale:
+            QTimer.singleShot(0, self, self._soon.start)
+        else:
+            self._soon.start()
 
     def _angle_changed(self, theta: float) -> None:
         if not self._stale and not self.in_trouble and self.on_screen():

@@ -9,17 +9,18 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import Design, Unit, entries
-from core.design.paths import SECTIONS
+from core.design import CRANK, CURVES, MOTION, Design, Entry, LinkageDesign, Unit, entries, kind_row
+from core.errors import KindynaError
 from core.laws import find_law
 from core.linkage.base import LAYOUT_TABLE
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
-    {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "loads": "Loads"}
+    {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads"}
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
-    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)"}
+    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)", CRANK: "a crank at speed",
+     MOTION: "the motion", "1": "left (+1)", "-1": "right (\u22121)"}
 )
 """Words of the file that read better otherwise."""
 
@@ -53,7 +54,7 @@ def sentence(text: str) -> str:
 
 def choice_text(word: str) -> str:
     """A word of a choice, as shown."""
-    return _CHOICES.get(word, word)
+    return _CHOICES.get(str(word), str(word))
 
 
 def choice_tip(word: str) -> str:
@@ -70,6 +71,8 @@ def choice_tip(word: str) -> str:
 
 
 def law_label(slug: str) -> str:
+    if slug in CURVES:
+        return CURVES[slug].label
     law = find_law(slug)
     return law.label if law is not None else slug
 
@@ -93,6 +96,48 @@ def segment_of(path: str) -> int | None:
     return int(match[1]) if match else None
 
 
+def _has(design: Design, section: str) -> bool:
+    """Whether a design has a table: a linkage may lack motion and cam."""
+    return not isinstance(design, LinkageDesign) or getattr(design, section) is not None
+
+
+_OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
+_OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
+
+
+def heading_of(design: Design, path: str) -> str:
+    """What the value at a path belongs to, of a design that lists its parts: ``Link 3``, ``Link 4 slides on link 1``."""
+    if not isinstance(design, LinkageDesign):
+        return ""
+    point, row = _OF_LINK.match(path), _OF_LIST.match(path)
+    if point is not None:
+        number = design.linkage.links[int(point[1])].number
+        return "Link 1, the frame" if number == 1 else f"Link {number}"
+    if row is not None:
+        index = int(row[2])
+        if row[1] == "linkage.sliders":
+            slider = design.linkage.sliders[index]
+            return f"Link {slider.link} slides on link {slider.on}"
+        if row[1] == "loads.masses":
+            return f"Mass of link {design.loads.masses[index].link}"
+        force = design.loads.forces[index]
+        return f"Force at {force.point} of link {force.link}"
+    if path.startswith("linkage.branch."):
+        return "Way of assembly"
+    return f"Driver, link {design.linkage.driver.link}" if path.startswith("linkage.driver.") else ""
+
+
+def entry_label(design: Design, entry: Entry) -> str:
+    """The label of a value; of a point's coordinate with the point's name."""
+    point = _OF_LINK.match(entry.path)
+    if point is not None:
+        return f"{point[2]} {point[3]}"
+    if entry.path.startswith("linkage.branch."):
+        joint = entry.path.rpartition(".")[2]
+        return f"Slide of link {joint}" if joint.isdecimal() else f"Joint {joint}"
+    return entry.info.label
+
+
 def name_of(design: Design, path: str) -> str:
     """A field's name for the reader: ``Rod L2``, ``Segment 3, span``; the path itself where it has none."""
     number = segment_of(path)
@@ -100,12 +145,36 @@ def name_of(design: Design, path: str) -> str:
     top = path.partition(".")[0]
     if path in SECTION_NAMES:
         return SECTION_NAMES[path]
+    inside = re.fullmatch(r"motion\.segments\[\d+\]\.(start|end|points)(?:\[(\d+)\])?(?:\.(\w+))?", path)
+    if inside is not None:
+        part = f"point {int(inside[2]) + 1}" if inside[2] is not None else inside[1]
+        key = {"at_deg": "angle"}.get(inside[3], inside[3]) if inside[3] else ""
+        return f"{prefix}, {part} {key}".rstrip()
     if prefix and path.endswith("]"):
         return prefix
     if path.endswith(".law"):
         return f"{prefix}, law"
-    for entry in entries(design, top) if top in SECTIONS else ():
+    for entry in entries(design, top) if top in kind_row(design).sections and _has(design, top) else ():
         if entry.path == path:
-            label = entry.info.label
+            label, head = entry_label(design, entry), heading_of(design, path)
+            if head:
+                return f"{head}: {label}"
             return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
-    return {"motion.segments": "Motion", "name": "Name"}.get(path, path)
+    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links"}.get(path, path)
+
+
+def named(design: Design, text: str) -> str:
+    """A text with the keys of the file in it, ``rod_mm``, as the forms name them."""
+    for top in kind_row(design).sections:
+        for entry in entries(design, top) if _has(design, top) else ():
+            key, label = entry.path.rpartition(".")[2], entry.info.label
+            if "_" in key and key in text:
+                text = re.sub(rf"\b{re.escape(key)}\b", f"{label[:1].lower()}{label[1:]}", text)
+    return text
+
+
+def reason(design: Design, error: KindynaError) -> str:
+    """What an error says, its field by the name that the forms use."""
+    field = getattr(error, "field", "")
+    text = named(design, str(error).removeprefix(f"{field}: "))
+    return f"{name_of(design, field)}: {text}" if field else sentence(text)

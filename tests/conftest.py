@@ -30,6 +30,7 @@ for name in (
 ):
     os.environ.pop(name, None)
 os.environ["LC_ALL"] = "C.UTF-8"
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as core asks for; hypothesis may import numpy first
 
 # Examples that failed are remembered outside the checkout, for each user apart.
 user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "")

@@ -20,12 +20,17 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from linkage_mutations import LINKAGE_MUTATIONS
+from shaft_mutations import MUTATIONS as SHAFT_MUTATIONS
+
 ROOT = Path(__file__).parents[1]
 COPIED = ("core", "tests", "resources", "pyproject.toml")
 LONGEST = 300  # [s] one test may take
 
 LAWS, MOTION, LINKAGE, CAM = (f"tests/core/test_{name}.py::" for name in ("laws", "motion", "linkage", "cam"))
 DYNAMICS, SHAFT, EXTREMES = (f"tests/core/test_{name}.py::" for name in ("dynamics", "shaft", "extremes"))
+CROSSINGS = "tests/core/test_crossings.py::"
+PASSES_ZERO = CROSSINGS + "test_a_root_is_found_to_the_last_bits_whatever_the_slopes_on_its_sides"
 STUDY, CHANNELS, CLI = (f"tests/core/test_{name}.py::" for name in ("study", "channels", "cli"))
 SHIN = "tests/validation/test_shin1995.py::"
 
@@ -33,7 +38,6 @@ TEXTBOOK = LAWS + "test_a_law_and_its_three_derivatives_keep_to_the_textbook"
 TRAPEZOID, SINE = TEXTBOOK + "[modified-trapezoid]", TEXTBOOK + "[modified-sine]"
 CIRCLES = LINKAGE + "test_points_angles_and_three_derivatives_follow_from_the_circles"
 ARM = CIRCLES + "[c-2.5]"  # layout c within a rise: no derivative vanishes
-ANY_CIRCLES = LINKAGE + "test_any_mechanism_follows_from_the_circles"
 SIDES = LINKAGE + "test_roller_and_slider_stand_on_the_side_the_letter_says"
 PITCH = CAM + "test_profile_pressure_angle_and_curvatures_follow_from_the_pitch_curve"
 RELATIVE = CAM + "test_the_relative_motion_is_the_pitch_curves_own_derivatives[c]"
@@ -48,7 +52,11 @@ STEP = SHAFT + "test_a_step_of_torque_reaches_the_motor_exponentially[1.0]"
 MEAN = SHAFT + "test_a_wave_has_its_mean_and_swings_by_twice_its_integral[1-halves]"
 COLUMNS = CHANNELS + "test_every_column_holds_what_its_name_says[c]"
 MOVES = MOTION + "test_a_motion_keeps_to_its_laws_at_any_cam_angle"
+ORDER = MOTION + "test_in_turn_or_in_any_order_the_motion_is_the_same_to_the_last_bit[lift]"
 JUMPS = MOTION + "test_jumps_are_told_with_their_cam_angle_size_and_segment"
+CLOSED = LINKAGE + "test_the_loop_is_closed_and_stays_on_one_branch"
+AHEAD = LINKAGE + "test_every_body_points_where_its_angle_says[c]"
+DEAD_ANGLES = LINKAGE + "test_the_area_keeps_all_its_digits_down_to_dead_centres"
 NEEDLE = LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle[3.0-4.0-5.0]"
 DEAD_CENTRE = LINKAGE + "test_near_a_dead_centre_a_finding_names_the_angle_and_the_sine"
 JAMS = DYNAMICS + "test_the_guide_solves_its_equation_or_jams[1.9--4.0-1.0-5.0]"
@@ -62,12 +70,12 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/vectors.py": [
         ("a.real * b.imag - a.imag * b.real", "a.real * b.imag + a.imag * b.real", PITCH + "[c-2.5]"),
         ("a.real * b.real + a.imag * b.imag", "a.real * b.real - a.imag * b.imag", PITCH + "[c-2.5]"),
-        ("factor.imag[0] = a1", "factor.imag[0] = -a1", ARM),
-        ("factor.imag[1] = a2", "factor.imag[1] = -a2", ARM),
-        ("np.negative(square", "np.positive(square", ARM),
+        ("factor.imag = 0.0, a1", "factor.imag = 0.0, -a1", ARM),
+        ("factor.imag = a2", "factor.imag = -a2", ARM),
+        ("np.multiply(-a1, a1", "np.multiply(a1, a1", ARM),
         ("np.multiply(-3.0 * a1, a2", "np.multiply(3.0 * a1, a2", ARM),
         ("np.multiply(-3.0 * a1, a2", "np.multiply(-2.0 * a1, a2", ARM),
-        ("np.subtract(a3, a1 * square", "np.add(a3, a1 * square", ARM),
+        ("np.subtract(a3, a1 * a1", "np.add(a3, a1 * a1", ARM),
     ],
     "core/laws/pieces.py": [
         ("v + speed * cos0, row.level / 2.0", "v - speed * cos0, row.level / 2.0", TRAPEZOID),
@@ -87,7 +95,12 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("out[1] += f * cos", "out[1] -= f * cos", TEXTBOOK + "[cycloidal]"),
         ("out[2] -= f2 * sin", "out[2] += f2 * sin", TEXTBOOK + "[cycloidal]"),
         ("out[3] -= f2 * f * cos", "out[3] += f2 * f * cos", TEXTBOOK + "[cycloidal]"),
-        ("f * w + phase[index]", "f * w - phase[index]", TEXTBOOK + "[simple-harmonic]"),
+        ("f * w + phase[index]", "f * w - phase[index]", SINE),
+        ("f * w + phase\n", "f * w - phase\n", TEXTBOOK + "[simple-harmonic]"),
+        ("total += c\n", "total -= c\n", TEXTBOOK + "[3-4-5]"),
+        ("total += row", "total -= row", SINE),
+        ("np.flatnonzero(index[1:] != index[:-1]) + 1", "np.flatnonzero(index[1:] != index[:-1])",
+         MOTION + "test_in_turn_or_in_any_order_the_motion_is_the_same_to_the_last_bit[lift]"),
     ],
     "core/laws/table.py": [
         ("(Sine(-_K / 4, 4 * pi),)", "(Sine(_K / 4, 4 * pi),)", SINE),
@@ -96,7 +109,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("4 * pi / 3, pi / 2", "4 * pi / 3, pi / 3", SINE),
         ("Sine(_K / 4, 4 * pi, pi / 2)", "Sine(_K / 4, 4 * pi, -pi / 2)", SINE),
         ("(4 + 7 * pi / 8) * _K", "(4 - 7 * pi / 8) * _K", SINE),
-        ("Sine(-0.5, pi, pi / 2)", "Sine(0.5, pi, pi / 2)", TEXTBOOK + "[simple-harmonic]"),
+        ("HARMONIC = _one(0.5, sines=(Sine(-0.5", "HARMONIC = _one(0.5, sines=(Sine(0.5", TEXTBOOK + "[simple-harmonic]"),
         ("Sine(-0.5 / pi, 2 * pi)", "Sine(0.5 / pi, 2 * pi)", TEXTBOOK + "[cycloidal]"),
         ("10.0, -15.0, 6.0)", "10.0, 15.0, 6.0)", TEXTBOOK + "[3-4-5]"),
         ("35.0, -84.0, 70.0, -20.0)", "35.0, -84.0, 70.0, 20.0)", TEXTBOOK + "[4-5-6-7]"),
@@ -107,11 +120,13 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          LAWS + "test_peaks_are_the_published_ones[modified sine + CV 20% (SCCA; MCV/MSC)]"),
     ],
     "core/motion.py": [
-        ("/ self._span[at] - self._u0[at]", "/ self._span[at] + self._u0[at]", MOVES),
+        ("/ self._span[at] - self._u0[at]", "/ self._span[at] + self._u0[at]", ORDER),
+        ("/ self._span[piece] - self._u0[piece]", "/ self._span[piece] + self._u0[piece]", MOVES),
         ("self._rise / self._span **", "self._rise * self._span **", MOVES),
-        ("y[0] += self._base[at]", "y[0] -= self._base[at]", MOVES),
+        ("y[0] += self._base[at]", "y[0] -= self._base[at]", ORDER),
+        ("out[0] += self._base[piece]", "out[0] -= self._base[piece]", MOVES),
         ("(motion.start + row[2])", "(motion.start - row[2])", MOVES),
-        ("float(np.sign(row[3]))", "-float(np.sign(row[3]))", MOVES),
+        ("row[4] for row in rows", "-row[4] for row in rows", MOVES),
         ("self.starts - SNAP", "self.starts + SNAP", MOTION + "test_at_a_join_the_right_hand_limit_is_taken_and_a_rounding_below_it_too"),
         ("np.where(theta >= TURN - SNAP", "np.where(theta >= TURN",
          MOTION + "test_the_end_of_the_turn_is_its_beginning[6.283185307179585]"),
@@ -129,6 +144,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("(small + gap)", "(small - gap)", NEEDLE),
         ("(big + (mid - small))", "(big + (mid + small))", NEEDLE),
         ("a * a + (b - c) * (b + c)", "a * a - (b - c) * (b + c)", NEEDLE),
+        ("product >= 0.0", "product >= -9.0", LINKAGE + "test_no_triangle_gives_no_area"),
         ("product < 0.0", "product < -9.0", LINKAGE + "test_no_triangle_gives_no_area"),
     ],
     "core/linkage/base.py": [
@@ -141,25 +157,36 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("(g.rod - rise) * (g.rod + rise)", "(g.rod + rise) * (g.rod + rise)", ARM),
         ("1.0 if layout.slider_right else -1.0", "-1.0 if layout.slider_right else 1.0", SIDES + "[a]"),
         ("math.cos(phi) + run", "math.cos(phi) - run", ARM),
-        ("math.sin(phi) - g.guide_height * math.cos(phi)", "math.sin(phi) + g.guide_height * math.cos(phi)", ANY_CIRCLES),
+        ("math.sin(phi) - g.guide_height * math.cos(phi)", "math.sin(phi) + g.guide_height * math.cos(phi)",
+         LINKAGE + "test_a_slider_high_above_the_pivot_keeps_the_arms_pin_on_its_side[b]"),
         ("math.atan2(rise, run)", "math.atan2(run, rise)", LINKAGE + "test_the_base_circle_is_where_the_motion_is_zero"),
         ("math.atan2(-g.pivot_y, -g.pivot_x)", "math.atan2(g.pivot_y, -g.pivot_x)", ARM),
+    ],
+    "core/linkage/dead_centres.py": [
+        ("((self.root - far) + self.rest)", "((self.root - far) - self.rest)", DEAD_ANGLES),
+        ("(self.root + far)", "(self.root - far)", DEAD_ANGLES),
+        ("_DIGITS.subtract(difference, high)", "_DIGITS.add(difference, high)", DEAD_ANGLES),
     ],
     "core/linkage/rod_and_arm.py": [
         ("slider = base.slider + y[0]", "slider = base.slider - y[0]", ARM),
         ("square = slider * slider + h * h", "square = slider * slider - h * h", ARM),
-        ("phi[0] = line + base.sigma", "phi[0] = line - base.sigma", ARM),
-        ("beta[0] = line - base.sigma", "beta[0] = line + base.sigma", ARM),
-        ("np.arctan2(k, square + difference)", "np.arctan2(k, square - difference)", ARM),
-        ("np.arctan2(k, square - difference)", "np.arctan2(k, square + difference)", ARM),
-        ("+ turns[0]", "+ 0.0 * turns[0]", LINKAGE + "test_angles_do_not_wrap_within_the_cycle"),
-        ("+ turns[1]", "+ 0.0 * turns[1]", LINKAGE + "test_angles_do_not_wrap_within_the_cycle"),
-        ("sin = base.sigma * k", "sin = -base.sigma * k", ARM),
+        ("slider) + sigma * np.arctan2", "slider) - sigma * np.arctan2", ARM),
+        ("angle(phi, base.sigma", "angle(phi, -base.sigma", ARM),
+        ("angle(beta, -base.sigma", "angle(beta, base.sigma", ARM),
+        ("by_rod = square + difference,", "by_rod = square - difference,", ARM),
+        ("square + difference, square - difference", "square + difference, square + difference", ARM),
+        ("slider * by_arm - up", "slider * by_arm + up", ARM),
+        ("h * by_arm + ahead", "h * by_arm - ahead", ARM),
+        ("slider * by_rod + up", "slider * by_rod - up", ARM),
+        ("h * by_rod - ahead", "h * by_rod + ahead", AHEAD),
+        ("_whole_turns(g, base)[0]", "0.0", LINKAGE + "test_angles_do_not_wrap_within_the_cycle"),
+        ("_whole_turns(g, base)[1]", "0.0", LINKAGE + "test_angles_do_not_wrap_within_the_cycle"),
+        ("sin = k * (base.sigma", "sin = k * (-base.sigma", ARM),
         ("cos = (square - (l1", "cos = (square + (l1", ARM),
         ("to_phi, to_beta = -1.0 /", "to_phi, to_beta = 1.0 /", ARM),
         (", 1.0 / (l2 * sin)", ", -1.0 / (l2 * sin)", ARM),
-        ("phi[1] = y[1] * cos_beta", "phi[1] = y[1] * cos_phi", ARM),
-        ("beta[1] = y[1] * cos_phi", "beta[1] = y[1] * cos_beta", ARM),
+        ("np.multiply(y[1] * cos_beta", "np.multiply(y[1] * cos_phi", ARM),
+        ("np.multiply(y[1] * cos_phi", "np.multiply(y[1] * cos_beta", ARM),
         ("p2, b2 = l1 * p1 * p1", "p2, b2 = l2 * p1 * p1", ARM),
         ("cos_beta + p2 * cos + b2", "cos_beta - p2 * cos + b2", ARM),
         ("cos_beta + p2 * cos + b2", "cos_beta + p2 * cos - b2", ARM),
@@ -175,16 +202,20 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("cos_phi + p3 + b3 * cos + b2 * b1 * sin", "cos_phi + p3 + b3 * cos - b2 * b1 * sin", ARM),
     ],
     "core/linkage/cam_slider.py": [
-        ("pin[0] += pivot", "pin[0] -= pivot", LINKAGE + "test_the_loop_is_closed_and_stays_on_one_branch"),
-        ("travel = 1j * roller[0]", "travel = roller[0]", PITCH + "[c-2.5]"),
-        ("roller[0] += pivot", "roller[0] -= pivot", ARM),
+        ("z[0] += pivot", "z[0] -= pivot", ARM),
+        ("travel=lambda: 1j * roller", "travel=lambda: roller", PITCH + "[c-2.5]"),
+        ("pivot + g.slider_arm * unit", "pivot - g.slider_arm * unit", CLOSED),
+        ("pin + g.rod * unit", "pin - g.rod * unit", CLOSED),
         ("(slider + 1j * g.guide_height)", "(slider - 1j * g.guide_height)", ARM),
-        ("roller_angle[0] += g.fixed_angle + g.guide_angle", "roller_angle[0] += g.fixed_angle - g.guide_angle", ARM),
-        ("arm_angle[0] += g.guide_angle", "arm_angle[0] -= g.guide_angle", ARM),
+        ("np.exp(1j * g.fixed_angle)", "np.exp(-1j * g.fixed_angle)", ARM),
+        ("np.exp(1j * g.guide_angle)", "np.exp(-1j * g.guide_angle)", ARM),
+        ("_ahead(solved.phi, g.fixed_angle + g.guide_angle)", "_ahead(solved.phi, g.fixed_angle - g.guide_angle)", AHEAD),
+        ("_ahead(solved.phi, g.guide_angle)", "_ahead(solved.phi, -g.guide_angle)", AHEAD),
+        ("_ahead(solved.beta, g.guide_angle)", "_ahead(solved.beta, -g.guide_angle)", AHEAD),
         ('"roller": _polar(g.roller_arm, g.fixed_angle)', '"roller": _polar(g.roller_arm, -g.fixed_angle)',
          LINKAGE + "test_the_loop_is_closed_and_stays_on_one_branch"),
         ("solved.area / (2.0 *", "solved.area / (1.0 *", DEAD_CENTRE),
-        ("np.abs(np.cos(beta[0]))", "np.abs(np.sin(beta[0]))", LINKAGE + "test_a_rod_across_the_guide_is_told_with_angle_and_cosine"),
+        ("np.abs(solved.rod.real)", "np.abs(solved.rod.imag)", LINKAGE + "test_a_rod_across_the_guide_is_told_with_angle_and_cosine"),
         ("~(solved.area > 0.0)", "~(solved.area >= 0.0)", LINKAGE + "test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle"),
     ],
     "core/linkage/limits.py": [
@@ -197,7 +228,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("z[0] += 1j * g.offset", "z[0] -= 1j * g.offset", CIRCLES + "[pusher-1.1]"),
         ("if inside <= 0.0", "if inside < 0.0", LINKAGE + "test_an_offset_beyond_the_base_circle_is_named[50.0-False]"),
     ],
-    "core/instant_centres.py": [
+    "core/instant_centres/cam.py": [
         ("pivot * turn, turn - sense", "pivot * turn, turn + sense", CENTRE + "[c]"),
         ("Centres(pivot * turn,", "Centres(-pivot * turn,", CENTRE + "[c]"),
         ("-1j * sense * speed", "1j * sense * speed", CENTRE + "[pusher]"),
@@ -206,7 +237,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/cam/shape.py": [
         ("i = 1j * sense", "i = -1j * sense", RELATIVE),
         ("i = 1j * sense", "i = 1j", PITCH + "[lift turned round-1.1]"),
-        ("return r1 - i * r0", "return r1 + i * r0", RELATIVE),
+        ("z[1] - 1j * sense", "z[1] + 1j * sense", RELATIVE),
         ("r2 - 2.0 * i * r1 - r0", "r2 + 2.0 * i * r1 - r0", RELATIVE),
         ("r2 - 2.0 * i * r1 - r0", "r2 - i * r1 - r0", RELATIVE),
         ("r2 - 2.0 * i * r1 - r0", "r2 - 2.0 * i * r1 + r0", RELATIVE),
@@ -220,7 +251,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("cross(t, x) - 3.0 * turn", "cross(t, x) - 2.0 * turn", PITCH + "[c-2.5]"),
         ("normal = (-1j * sense)", "normal = (1j * sense)", PITCH + "[c-2.5]"),
         ("normal = (-1j * sense)", "normal = (-1j)", PITCH + "[c turned round-2.5]"),
-        ("back = unit(-sense", "back = unit(sense", PITCH + "[c-2.5]"),
+        ("turned.conj() if sense > 0.0 else turned", "turned if sense > 0.0 else turned.conj()", PITCH + "[c-2.5]"),
         ("reference + radius * normal", "reference - radius * normal", PITCH + "[c-2.5]"),
         ("(1.0 - radius * pitch_curvature)", "(1.0 + radius * pitch_curvature)", PITCH + "[c-2.5]"),
         ("np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel))",
@@ -244,7 +275,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         (".min()) - radius", ".min()) + 0.0 * radius", CAM + "test_the_certificates_tangency_sees_a_dent_a_wrong_radius_and_an_undercut"),
     ],
     "core/dynamics/forces.py": [
-        ("square * centre[2] - self.loading.gravity", "square * centre[2] + self.loading.gravity", REACTIONS),
+        ("inertia.centre, 2) - self.loading.gravity", "inertia.centre, 2) + self.loading.gravity", REACTIONS),
         ("inertia.about_centre * square", "-inertia.about_centre * square", REACTIONS),
         ("(pin_a - pin_b) * axis.conjugate()", "(pin_a - pin_b) * axis", REACTIONS),
         ("in_guide = slider_force * axis.conjugate()", "in_guide = slider_force * axis", REACTIONS),
@@ -319,7 +350,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("1.0, (-1.0, 2.0)", "1.0, (1.0, 2.0)", MEAN),
         ("sum(axis=0)).sum() / TURN)", "sum(axis=0)).sum() / pi)", MEAN),
         ("power / np.arange(1, NODES + 1)[:, None]).sum", "power / np.arange(2, NODES + 2)[:, None]).sum", MEAN),
-        ("np.exp(-np.outer(1.0 - s, mild))", "np.exp(-np.outer(s, mild))", WAVE),
+        ("np.exp(-np.outer(rest, np.minimum(z, _STIFF)))", "np.exp(-np.outer(1.0 - rest, np.minimum(z, _STIFF)))", WAVE),
         ("by_step[0] = -np.expm1(-stiff)", "by_step[0] = np.expm1(-stiff)", STIFF_WAVE),
         ("(1.0 - k * by_step[k - 1])", "(1.0 + k * by_step[k - 1])", STIFF_WAVE),
         ("    power[0] -= curve.mean\n    decay", "    decay", STEP + " " + WAVE),
@@ -334,9 +365,19 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          SHAFT + "test_the_needed_inertia_keeps_the_speed_within_the_share"),
         ("at.max() - at.min()", "at.max()", MEAN),
         ("places.append(np.array([curve.start[panel] + root * curve.width[panel]]))", "pass", MEAN),
+        ("if switch is not None", "if False", SHAFT + "test_a_kink_ends_a_panel_and_costs_nothing[1.0-0.9]"),
         ("LEAST_PANELS = 16", "LEAST_PANELS = 1", SHAFT + "test_a_jolt_within_a_thousandth_of_a_degree_is_not_lost"),
         ("if rate == np.inf", "if rate == -1.0",
          SHAFT + "test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean"),
+    ],
+    "core/crossings.py": [
+        ("fa / (fa - fb)", "fa / (fa + fb)", PASSES_ZERO),
+        ("f * fa > 0.0", "f * fb > 0.0", PASSES_ZERO),
+        ("values[:-2] * values[2:] < 0.0", "values[:-2] * values[2:] <= 0.0",
+         CROSSINGS + "test_a_sample_that_is_zero_counts_once_where_the_sign_changes_and_not_where_it_does_not"),
+        ("bend >= size[1:-1]", "bend < size[1:-1]",
+         CROSSINGS + "test_two_changes_between_two_samples_are_seen"),
+        ("< 0.0) & same)", "< 0.0))", CROSSINGS + "test_a_jump_of_sign_at_a_join_is_no_root_and_one_inside_a_piece_is"),
     ],
     "core/extremes.py": [
         ("theta[2] - h * slope / bend", "theta[2] + h * slope / bend", TOP),
@@ -360,10 +401,14 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ('self.design.shaft if stage == "dynamics" else None', "None", FRESH + "[flywheel]"),
         ('self.design.shaft if stage == "dynamics" else None', "self.design.shaft",
          STUDY + "test_extremes_are_kept_too_and_another_flywheel_does_not_touch_those_of_the_cam"),
+        ("self.loading.friction else None", "False else None",
+         SHAFT + "test_mean_and_swing_of_a_design_are_those_of_the_quadrature[pusher]"),
+    ],
+    "core/study/base.py": [
         ("if self.angles.kept else", "if True else", STUDY + "test_passing_cam_angles_are_not_kept"),
     ],
     "core/study/stages.py": [
-        ("return _locked(function(*parts))", "return function(*parts)", STUDY + "test_nobody_can_spoil_what_others_share"),
+        ("return locked(function(*parts))", "return function(*parts)", STUDY + "test_nobody_can_spoil_what_others_share"),
         ("lru_cache(maxsize=KEPT)", "lru_cache(maxsize=1)", STUDY + "test_undo_computes_nothing[rod]"),
         ("lru_cache(maxsize=KEPT)", "lru_cache(maxsize=7)", STUDY + "test_eight_designs_in_turn_stay_in_memory"),
     ],
@@ -381,6 +426,8 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("value if not isinstance(value, float) or math.isfinite(value) else None", "value",
          CHANNELS + "test_findings_stand_in_the_summary_with_all_that_a_program_needs"),
     ],
+    **LINKAGE_MUTATIONS,
+    **SHAFT_MUTATIONS,
 }  # fmt: skip
 
 

@@ -9,15 +9,22 @@ from hypothesis import strategies as st
 from core.design import (
     FOLLOWER_KINDS,
     CamSlider,
+    Curve,
     Design,
     Drive,
+    Elastic,
+    End,
     FollowerKind,
     Info,
     Motion,
     Named,
+    Point,
+    Polynomial,
+    Scca,
     Segment,
     Shaft,
     SingleCam,
+    Spline,
     entries,
     info_of,
 )
@@ -45,22 +52,46 @@ def _fitting(follower: CamSlider) -> CamSlider:
     return replace(follower, pivot_x_mm=x if follower.layout in "abef" else -x)
 
 
+def optional(low: float, high: float) -> st.SearchStrategy[float | None]:
+    return st.one_of(st.none(), st.floats(low, high))
+
+
+@st.composite
+def curves(draw: st.DrawFn, span: float) -> Curve:
+    """A curve of any kind that may rise as well as return."""
+    kind = draw(st.sampled_from((Named, Scca, Polynomial, Spline)))
+    if kind is Named:
+        law = LAWS[draw(st.sampled_from(EITHER_WAY))]
+        return Named(law.slug, draw(values(info_of(CROSSOVER))) if law.symmetric else 0.5)
+    if kind is Scca:
+        ramp = draw(st.floats(0.0, 1.0))
+        return Scca(draw(st.floats(0.0, 0.99)), ramp, draw(st.floats(0.0, 1.0 - ramp)))
+    if kind is Polynomial:
+        ends = st.builds(End, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), optional(-1e6, 1e6))
+        return Polynomial(draw(ends), draw(ends))
+    places = draw(st.lists(st.floats(0.0, span), max_size=5, unique=True))
+    wanted = st.tuples(*(optional(-1e6, 1e6) for _ in range(3))).filter(lambda w: any(v is not None for v in w))
+    return Spline(tuple(Point(at, *draw(wanted)) for at in places))
+
+
+CROSSOVER = next(f for f in fields(Named) if f.name == "crossover")
 EITHER_WAY = tuple(slug for slug, law in LAWS.items() if law.rises == 0)
 """Laws for a rise and for a return."""
 
 
 @st.composite
-def motions(draw: st.DrawFn, unit: str = "mm") -> Motion:
-    """One to eight segments that make one turn and come back."""
+def motions(draw: st.DrawFn, unit: str = "mm", named: bool = True) -> Motion:
+    """One to eight segments that make one turn and come back; of named laws alone, or of any kind of curve."""
     weights = draw(st.lists(st.floats(0.01, 1.0), min_size=1, max_size=8))
     spans = [360.0 * w / math.fsum(weights) for w in weights[1:]]
     spans.insert(0, 360.0 - math.fsum(spans))
-    laws = [draw(st.sampled_from(EITHER_WAY)) for _ in spans]
-    rises = [0.0 if LAWS[law].still else draw(st.floats(-1e6, 1e6)) for law in laws]
-    if rises and any(rises):
-        last = max(i for i, law in enumerate(laws) if not LAWS[law].still)
+    shapes = [Named(draw(st.sampled_from(EITHER_WAY))) if named else draw(curves(span)) for span in spans]
+    still = [isinstance(shape, Named) and LAWS[shape.law].still for shape in shapes]
+    rises = [0.0 if rests else draw(st.floats(-1e6, 1e6)) for rests in still]
+    if any(rises):
+        last = max(i for i, rests in enumerate(still) if not rests)
         rises[last] = -math.fsum(rises[:last] + rises[last + 1 :])
-    segments = (Segment(*each[:2], Named(each[2])) for each in zip(spans, rises, laws, strict=True))
+    segments = (Segment(*each) for each in zip(spans, rises, shapes, strict=True))
     return Motion(draw(st.floats(-1e9, 1e9)), tuple(segments), unit)
 
 
@@ -69,12 +100,13 @@ def designs(draw: st.DrawFn) -> Design:
     """A valid design of any kind, with any name and any of its entries assumed."""
     row: FollowerKind = draw(st.sampled_from(tuple(FOLLOWER_KINDS.values())))
     drive = Drive(
-        draw(motions(row.motion_unit)),
+        draw(motions(row.motion_unit, named=False)),
         draw(parts(row.follower)),
         draw(parts(row.cam)),
         draw(parts(row.loads)),
     )
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
-    design = SingleCam(name, draw(parts(Shaft)), drive)
+    shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(Elastic)))
+    design = SingleCam(name, shaft, drive)
     paths = [entry.path for section in SECTIONS for entry in entries(design, section)]
     return replace(design, assumed=tuple(draw(st.lists(st.sampled_from(paths), unique=True, max_size=5))))

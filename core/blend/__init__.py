@@ -13,9 +13,11 @@ from core.blend.curves import (
     sequences,
 )
 from core.blend.family import Family, Solution, Task
+from core.blend.openings import Opening, freedoms, missing_settings, open_settings, openings
+from core.blend.range import Range
 from core.blend.ranges import feasible_range, feasible_ranges
 from core.blend.request import Blended, BlendError, Request, candidates
-from core.blend.solver import Problem, Range
+from core.blend.solver import Problem
 from core.blend.wishes import SETTINGS, Wish
 
 __all__ = [
@@ -29,6 +31,7 @@ __all__ = [
     "Element",
     "Family",
     "MotionType",
+    "Opening",
     "Problem",
     "Range",
     "Request",
@@ -42,5 +45,9 @@ __all__ = [
     "candidates",
     "feasible_range",
     "feasible_ranges",
+    "freedoms",
+    "missing_settings",
+    "open_settings",
+    "openings",
     "sequences",
 ]  # fmt: skip

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from math import log
 from types import MappingProxyType
 
 import numpy as np
 
 from core.blend.curves import CONSTANT
 from core.blend.family import Solution
-from core.blend.ranges import refusal
+from core.blend.gentlest import least_acceleration
+from core.blend.metering import Meter, law_of
+from core.blend.refusal import refusal
 from core.blend.request import (
     Blended,
     BlendError,
@@ -24,15 +27,11 @@ from core.blend.request import (
     require_sense,
     wishes_of,
 )
-from core.blend.sheet import slack
-from core.blend.solver import Determined, Problem
-from core.blend.wishes import Found, Wish, measure
-from core.laws import find_law, peaks
+from core.blend.search import Gauge, Ground, least, starts
+from core.blend.solver import Place, Problem
+from core.blend.wishes import Wish, equation
+from core.laws import peaks
 
-GRIDS = {1: 401, 2: 61, 3: 15}  # points of a free number looked at first
-SPREAD = 4000  # points for four and more numbers
-STARTS = 4  # of these points the best are refined
-RESTARTS = 4
 GONE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
 
 Goal = tuple[int, int, int]
@@ -43,9 +42,7 @@ GOALS: Mapping[str, Goal] = MappingProxyType({"acceleration": (0, 1, 2), "jerk":
 
 @lru_cache(maxsize=64)
 def _coefficients(curve: str) -> tuple[float, float, float]:
-    law = find_law(curve.lower())
-    assert law is not None
-    found = peaks(law)
+    found = peaks(law_of(curve))
     return found.ca, found.cj, found.cm
 
 
@@ -74,9 +71,9 @@ def best(request: Request, goal: str) -> Blended:
     require_sense(request)
     winner: tuple[float, Candidate, Solution] | None = None
     for candidate in candidates(request):
-        for value, solution in _of_candidate(request, candidate, GOALS[goal]):
-            if winner is None or value < winner[0] * (1.0 - 1e-9):
-                winner = value, candidate, solution
+        found = _of_candidate(request, candidate, goal)
+        if found is not None and (winner is None or found[0] < winner[0] * (1.0 - 1e-9)):
+            winner = found[0], candidate, found[1]
     if winner is None:
         raise _nothing(request)
     _, candidate, solution = winner
@@ -90,26 +87,14 @@ def _has_lost_a_constant_velocity(solution: Solution) -> bool:
     return any(h <= GONE * max(solution.heights) for name, h in rows if name in CONSTANT)
 
 
-def _of_candidate(request: Request, candidate: Candidate, goal: Goal) -> list[tuple[float, Solution]]:
-    """The best of a sequence with the length as it is asked, and the best where it is longer."""
-    found = []
-    for asked, least in _readings(request):
-        wishes = wishes_of(asked)
-        if candidate.freedom < len(wishes) or not means_something(candidate, wishes_of(request)):
-            continue
-        problem = problem_of(asked, candidate, wishes)
-        answer = _best_of(problem, goal, least)
-        if answer is not None:
-            found.append(answer)
-    return found
-
-
-def _readings(request: Request) -> list[tuple[Request, float]]:
-    """The request as it stands; and with the length let go, and the least that it may be."""
-    if "length" not in request.settings:
-        return [(request, 0.0)]
-    others = {n: v for n, v in request.settings.items() if n != "length"}
-    return [(request, 0.0), (replace(request, settings=others), request.settings["length"])]
+def _of_candidate(request: Request, candidate: Candidate, goal: str) -> tuple[float, Solution] | None:
+    """The best of a sequence, its length let go but for the least that it may be."""
+    least_length = request.settings.get("length", 0.0)
+    asked = replace(request, settings={n: v for n, v in request.settings.items() if n != "length"})
+    wishes = wishes_of(asked)
+    if candidate.freedom < len(wishes) or not means_something(candidate, wishes_of(request)):
+        return None
+    return _best_of(problem_of(asked, candidate, wishes), goal, least_length)
 
 
 def _nothing(request: Request) -> BlendError:
@@ -121,121 +106,63 @@ def _nothing(request: Request) -> BlendError:
     return refusal(request, able, wishes)
 
 
-def _best_of(problem: Problem, goal: Goal, least_length: float) -> tuple[float, Solution] | None:
+def _best_of(problem: Problem, goal: str, least_length: float) -> tuple[float, Solution] | None:
     """The best over the free numbers that the wishes leave; None where they leave nothing."""
-    family, task, n = problem.family, problem.task, len(problem.family.free) - len(problem.wishes)
-    if n == 0:
-        try:
-            solutions = problem.solutions()
-        except Determined:
-            return None
-        rows = [(peak_of(goal, s), s) for s in solutions if _length(s) >= least_length * (1.0 - 1e-12)]
+    if problem.family.freedom == len(problem.wishes):
+        rows = [(peak_of(GOALS[goal], s), s) for s in problem.solutions() if _length(s) >= least_length * (1.0 - 1e-12)]
         return min(rows, key=lambda p: p[0], default=None)
-    tops = [_search(_Ground(problem, sheet, goal, least_length), n) for sheet in problem.spaces()]
-    able = [(value, at) for value, at in tops if np.isfinite(value)]
-    if not able:
+    place = _best_place(problem, goal, least_length / problem.task.span)
+    if place is None:
         return None
-    value, found = min(able, key=lambda t: t[0])
-    return value, family.solution(task, found)
+    solution = problem.solution_at(place)
+    return peak_of(GOALS[goal], solution), solution
+
+
+def _best_place(problem: Problem, goal: str, length: float) -> Place | None:
+    """t, x of the best: exact for an acceleration beside linear wishes, else searched from there."""
+    meter, linear = problem.meter, all(w.linear for w in problem.wishes)
+    floors = [equation(Wish("length", length), meter.family, meter.equations)] if length else []
+    gentlest = least_acceleration(meter, problem.rows, floors) if linear else None
+    if linear and (goal == "acceleration" or gentlest is None):
+        return gentlest and gentlest[1]
+    rank = partial(_rank, meter, GOALS[goal])
+    begin = [gentlest[1], *starts(meter, problem.wishes, rank, 1)] if gentlest else starts(meter, problem.wishes, rank)
+    goals = tuple(_log_peak(meter, GOALS[goal], row) for row in meter.curves if _coefficients(row[0])[GOALS[goal][0]])
+    return least(Ground(meter, problem.wishes, goals, (_no_shorter(meter, length),) if length else ()), begin)[1]
+
+
+def _no_shorter(meter: Meter, length: float) -> Gauge:
+    """How much the constant velocity lasts longer than it must."""
+    wish = Wish("length", length)
+
+    def gauge(values: np.ndarray, slopes: np.ndarray) -> tuple[float, np.ndarray]:
+        value, slope = meter.of_values(wish, values, slopes)
+        return value / length - 1.0, slope / length
+
+    return gauge
+
+
+def _log_peak(meter: Meter, goal: Goal, curve: tuple[str, str, str]) -> Gauge:
+    """Logarithm of a curve's peak: the search is the same for slow and fast motions."""
+    which, power, root = goal
+    factor = _coefficients(curve[0])[which]
+
+    def gauge(values: np.ndarray, slopes: np.ndarray) -> tuple[float, np.ndarray]:
+        (h, dh), (span, slope) = meter.height_and_span(curve, values, slopes)
+        if not (h > 0.0 and span > 0.0):
+            return np.nan, np.zeros_like(dh)
+        return log(factor) + power * log(h) - root * log(span), power * dh / h - root * slope / span
+
+    return gauge
+
+
+def _rank(meter: Meter, goal: Goal, t: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """The goal at many points (n,)."""
+    heights, spans = meter.parts(t, x)
+    return peaks_by_curve(goal, meter.family.sequence.curves, heights, spans).max(axis=0)
 
 
 def _length(solution: Solution) -> float:
     """Span of the constant velocity [deg]: of the rise where it has one."""
     rows = zip(solution.sequence.curves, solution.spans, strict=True)
     return next((span for name, span in rows if name in CONSTANT), 0.0)
-
-
-class _Ground:
-    """What is searched: points over the open unit cube, what is asked of them, and how good they are."""
-
-    def __init__(self, problem: Problem, at: Callable[[np.ndarray], Found], goal: Goal, least_length: float) -> None:
-        self.problem, self.at, self.goal, self.least_length = problem, at, goal, least_length
-
-    def __call__(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Logarithms of the curves' peaks (curves, n); margins (m, n), below 0 where not feasible."""
-        family, task = self.problem.family, self.problem.task
-        with np.errstate(all="ignore"):
-            found = self.at(x)
-            rows = np.log(peaks_by_curve(self.goal, family.sequence.curves, *family.parts(task, found)))
-            margins = [slack(family, task, found)]
-            margins += [found[name] / task.rise for name in (*family.positive, *family.constant)]
-            if self.least_length:
-                margins.append(measure(Wish("length", 0.0), family, task, found) / self.least_length - 1.0)
-        return rows, np.array(margins)
-
-    def values(self, x: np.ndarray) -> np.ndarray:
-        """The goal (n,), infinite where not feasible."""
-        rows, margins = self(x)
-        with np.errstate(all="ignore"):
-            good = (margins[0] >= 0.0) & (margins[-1] >= -1e-13) & np.isfinite(rows).all(axis=0)
-            return np.where(good, np.exp(rows.max(axis=0)), np.inf)
-
-
-def _search(ground: _Ground, n: int) -> tuple[float, Found]:
-    """The best of a grid, refined as a smooth problem: the least t that no curve's peak exceeds."""
-    points = _grid(n)
-    values = ground.values(points)
-    best, at = np.inf, points[:, 0]
-    for i in np.argsort(values)[:STARTS]:
-        if not np.isfinite(values[i]):
-            break
-        x = _refined(ground, points[:, i], float(values[i]))
-        value = float(ground.values(x[:, None])[0])
-        if value < best:
-            best, at = value, x
-    return best, ground.at(at[:, None])
-
-
-def _grid(n: int) -> np.ndarray:
-    """Points (n, many) of the open unit cube."""
-    if n in GRIDS:
-        axis = (np.arange(GRIDS[n]) + 0.5) / GRIDS[n]
-        return np.array(np.meshgrid(*[axis] * n)).reshape(n, -1)
-    return np.random.default_rng(1995).random((n, SPREAD))
-
-
-def _refined(ground: _Ground, x: np.ndarray, value: float) -> np.ndarray:
-    """Sequential quadratic programming begun anew until it gains nothing."""
-    from scipy.optimize import minimize
-
-    for _ in range(RESTARTS):
-        z = np.append(x, np.log(value))
-        limits = {"type": "ineq", "fun": lambda z: _limits(ground, z), "jac": lambda z: _slopes(ground, z)}
-        downwards = np.append(np.zeros(x.size), 1.0)
-        bounds = [(1e-9, 1.0 - 1e-9)] * x.size + [(None, None)]
-        with np.errstate(all="ignore"):
-            found = minimize(
-                lambda z: z[-1],
-                z,
-                jac=lambda z, d=downwards: d,
-                method="SLSQP",
-                bounds=bounds,
-                constraints=[limits],
-                options={"ftol": 1e-15, "maxiter": 200},
-            )
-        near = np.clip(found.x[:-1], 1e-9, 1.0 - 1e-9)
-        reached = float(ground.values(near[:, None])[0])
-        if not reached < value:
-            break
-        gained, x, value = value - reached, near, reached
-        if gained <= 1e-13 * value:
-            break
-    return x
-
-
-def _limits(ground: _Ground, z: np.ndarray) -> np.ndarray:
-    """t - log peak of every curve, and the margins: all at least 0."""
-    rows, margins = ground(z[:-1, None])
-    return np.nan_to_num(np.concatenate((z[-1] - rows[:, 0], margins[1:, 0])), nan=-1.0, posinf=-1.0, neginf=-1.0)
-
-
-def _slopes(ground: _Ground, z: np.ndarray) -> np.ndarray:
-    """Their derivatives by x and t: central differences, all in one call."""
-    n = z.size - 1
-    step = 1e-6 * np.minimum(z[:-1], 1.0 - z[:-1])
-    x = np.concatenate((z[:-1, None] + np.diag(step), z[:-1, None] - np.diag(step)), axis=1)
-    rows, margins = ground(x)
-    both = np.concatenate((-rows, margins[1:]))
-    slopes = (both[:, :n] - both[:, n:]) / (2.0 * step)
-    last = np.append(np.ones(rows.shape[0]), np.zeros(margins.shape[0] - 1))
-    return np.nan_to_num(np.column_stack((slopes, last)), nan=0.0, posinf=0.0, neginf=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.blend.ranges import refusal, wrong_number
+from core.blend.refusal import refusal, wrong_number
 from core.blend.request import (
     Blended,
     BlendError,
@@ -14,7 +14,6 @@ from core.blend.request import (
     require_sense,
     wishes_of,
 )
-from core.blend.solver import Determined
 
 MOST_BENT = 2  # acceleration and points that are solved for at once
 
@@ -30,10 +29,7 @@ def blend(request: Request) -> Blended:
     if sum(not w.linear for w in wishes) > MOST_BENT:
         raise BlendError(f"more than {MOST_BENT} of acceleration and points: give a height, speed or length instead")
     for candidate in fitting:
-        try:
-            solutions = problem_of(request, candidate, wishes).solutions()
-        except Determined:
-            continue
+        solutions = problem_of(request, candidate, wishes).solutions()
         if solutions:
             return answered(request, candidate, solutions[0])
     raise refusal(request, fitting, wishes)

@@ -1,25 +1,22 @@
-"""One sequence of curves as a family of solutions: from its free numbers to every height, span and speed, in closed form.
+"""One sequence of curves as a family of solutions: every height and speed from the numbers that are left free.
 
-Only the joining laws are used here: equal speeds and accelerations at the joins, the stroke, the total span. What the
-designer asks for on top is the business of the solver.
+Only the joining laws stand here: equal speeds and accelerations at the joins, the stroke, the total span (Yang eqs. 1-4).
+What the designer asks for on top is the business of the solver.
 
-Symbols: h, g strokes of rise and return; h1, h2, h3 the curves before, of and after the constant velocity of the rise,
-h4, h5, h6 those of the return (time mirror of h3, h2, h1); V, V2 the speeds of rise and return; r = V2/V.
+Symbols: h1, h2, h3 heights of the curves before, of and after the constant velocity of the rise, h4, h5, h6 those of the
+return (time mirror of h3, h2, h1); g the stroke of the return; W, R speeds of rise and return times the span, r = R/W.
+Stroke of the rise and total span are 1 in the equations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf, pi, sqrt
-from typing import Any
-
-import numpy as np
 
 from core.blend.curves import CONSTANT, ELEMENTS, KAPPA, Sequence
-
-Values = Any
-"""A number or an array (n,) of them: the equations are the same."""
+from core.blend.equations import Equations, Form, constant, number, power
 
 
 @dataclass(frozen=True)
@@ -56,6 +53,15 @@ class Solution:
 
 
 @dataclass(frozen=True)
+class Bend:
+    """Largest |a| of a curve: factor S² / height with S its speed ``W`` or ``R``, for a stroke and a span of 1."""
+
+    speed: str
+    height: str
+    factor: float
+
+
+@dataclass(frozen=True)
 class Family:
     """A sequence whose rise is made of several curves, or that has no free number at all.
 
@@ -68,7 +74,11 @@ class Family:
     @property
     def has_constant_rise(self) -> bool:
         """True where the rise has a stretch of constant velocity."""
-        return self._rise_cv
+        return any(name in CONSTANT for name in self.sequence.rise)
+
+    @property
+    def has_constant_return(self) -> bool:
+        return any(name in CONSTANT for name in self.sequence.back)
 
     @property
     def positive(self) -> tuple[str, ...]:
@@ -80,146 +90,188 @@ class Family:
     @property
     def constant(self) -> tuple[str, ...]:
         """Heights of constant velocity, which may be 0."""
-        return (*(("h2",) if self._rise_cv else ()), *(("h5",) if self._back_cv else ()))
-
-    def rise_work(self, found: Mapping[str, Values]) -> Values:
-        """Span of the rise times its speed."""
-        rise = self.sequence.rise
-        return ELEMENTS_SPAN[rise[0]] * found["h1"] + found["h2"] + ELEMENTS_SPAN[rise[-1]] * found["h3"]
+        return (*(("h2",) if self.has_constant_rise else ()), *(("h5",) if self.has_constant_return else ()))
 
     @property
-    def _rise_cv(self) -> bool:
-        return any(name in CONSTANT for name in self.sequence.rise)
-
-    @property
-    def _back_cv(self) -> bool:
-        return any(name in CONSTANT for name in self.sequence.back)
-
-    @property
-    def _single_back(self) -> str:
+    def single_back(self) -> str:
+        """The one curve of the return, where it has only one."""
         return self.sequence.back[0] if len(self.sequence.back) == 1 else ""
 
     @property
-    def _harmonic(self) -> bool:
+    def harmonic(self) -> bool:
         """The motion that never dwells: bottoms match in acceleration too."""
         return self.sequence.curves[0] == "H1"
 
     @property
     def bent(self) -> str:
-        """The one free number in which the family is not linear; empty where nothing is free."""
+        """What the number t is, in which the family is not linear; empty where nothing is free."""
         if len(self.sequence.rise) == 1:
             return ""
-        if self._single_back == "H6":
-            return "h1" if self._rise_cv else ""
-        if len(self.sequence.back) > 1 and not self.mirrored:
-            if not self._harmonic or self._back_cv:
-                return "r"
-            return "s" if self._rise_cv else "h1"
-        return "h1" if self._harmonic and len(self.sequence.back) > 1 and not self._rise_cv else "h3"
+        if self.single_back:
+            return "root of h3" if self.has_constant_rise or self.single_back == "P2" else ""
+        if not self.sequence.back or self.mirrored:
+            return "h3"
+        constant = self.has_constant_rise or self.has_constant_return
+        return "h1" if self.harmonic and not constant else "r"
 
     @property
     def linear(self) -> tuple[str, ...]:
-        """The other free numbers: with ``bent`` given, every height and W are linear in them."""
-        bent, names = self.bent, []
-        if bent in ("r", "s") or (bent == "h3" and self._rise_cv):
-            names.append("h1")
-        if bent == "r" and self._rise_cv:
-            names.append("h3")
-        if bent == "r" and not self._harmonic and self._back_cv:
-            names.append("h6")
-        return tuple(names)
+        """The other free numbers: with t given, every height and W are linear in them."""
+        if self.bent == "r":
+            third = self.has_constant_return or not self.harmonic
+            sixth = self.has_constant_return and not self.harmonic
+            return (
+                *(("h1",) if self.has_constant_rise else ()), *(("h3",) if third else ()), *(("h6",) if sixth else ())
+            )  # fmt: skip
+        alone = self.bent == "h3" or self.single_back == "P2"
+        return ("h1",) if alone and self.has_constant_rise else ()
 
     @property
-    def free(self) -> tuple[str, ...]:
-        """All free numbers: ``h1``, ``h3``, ``h6``; ``r``, speed of the return over that of the rise; ``s`` = h1 + h3."""
-        return (*((self.bent,) if self.bent else ()), *self.linear)
+    def freedom(self) -> int:
+        """How many numbers are free."""
+        return (1 if self.bent else 0) + len(self.linear)
 
-    def solve(self, task: Task, free: Mapping[str, Values]) -> dict[str, np.ndarray]:
-        """Heights h1 ... h6 and W = V x span from the free numbers (n,); heights may come out negative: not feasible."""
-        h, g = task.rise, task.back
+    @property
+    def bends(self) -> tuple[Bend, ...]:
+        """The curves of which one has the largest acceleration: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose
+        acceleration another one must match is left out."""
+        first, last = (ELEMENTS[name] for name in (self.sequence.rise[0], self.sequence.rise[-1]))
+        rows = [Bend("W", "h1", first.peak / first.speed**2), Bend("W", "h3", last.peak / last.speed**2)]
+        if len(self.sequence.back) > 1 and not self.mirrored and not self.harmonic:
+            row = ELEMENTS[self.sequence.back[-1]]
+            rows.append(Bend("R", "h6", row.peak / row.speed**2))
+        return tuple(rows)
+
+    def equations(self, task: Task) -> Equations:
+        """For the ratio of the strokes of a task."""
+        return _equations(self, task.back / task.rise)
+
+    def solution(self, task: Task, t: float, x: tuple[float, ...], exact: Mapping[str, float]) -> Solution:
+        """The motion at a point; heights in ``exact`` that it meets but for rounding are taken from there."""
         if len(self.sequence.rise) == 1:
-            return {}
-        if self._single_back == "H6":
-            h1 = h3 = free["h1"] if "h1" in free else np.array([h / 2.0])
-        else:
-            h1 = free["h1"] if "h1" in free else h - free["h3"]
-            h3 = free["s"] - h1 if "s" in free else free["h3"] if "h3" in free else h - h1
-        found = {"h1": h1, "h2": h - h1 - h3 if self._rise_cv else 0.0, "h3": h3, "r": 1.0}
-        w = self.rise_work(found)
-        if self._single_back:
-            factor = KAPPA if self._single_back == "P2" else pi / sqrt(2.0)
-            found["h4"] = g
-            found["W"] = w + factor * np.sqrt(g * np.maximum(h3, 0.0))
-        elif self.sequence.back:
-            found.update(self._back(task, free, h1, h3))
-            found["W"] = w + self._back_work(found) / found["r"]
-        else:
-            found["W"] = w
-        names, columns = tuple(found), np.broadcast_arrays(*found.values())
-        return dict(zip(names, columns, strict=True))
+            heights, spans = _without_freedom(self.sequence, task)
+            return Solution(self.sequence, heights, spans, 0.0, 0.0)
+        equations = self.equations(task)
+        values = equations.slopes(t, x)[0] * task.rise
+        at = {n: max(float(values[equations.place_of(n)]), 0.0) for n in equations.names if n.startswith("h")}
+        if self.bent == "r":
+            at.update(self._returned(task, at, t * t))
+        for name, value in exact.items():
+            if abs(value - at[name]) <= min(1e-14 * task.rise, 1e-13 * value):
+                at[name] = value
+        return self._assembled(task, at, self._ratio(task, t))
 
-    def _back_work(self, found: Mapping[str, Values]) -> Values:
-        """Span of the return times its speed."""
-        back = self.sequence.back
-        return ELEMENTS_SPAN[back[0]] * found["h4"] + found["h5"] + ELEMENTS_SPAN[back[-1]] * found["h6"]
+    def _returned(self, task: Task, at: Mapping[str, float], square: float) -> dict[str, float]:
+        """Heights of the return from those of the rise, so that the accelerations at the joins are the same to the last
+        bit."""
+        h4 = square * at["h3"]
+        h6 = square * at["h1"] if self.harmonic else at["h6"] if self.has_constant_return else task.back - h4
+        middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
+        return {"h4": h4, **middle, "h6": h6}
 
-    def _back(self, task: Task, free: Mapping[str, Values], h1: Values, h3: Values) -> dict[str, Values]:
-        """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
-        g = task.back
-        if self.mirrored:
-            return {"r": 1.0, "h4": h3, "h6": h1, "h5": g - h1 - h3 if self._back_cv else 0.0}
-        if self._harmonic:
-            r2 = free["r"] ** 2 if self._back_cv else g / (h1 + h3)
-            return {
-                "r": np.sqrt(r2),
-                "h4": r2 * h3,
-                "h6": r2 * h1,
-                "h5": g - r2 * (h1 + h3) if self._back_cv else 0.0,
-            }
-        r = free["r"]
-        h4 = r * r * h3
-        if self._back_cv:
-            return {"r": r, "h4": h4, "h6": free["h6"], "h5": g - h4 - free["h6"]}
-        return {"r": r, "h4": h4, "h6": g - h4, "h5": 0.0}
+    def _ratio(self, task: Task, t: float) -> float:
+        """Speed of the return over that of the rise."""
+        return t if self.bent == "r" else sqrt(task.back / task.rise) if self.bent == "h1" else 1.0
 
-    def parts(self, task: Task, found: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Heights and spans [deg] of the curves, in order: (curves, n) each."""
+    def _assembled(self, task: Task, at: Mapping[str, float], ratio: float) -> Solution:
+        """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
         rise, back = self.sequence.rise, self.sequence.back
-        if len(rise) == 1:
-            return _without_freedom(self.sequence, task)
-        speed = found["W"] / task.span
-        heights = _heights(rise, found["h1"], found["h2"], found["h3"])
-        spans = [ELEMENTS_SPAN[n] * x / speed for n, x in zip(rise, heights, strict=True)]
-        if self._single_back:
-            heights.append(found["h4"])
-            spans.append(task.span - sum(spans))
-        elif back:
-            returned = _heights(back, found["h4"], found["h5"], found["h6"])
-            spans += [ELEMENTS_SPAN[n] * x / (found["r"] * speed) for n, x in zip(back, returned, strict=True)]
-            heights += returned
-        return np.array(heights), np.array(spans)
-
-    def solution(self, task: Task, found: Mapping[str, np.ndarray], i: int = 0) -> Solution:
-        """The i-th point with its spans and speeds."""
-        # a height of constant velocity may be 0 but for rounding
-        heights, spans = (tuple(max(float(v), 0.0) for v in rows[:, i]) for rows in self.parts(task, found))
-        speed = float(found["W"][i]) / task.span if found else 0.0
-        back_speed = float(found["r"][i]) * speed if len(self.sequence.back) > 1 else 0.0
-        return Solution(self.sequence, heights, spans, speed, back_speed)
+        up, down = _rows(rise, at, RISE), _rows(back, at, RETURN)
+        works = [SPEEDS[name] * h for name, h in zip(rise, up, strict=True)]
+        if self.single_back:
+            works.append(_FACTORS[self.single_back] * sqrt(task.back * at["h3"]))
+            speed = sum(works) / task.span
+            return Solution(self.sequence, (*up, task.back), tuple(w / speed for w in works), speed, 0.0)
+        returned = [SPEEDS[name] * h / ratio for name, h in zip(back, down, strict=True)]
+        speed = (sum(works) + sum(returned)) / task.span
+        spans = [w / speed for w in (*works, *returned)]
+        return Solution(self.sequence, (*up, *down), tuple(spans), speed, ratio * speed if back else 0.0)
 
 
-ELEMENTS_SPAN = {name: row.speed for name, row in ELEMENTS.items()}
+RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
+SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
 """span = c h/V of the curves that reach the speed V at an end."""
+_FACTORS = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
+"""Span of a return of one curve, √(g h3)/V times this: its acceleration at the top is that of H2."""
 
 
-def _heights(names: tuple[str, ...], first: Values, middle: Values, last: Values) -> list[Values]:
-    return [first, middle, last] if len(names) == 3 else [first, last]
+def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
+    """The names of the heights of curves of one way."""
+    return names if len(curves) == 3 else names[::2]
 
 
-def _without_freedom(sequence: Sequence, task: Task) -> tuple[np.ndarray, np.ndarray]:
+def _rows(curves: tuple[str, ...], at: Mapping[str, float], names: tuple[str, str, str]) -> list[float]:
+    return [at[n] for n in named(curves, names)] if len(curves) > 1 else []
+
+
+@lru_cache(maxsize=256)
+def _equations(family: Family, g: float) -> Equations:
+    """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
+    numbers = family.linear
+    free = {name: number(i + 1) for i, name in enumerate(numbers)}
+    forms = _rise(family, free, g)
+    forms["up"] = _work(family.sequence.rise, forms, RISE)
+    if family.single_back:
+        forms["h4"] = constant(g)
+        joined = power(1) if family.bent else constant(sqrt(0.5))  # √h3
+        forms["W"] = forms["up"] + joined * (_FACTORS[family.single_back] * sqrt(g))
+    elif family.sequence.back:
+        forms.update(_back(family, free, forms, g))
+        down = _work(family.sequence.back, forms, RETURN)
+        if family.bent == "r":
+            forms["W"], forms["R"] = forms["up"] + down.by_t(-1), forms["up"].by_t() + down
+        else:
+            r = sqrt(g) if family.bent == "h1" else 1.0
+            forms["W"], forms["R"] = forms["up"] + down * (1.0 / r), forms["up"] * r + down
+    else:
+        forms["W"] = forms["up"]
+    tops = tuple(g if name == "h6" else 1.0 for name in numbers)
+    return Equations(forms, numbers, inf if family.bent == "r" else 1.0, tops)
+
+
+def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
+    """Span times speed."""
+    made = constant(0.0)
+    for curve, name in zip(curves, named(curves, names), strict=True):
+        made = made + forms[name] * SPEEDS[curve]
+    return made
+
+
+def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """h1, h2, h3."""
+    bent = family.bent
+    if family.single_back == "H6":
+        h1 = h3 = power(2) if bent else constant(0.5)
+    elif bent == "h1":
+        h1 = power(1)
+        h3 = 1.0 - h1
+    elif bent == "r":
+        # of a motion that never dwells, without constant velocity on the return: r² (h1 + h3) = g
+        h3 = free["h3"] if "h3" in free else power(-2) * g - free["h1"]
+        h1 = free["h1"] if "h1" in free else 1.0 - h3
+    else:
+        h3 = power(2) if bent == "root of h3" else power(1)
+        h1 = free["h1"] if "h1" in free else 1.0 - h3
+    middle = {"h2": 1.0 - h1 - h3} if family.has_constant_rise else {}
+    return {"h1": h1, **middle, "h3": h3}
+
+
+def _back(family: Family, free: Mapping[str, Form], rise: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
+    if family.mirrored:
+        h4, h6 = rise["h3"], rise["h1"]
+    elif family.bent == "h1":
+        h4, h6 = rise["h3"] * g, rise["h1"] * g
+    else:
+        h4 = rise["h3"].by_t(2)
+        h6 = rise["h1"].by_t(2) if family.harmonic else free["h6"] if "h6" in free else g - h4
+    middle = {"h5": g - h4 - h6} if family.has_constant_return else {}
+    return {"h4": h4, **middle, "h6": h6}
+
+
+def _without_freedom(sequence: Sequence, task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
     if not sequence.back:
-        return np.array([[task.rise]]), np.array([[task.span]])
-    share = sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
-    first = task.span * share
-    return np.array([[task.rise], [task.back]]), np.array([[first], [task.span - first]])
+        return (task.rise,), (task.span,)
+    first = task.span * sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
+    return (task.rise, task.back), (first, task.span - first)

@@ -86,7 +86,7 @@ class Candidate:
 
     @property
     def freedom(self) -> int:
-        return len(self.family.free)
+        return self.family.freedom
 
 
 def candidates(request: Request) -> list[Candidate]:
@@ -101,7 +101,7 @@ def candidates(request: Request) -> list[Candidate]:
         plain = Family(shown)
         if _symmetric(shown) and len(shown.rise) > 1 and request.mirrored is not False:
             mirrored = Family(shown, mirrored=True)
-            if len(mirrored.free) < len(plain.free) and _strokes(request)[0] == _strokes(request)[1]:
+            if mirrored.freedom < plain.freedom and _strokes(request)[0] == _strokes(request)[1]:
                 found.append(Candidate(sequence, mirrored, backwards))
         if request.mirrored is not True:
             found.append(Candidate(sequence, plain, backwards))
@@ -147,7 +147,7 @@ def require_sense(request: Request) -> None:
     for name, value in request.settings.items():
         if name not in SETTINGS:
             raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
-        if not 0.0 < value < 1e15:
+        if not 0.0 < value < 1e100:
             unit = UNITS.get(name, "{u}").format(u=request.unit)
             raise BlendError(f"{name} = {value:g}: outside its range; allowed: > 0 {unit}", name)
     for at, value in request.points:

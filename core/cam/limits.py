@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import degrees
 from types import MappingProxyType
 
-from core.design import RollerCam, si
+from core.design import LinkageCam, RollerCam, si
 from core.extremes import Range
 from core.findings import ERROR, WARNING, Finding
 from core.train import REVOLUTE, SLIDING
@@ -14,10 +14,15 @@ from core.train import REVOLUTE, SLIDING
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})
 
+# a cam under a linkage has the size that the linkage gives it
+PRESSURE_FIELDS: Mapping[type, tuple[str, str]] = MappingProxyType(
+    {RollerCam: ("pressure-angle", "cam.base_radius_mm"), LinkageCam: ("roller-pressure-angle", "cam.point")}
+)
+
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
-def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam) -> list[Finding]:
+def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | LinkageCam) -> list[Finding]:
     """What the refined extremes of pressure angle [rad] and pitch curvature [1/m] exceed; ground: kind of the pair
     that holds the follower."""
     found = []
@@ -26,7 +31,8 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam) -> list
     if angle > limit:
         values = {"value": angle, "limit": limit}
         severity = ERROR if angle > NO_DRIVE else WARNING
-        found.append(Finding("pressure-angle", severity, "cam.base_radius_mm", degrees(worst.theta), values))
+        code, field = PRESSURE_FIELDS[type(cam)]
+        found.append(Finding(code, severity, field, degrees(worst.theta), values))
     sharpest, radius = extremes["pitch_curvature"].high, si(cam).roller_radius
     if radius * sharpest.value >= 1.0:
         values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}

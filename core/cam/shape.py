@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from core.design import RollerCam, si
+from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam, angle_ranges
 from core.instant_centres import Centres, cam_follower_centre
+from core.keeping import WhenAsked
 from core.train import Train
-from core.vectors import cross, dot, unit
+from core.vectors import cross, dot
 
 
 @dataclass(frozen=True, eq=False)
 class Flank:
-    """One side of the cam that the follower touches, at n cam angles.
+    """One side of the cam that the follower touches, at n cam angles; all but the normal may be given as functions.
 
     pitch, profile   (n,) complex [m] in the cam's own frame, which is the global frame at cam angle 0
     normal           (n,) complex unit vector in the global frame, from the roller centre to the contact
@@ -27,13 +29,13 @@ class Flank:
     pitch_curvature_slope  (n,) its derivative by cam angle
     """
 
-    pitch: np.ndarray
-    profile: np.ndarray
-    normal: np.ndarray
-    pressure_angle: np.ndarray
-    pitch_curvature: np.ndarray
-    pitch_curvature_slope: np.ndarray
-    profile_curvature: np.ndarray
+    pitch: WhenAsked[np.ndarray] = WhenAsked()
+    profile: WhenAsked[np.ndarray] = WhenAsked()
+    normal: WhenAsked[np.ndarray] = WhenAsked()
+    pressure_angle: WhenAsked[np.ndarray] = WhenAsked()
+    pitch_curvature: WhenAsked[np.ndarray] = WhenAsked()
+    pitch_curvature_slope: WhenAsked[np.ndarray] = WhenAsked()
+    profile_curvature: WhenAsked[np.ndarray] = WhenAsked()
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ class CamShape:
     sense: float
     reference: np.ndarray
     relative_velocity: np.ndarray
-    centre: Centres
+    centre: WhenAsked[Centres] = WhenAsked()
 
     @property
     def flank(self) -> Flank:
@@ -57,7 +59,12 @@ def relative_motion(train: Train, sense: float) -> tuple[np.ndarray, np.ndarray,
     x = R''' - 3idR'' - 3R' + idR (n,): the derivatives of the pitch curve, turned into the global frame."""
     r0, r1, r2, r3 = train.follower.z
     i = 1j * sense
-    return r1 - i * r0, r2 - 2.0 * i * r1 - r0, r3 - 3.0 * i * r2 - 3.0 * r1 + i * r0
+    return relative_velocity(train, sense), r2 - 2.0 * i * r1 - r0, r3 - 3.0 * i * r2 - 3.0 * r1 + i * r0
+
+
+def relative_velocity(train: Train, sense: float) -> np.ndarray:
+    """t alone (n,)."""
+    return train.follower.z[1] - 1j * sense * train.follower.z[0]
 
 
 def curvature(t: np.ndarray, w: np.ndarray, x: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray]:
@@ -68,55 +75,76 @@ def curvature(t: np.ndarray, w: np.ndarray, x: np.ndarray, sense: float) -> tupl
     return -sense * turn / cube, -sense * (cross(t, x) - 3.0 * turn * dot(t, w) / (speed * speed)) / cube
 
 
-def roller_envelope(train: Train, cam: RollerCam, sense: float) -> CamShape:
+# what sets the cam's size: its field, and what to do
+SIZES: Mapping[type, tuple[str, str]] = MappingProxyType({
+    RollerCam: ("cam.base_radius_mm", "make it larger, or the roller smaller, or lower the motion"),
+    LinkageCam: ("cam.point", "let the roller run farther from the frame's origin, or make it smaller"),
+})  # fmt: skip
+
+
+def roller_envelope(train: Train, cam: RollerCam | LinkageCam, sense: float) -> CamShape:
     """Profile of a disk cam under a roller: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
 
     Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
     Raises NoCam where the roller covers the cam centre or stands still on the cam (a cusp).
     """
     radius = si(cam).roller_radius
-    reference = train.follower.z[0]
-    t, w, x = relative_motion(train, sense)
-    _require_cam(train, reference, t, radius)
+    reference, t = train.follower.z[0], relative_velocity(train, sense)
+    _require_cam(train, reference, t, cam)
     normal = (-1j * sense) * t / np.abs(t)
-    back = unit(-sense * train.theta)
-    pitch_curvature, slope = curvature(t, w, x, sense)
-    with np.errstate(divide="ignore"):
-        profile_curvature = pitch_curvature / (1.0 - radius * pitch_curvature)
+
+    @cache
+    def back() -> np.ndarray:
+        """e^{-idθ}."""
+        turned = train.motion.angles.unit
+        return turned.conj() if sense > 0.0 else turned
+
+    @cache
+    def bends() -> tuple[np.ndarray, np.ndarray]:
+        return curvature(*relative_motion(train, sense), sense)
+
     flank = Flank(
-        pitch=reference * back,
-        profile=(reference + radius * normal) * back,
+        pitch=lambda: reference * back(),
+        profile=lambda: (reference + radius * normal) * back(),
         normal=normal,
-        pressure_angle=np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel))),
-        pitch_curvature=pitch_curvature,
-        pitch_curvature_slope=slope,
-        profile_curvature=profile_curvature,
+        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel))),
+        pitch_curvature=lambda: bends()[0],
+        pitch_curvature_slope=lambda: bends()[1],
+        profile_curvature=lambda: _beyond(bends()[0], radius),
     )
-    return CamShape((flank,), sense, reference, t, cam_follower_centre(train, sense))
+    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(train, sense))
 
 
-def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, radius: float) -> None:
+@np.errstate(divide="ignore")
+def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
+    """Curvature of the curve that runs beside by the roller's radius, on the convex side's inside."""
+    return pitch_curvature / (1.0 - radius * pitch_curvature)
+
+
+def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, cam: RollerCam | LinkageCam) -> None:
+    radius = si(cam).roller_radius
     distance = np.abs(reference)
     bad = distance <= radius
     if bad.any():
         raise NoCam(
             f"the roller covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the roller radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
-            "cam.base_radius_mm",
-            "make it larger, or the roller smaller, or lower the motion",
+            *SIZES[type(cam)],
             angle_ranges(train.theta, bad),
         )
     still = t == 0.0
     if still.any():
         raise NoCam(
             "the roller stands still on the cam (cusp of the pitch curve)",
-            "cam.base_radius_mm",
+            SIZES[type(cam)][0],
             "change it",
             angle_ranges(train.theta, still),
         )
 
 
-ENVELOPES: Mapping[type, Callable[[Train, Any, float], CamShape]] = MappingProxyType({RollerCam: roller_envelope})
+ENVELOPES: Mapping[type, Callable[[Train, Any, float], CamShape]] = MappingProxyType(
+    {RollerCam: roller_envelope, LinkageCam: roller_envelope}
+)
 
 
 def envelope(train: Train, cam: Any, sense: float) -> CamShape:

@@ -6,7 +6,7 @@ Spans must make a turn and rises must come back to the start, so no single one o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import fsum, nan
 from types import MappingProxyType
@@ -19,7 +19,7 @@ from core.laws import find_law
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
 
 
-def _rest(total: float, given: Iterable[float]) -> float:
+def rest(total: float, given: Iterable[float]) -> float:
     """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet."""
     try:
         return round(fsum([total, *(-number for number in given)]), _DECIMALS) + 0.0  # no minus zero
@@ -34,8 +34,8 @@ def with_span(motion: Motion, index: int, span_deg: float) -> Motion:
     if other == index:
         return replace(motion, segments=(replace(segments[index], span_deg=span_deg),))
     segments[index] = replace(segments[index], span_deg=span_deg)
-    rest = _rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
-    segments[other] = replace(segments[other], span_deg=rest)
+    left = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
+    segments[other] = replace(segments[other], span_deg=left)
     return replace(motion, segments=tuple(segments))
 
 
@@ -44,15 +44,15 @@ def with_rise(motion: Motion, index: int, rise: float) -> Motion:
     segments = list(motion.segments)
     segments[index] = replace(segments[index], rise=rise)
     others = [(index + k) % len(segments) for k in range(1, len(segments))]
-    return replace(motion, segments=_back_at_start(segments, others))
+    return replace(motion, segments=back_at_start(segments, others))
 
 
-def _back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
-    """The first segment that moves, of those in ``order``, brings the follower back."""
+def back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
+    """The segments, closed: the first segment that moves, of those in ``order``, brings the follower back."""
     for other in order:
-        if not _still(segments[other]):
-            rest = _rest(0.0, (s.rise for i, s in enumerate(segments) if i != other))
-            segments[other] = replace(segments[other], rise=rest)
+        if not still(segments[other]):
+            left = rest(0.0, (s.rise for i, s in enumerate(segments) if i != other))
+            segments[other] = replace(segments[other], rise=left)
             break
     return tuple(segments)
 
@@ -99,16 +99,17 @@ def without_segment(motion: Motion, index: int) -> Motion:
         return motion
     gone = segments.pop(index)
     heir = max(index - 1, 0)
-    rest = _rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
-    segments[heir] = replace(segments[heir], span_deg=rest)
+    left = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
+    segments[heir] = replace(segments[heir], span_deg=left)
     order = [(index + k) % len(segments) for k in range(len(segments))] if gone.rise else []
-    return replace(motion, segments=_back_at_start(segments, order))
+    return replace(motion, segments=back_at_start(segments, order))
 
 
 def insert_segment(design: SingleCam, index: int) -> SingleCam:
     """``with_segment_inserted`` in a design: what is assumed of the later segments moves along."""
     changed = with_section(design, "motion", with_segment_inserted(design.drive.motion, index))
-    return _renumbered(changed, lambda i: i if i <= index else i + 1)
+    old = range(len(design.drive.motion.segments))
+    return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
 
 
 def remove_segment(design: SingleCam, index: int) -> SingleCam:
@@ -117,20 +118,24 @@ def remove_segment(design: SingleCam, index: int) -> SingleCam:
     if motion is design.drive.motion:
         return design
     changed = with_section(design, "motion", motion)
-    return _renumbered(changed, lambda i: None if i == index else i if i < index else i - 1)
+    return with_marks_of(changed, [i for i in range(len(design.drive.motion.segments)) if i != index])
 
 
-def _renumbered(design: SingleCam, number: Callable[[int], int | None]) -> SingleCam:
-    """Assumed paths with each segment's new number; those of a segment that has none are dropped."""
-    kept = []
+def with_marks_of(design: SingleCam, before: Sequence[int | None]) -> SingleCam:
+    """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
+    of, had, None where it is new. What was assumed of segments that are gone is dropped."""
+    kept: dict[str, None] = {}
     for path in design.assumed:
         match = re.match(r"motion\.segments\[(\d+)\]", path)
-        new = number(int(match[1])) if match else None
         if match is None:
-            kept.append(path)
-        elif new is not None:
-            kept.append(f"motion.segments[{new}]{path[match.end() :]}")
-    return replace(design, assumed=tuple(kept))
+            kept[path] = None
+            continue
+        for new, old in enumerate(before):
+            if old == int(match[1]):
+                kept[f"motion.segments[{new}]{path[match.end() :]}"] = None
+    order = {path: i for i, path in enumerate(_all_paths(design))}
+    moved = iter(sorted((p for p in kept if p.startswith("motion.segments[")), key=lambda p: order.get(p, len(order))))
+    return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))
 
 
 def with_assumed(design: SingleCam, path: str, on: bool) -> SingleCam:
@@ -160,7 +165,8 @@ def with_layout(follower: CamSlider, layout: str) -> CamSlider:
     return replace(follower, layout=layout, pivot_x_mm=side)
 
 
-def _still(segment: Segment) -> bool:
+def still(segment: Segment) -> bool:
+    """A dwell, whose levels at both ends are one."""
     law = find_law(segment.curve.law)
     return law is not None and law.still
 

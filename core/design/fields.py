@@ -19,9 +19,10 @@ class Info:
     """What is known of one field.
 
     low, high  bounds of a number (``open_low``: low itself is excluded); no bound stated means ``LARGEST``
-    choices    bounds words
+    choices    bounds words, or a few numbers
     step       a sensible step of a spin box, 0 = by magnitude
     optional   may be None
+    whole      a number without a fraction
     """
 
     label: str
@@ -29,14 +30,15 @@ class Info:
     low: float = -LARGEST
     high: float = LARGEST
     open_low: bool = False
-    choices: tuple[str, ...] = ()
+    choices: tuple[Any, ...] = ()
     step: float = 0.0
     optional: bool = False
+    whole: bool = False
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
         if self.choices:
-            return " | ".join(self.choices)
+            return " | ".join(map(str, self.choices))
         symbol = f" {unit.symbol}" if unit.symbol else ""
         if self.low == -LARGEST and self.high == LARGEST:
             return f"any number{' of' + symbol if symbol else ''} up to +-{LARGEST:g}"
@@ -49,8 +51,10 @@ class Info:
             return value in self.choices
         if value is None:
             return self.optional
+        if self.whole and not isinstance(value, int):
+            return False
         above = value > self.low if self.open_low else value >= self.low
-        return bool(math.isfinite(value) and above and value <= self.high)
+        return bool(above and value <= self.high and math.isfinite(value))
 
 
 def number(
@@ -65,6 +69,12 @@ def number(
 ) -> Any:
     """A dataclass field for a number; its unit is told by its name."""
     info = Info(label, help, low, high, open_low, step=step, optional=default is None)
+    return dataclasses.field(default=default, metadata={_KEY: info})
+
+
+def whole(label: str, low: int, high: int, *, default: Any = dataclasses.MISSING, help: str = "") -> Any:
+    """A dataclass field for a number without a fraction."""
+    info = Info(label, help, low, high, step=1.0, whole=True)
     return dataclasses.field(default=default, metadata={_KEY: info})
 
 

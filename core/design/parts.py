@@ -31,6 +31,7 @@ class Scca:
     how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
 
     law: ClassVar[str] = "scca"
+    label: ClassVar[str] = "SCCA"
     cv_fraction: float = number("Constant velocity", 0.0, 0.99, default=0.0, step=0.05, help="fraction of the span")
     ramp_fraction: float = number("Sine ramp", 0.0, 1.0, default=0.25, step=0.05, help="fraction of the rest")
     flat_fraction: float = number(
@@ -52,6 +53,7 @@ class Polynomial:
     """The polynomial of least degree with the wanted ends."""
 
     law: ClassVar[str] = "polynomial"
+    label: ClassVar[str] = "Polynomial"
     start: End = End()
     end: End = End()
 
@@ -73,6 +75,7 @@ class Spline:
     starts and ends at rest where no point says otherwise."""
 
     law: ClassVar[str] = "spline"
+    label: ClassVar[str] = "Spline"
     points: tuple[Point, ...] = ()
 
 
@@ -170,9 +173,28 @@ Cam = RollerCam
 SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
 
 
+SPRINGS = ("fixed", "retuned")
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """What makes the camshaft flexible: a spring between the drive, which turns evenly, and the cam (Kim1990 Fig. 1).
+
+    ``spring``: the loads are the design's own, or Kim1990's valve spring, made anew for each speed.
+    """
+
+    camshaft_inertia_kg_m2: float = number(
+        "Camshaft inertia", 0.0, open_low=True, help="of cam and shaft on the cam's side of its flexible part"
+    )
+    stiffness_nm_per_rad: float = number("Shaft stiffness", 0.0, open_low=True, help="torque per angle of twist")
+    damping_ratio: float = number("Shaft damping ratio", 0.0, 0.99, default=0.0, step=0.005, help="of critical damping")
+    spring: str = choice("Spring", SPRINGS, default="fixed", help="retuned: Kim1990's, as stiff as each speed asks")
+    spring_factor: float = number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
+
+
 @dataclass(frozen=True)
 class Shaft:
-    """The camshaft: sense and speed of rotation, flywheel, motor."""
+    """The camshaft: sense and speed of rotation, flywheel, motor; ``elastic`` where it twists."""
 
     rotation: str = choice("Rotation", tuple(SENSES))
     speed_rpm: float = number("Speed", 0.0, 1e5, open_low=True, step=1.0)
@@ -183,6 +205,7 @@ class Shaft:
     motor_slope_nm_s_per_rad: float = number(
         "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
     )
+    elastic: Elastic | None = None
 
     @property
     def sense(self) -> float:
@@ -256,9 +279,6 @@ class SingleCam:
     shaft: Shaft
     drive: Drive
     assumed: tuple[str, ...] = ()
-
-
-Design = SingleCam
 
 
 @dataclass(frozen=True)

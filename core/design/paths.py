@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 from core.design.fields import Info, info_of
-from core.design.parts import Motion, Segment, SingleCam, curve_of
+from core.design.parts import Elastic, Motion, Segment, Shaft, SingleCam, curve_of
 from core.design.units import NO_UNIT, UNITS, Unit, split_unit
 
 SECTIONS = ("motion", "follower", "cam", "shaft", "loads")
@@ -43,11 +43,31 @@ def with_section(design: SingleCam, name: str, part: Any) -> SingleCam:
 def entries(design: SingleCam, name: str) -> Iterator[Entry]:
     """The entries of one table, in the order of the file; the motion's segments are walked too."""
     part = section(design, name)
-    yield from _part_entries(part, name, getattr(part, "unit", None))
-    if isinstance(part, Motion):
-        for i, segment in enumerate(part.segments):
-            yield from _part_entries(segment, f"{name}.segments[{i}]", part.unit)
-            yield from _part_entries(segment.curve, f"{name}.segments[{i}]", None)
+    yield from motion_entries(part) if isinstance(part, Motion) else _part_entries(part, name, None)
+    if isinstance(part, Shaft) and part.elastic is not None:
+        yield from _part_entries(part.elastic, name, None)
+
+
+def motion_entries(motion: Motion) -> Iterator[Entry]:
+    """The entries of a motion and its segments."""
+    yield from _part_entries(motion, "motion", motion.unit)
+    for i, segment in enumerate(motion.segments):
+        yield from _part_entries(segment, f"motion.segments[{i}]", motion.unit)
+        yield from _part_entries(segment.curve, f"motion.segments[{i}]", None)
+
+
+def motion_get(motion: Motion, path: str) -> Any:
+    """The value at a path below ``motion``. Raises KeyError where the path leads nowhere."""
+    return _walk(None, motion, _steps(path, motion.unit)[1:], path)
+
+
+def motion_put(motion: Motion, path: str, value: Any) -> Motion:
+    """The motion with the value at such a path replaced. Raises KeyError where the path leads nowhere."""
+    try:
+        changed: Motion = _put(motion, _steps(path, motion.unit)[1:], value, path)
+    except (IndexError, TypeError):
+        return _nowhere(path)
+    return changed
 
 
 def _part_entries(part: Any, path: str, motion_unit: str | None) -> Iterator[Entry]:
@@ -63,9 +83,12 @@ def _part_entries(part: Any, path: str, motion_unit: str | None) -> Iterator[Ent
 
 def get(design: SingleCam, path: str) -> Any:
     """The value at a path. Raises KeyError where the path leads nowhere."""
-    at: Any = None
+    return _walk(design, None, _steps(path, design.drive.motion.unit), path)
+
+
+def _walk(design: SingleCam | None, at: Any, steps: list[tuple[str, int | None]], path: str) -> Any:
     try:
-        for name, index in _steps(path, design.drive.motion.unit):
+        for name, index in steps:
             at = _child(design, at, name, path)
             if index is not None:
                 at = at[index]
@@ -86,6 +109,13 @@ def put(design: SingleCam, path: str, value: Any) -> SingleCam:
         return _nowhere(path)
 
 
+def with_elastic(design: SingleCam, elastic: Elastic | None) -> SingleCam:
+    """The design with a flexible shaft, or with a rigid one: then nothing is assumed of its elasticity any more."""
+    gone = {f"shaft.{name}" for name in _names(Elastic)} if elastic is None else set()
+    assumed = tuple(path for path in design.assumed if path not in gone)
+    return replace(with_section(design, "shaft", replace(design.shaft, elastic=elastic)), assumed=assumed)
+
+
 def _put(part: Any, steps: list[tuple[str, int | None]], value: Any, path: str) -> Any:
     if not steps:
         return value
@@ -94,6 +124,8 @@ def _put(part: Any, steps: list[tuple[str, int | None]], value: Any, path: str) 
         return replace(part, curve=curve_of(value))
     if isinstance(part, Segment) and name in _names(part.curve):  # a curve's keys stand in the segment's table
         return replace(part, curve=_put(part.curve, steps, value, path))
+    if isinstance(part, Shaft) and part.elastic is not None and name in _names(Elastic):
+        return replace(part, elastic=_put(part.elastic, steps, value, path))
     key = _field_name(part, name, path)
     if index is None:
         return replace(part, **{key: _put(getattr(part, key), rest, value, path)})
@@ -102,8 +134,8 @@ def _put(part: Any, steps: list[tuple[str, int | None]], value: Any, path: str) 
     return replace(part, **{key: tuple(items)})
 
 
-def _child(design: SingleCam, at: Any, name: str, path: str) -> Any:
-    if at is None:
+def _child(design: SingleCam | None, at: Any, name: str, path: str) -> Any:
+    if at is None and design is not None:
         if name in SECTIONS:
             return section(design, name)
         return getattr(design, name) if name in ("name", "assumed") else _nowhere(path)
@@ -111,6 +143,8 @@ def _child(design: SingleCam, at: Any, name: str, path: str) -> Any:
         return at.curve.law
     if isinstance(at, Segment) and name in _names(at.curve):
         return getattr(at.curve, name)
+    if isinstance(at, Shaft) and at.elastic is not None and name in _names(Elastic):
+        return getattr(at.elastic, name)
     return getattr(at, _field_name(at, name, path))
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.fields import field_faults
-from core.design.parts import CamSlider, Motion, Named, Scca, Segment, SingleCam, Spline
+from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Shaft, SingleCam, Spline
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
 
@@ -56,6 +56,12 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
 
 
+def _halves_can_be_stretched(curve: Named, segment: Segment, path: str) -> Iterator[Fault]:
+    law = find_law(curve.law)
+    if law is not None and curve.crossover != 0.5 and not law.symmetric:
+        yield Fault(f"{path}.crossover", curve.crossover, f"{law.slug} has no two halves alike", "0.5, or another law")
+
+
 def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
     total = curve.ramp_fraction + curve.flat_fraction
     if total > 1.0:
@@ -80,7 +86,7 @@ def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Itera
 
 
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
-    {Scca: _ramps_fit, Spline: _points_are_in_the_span}
+    {Named: _halves_can_be_stretched, Scca: _ramps_fit, Spline: _points_are_in_the_span}
 )
 
 
@@ -137,10 +143,17 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
         )
 
 
+def _elastic_part(shaft: Shaft, path: str) -> Iterator[Fault]:
+    """Its keys stand in the shaft's own table."""
+    if shaft.elastic is not None:
+        yield from field_faults(shaft.elastic, path)
+
+
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
         Motion: (_segment_faults, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
+        Shaft: (_elastic_part,),
     }
 )
 
@@ -159,8 +172,8 @@ def part_faults(part: Any, path: str) -> list[Fault]:
     return found
 
 
-def faults(design: SingleCam) -> list[Fault]:
-    """Every fault of a design, in the order of the file."""
+def single_cam_faults(design: SingleCam) -> list[Fault]:
+    """Every fault of a single cam, in the order of the file."""
     drive = design.drive
     parts = {
         "motion": drive.motion,

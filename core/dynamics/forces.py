@@ -7,13 +7,13 @@ Signs: a pair's force is the one on its outer side as named in the tables; F_c >
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.friction import GuideReaction, guide_reaction, limitless
+from core.dynamics.friction import GuideReaction, guide_reaction, jammed, limitless
 from core.dynamics.loading import Loading
 from core.train import REVOLUTE, SLIDING, Dyad, Pose, Train
 from core.vectors import cross, dot
@@ -55,11 +55,10 @@ class _Walk:
     def inertia_force(self, body: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """m(a - g) (n,), centre of mass (n,) and I α̈ (n,) of a body."""
         inertia, pose = self.loading.inertias[body], self.train.bodies[body]
-        centre = pose.at(inertia.centre)
         square = self.omega * self.omega
         return (
-            inertia.mass * (square * centre[2] - self.loading.gravity),
-            centre[0],
+            inertia.mass * (square * pose.derivative(inertia.centre, 2) - self.loading.gravity),
+            pose.derivative(inertia.centre, 0),
             inertia.about_centre * square * pose.angle[2],
         )
 
@@ -75,8 +74,8 @@ def _rod_and_slider(walk: _Walk, dyad: Dyad) -> None:
     train = walk.train
     rod, slider = dyad.bodies
     inner, outer, sliding = dyad.pairs
-    pin_b = train.bodies[rod].point(train.pairs[inner].point)[0]
-    pin_a = train.bodies[slider].point(train.pairs[outer].point)[0]
+    pin_b = train.bodies[rod].place(train.pairs[inner].point)
+    pin_a = train.bodies[slider].place(train.pairs[outer].point)
     axis = train.pairs[sliding].axis
     length = np.abs(pin_a - pin_b)
     along = (pin_a - pin_b) * axis.conjugate() / length  # e^{iβ} in the guide's frame
@@ -108,12 +107,12 @@ def _turning_follower(
     would count m r² twice. F_c from here, never from T_c, which is 0/0 in a dwell (25), (26)."""
     train = walk.train
     pair = train.pairs[train.ground]
-    pivot = body.point(pair.point)[0]
+    pivot = body.place(pair.point)
     mass_force, centre, spin = walk.inertia_force(pair.body)
     outer = np.zeros_like(reference)
     moment = -spin - cross(centre - pivot, mass_force)
     for point, force in walk.passed.items():
-        moment = moment + cross(body.point(point)[0] - pivot, force)
+        moment = moment + cross(body.place(point) - pivot, force)
         outer = outer + force
     contact = moment / cross(reference - pivot, normal)
     walk.pairs[train.ground] = mass_force - outer + contact * normal
@@ -159,6 +158,12 @@ def newton_euler(train: Train, shape: CamShape, loading: Loading, omega: float) 
         walk.pairs["bearing"] = -pressing
         torque = -shape.sense * cross(reference, pressing)
         assert walk.guide is not None
-        guide = GuideReaction(limitless(walk.guide.normal), limitless(walk.guide.friction), walk.guide.jam)
-        pairs = {name: limitless(force) for name, force in walk.pairs.items()}
-        return Forces(omega, pairs, limitless(contact), limitless(torque), limitless(follower), guide)
+        told = Forces(omega, walk.pairs, contact, torque, follower, walk.guide)
+        return _limitless(told) if jammed(walk.guide) else told
+
+
+def _limitless(told: Forces) -> Forces:
+    guide = replace(told.guide, normal=limitless(told.guide.normal), friction=limitless(told.guide.friction))
+    pairs = {name: limitless(force) for name, force in told.pairs.items()}
+    contact, torque, follower = (limitless(f) for f in (told.contact, told.torque, told.follower_torque))
+    return Forces(told.omega, pairs, contact, torque, follower, guide)

@@ -35,6 +35,11 @@ class GuideReaction:
     jam: np.ndarray
 
 
+def jammed(guide: GuideReaction) -> bool:
+    """Whether the force is without limit anywhere."""
+    return bool((np.abs(guide.normal) > _BEYOND).any())
+
+
 def guide_reaction(frictionless: np.ndarray, way: np.ndarray, slope: np.ndarray, coefficient: float) -> GuideReaction:
     """Solves N + μ sgn(L̇) slope |N| = N0.
 
@@ -46,6 +51,8 @@ def guide_reaction(frictionless: np.ndarray, way: np.ndarray, slope: np.ndarray,
     one; τ <= -1 has none: the guide jams and the force grows without limit. It is ``JAMMED`` then, so that what
     follows from it keeps its sign; ``limitless`` makes it infinite in the end.
     """
+    if coefficient == 0.0:
+        return GuideReaction(frictionless, np.zeros_like(frictionless), np.zeros_like(frictionless))
     tau = coefficient * way * slope * np.sign(frictionless)
     with np.errstate(divide="ignore", invalid="ignore"):
         normal = np.where(tau > -1.0, frictionless / (1.0 + tau), np.copysign(JAMMED, frictionless))

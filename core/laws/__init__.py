@@ -1,7 +1,7 @@
 """Motion laws as one table walked by one evaluator."""
 
 from core.laws.peaks import Peaks, peaks, peaks_of
-from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, integrate
+from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, integrate, runs_of
 from core.laws.polynomial import NoSpline, hermite, least_jerk
 from core.laws.shapes import asymmetric, cut
 from core.laws.table import ALIASES, LAWS, Law, find_law, scca
@@ -25,5 +25,6 @@ __all__ = [
     "least_jerk",
     "peaks",
     "peaks_of",
+    "runs_of",
     "scca",
 ]

@@ -8,6 +8,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -103,7 +105,29 @@ class PieceTable:
 
     def evaluate(self, index: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Value and three derivatives by w at ``w`` (n,) of the pieces ``index`` (n,): shape (4, n)."""
+        runs = runs_of(index)
         out = np.empty((ORDERS, w.size))
+        if runs is None:
+            self._anywhere(index, w, out)
+        else:
+            for piece, part in runs:
+                self.along(piece, w[part], out[:, part])
+        return out
+
+    def along(self, piece: int, w: np.ndarray, out: np.ndarray) -> None:
+        """The same on one piece, into ``out`` (4, n)."""
+        for order, powers in enumerate(self._powers[piece]):
+            total = out[order]
+            total.fill(powers[-1])
+            for c in powers[-2::-1]:
+                total *= w
+                total += c
+        for a, f, phase in self._waves[piece]:
+            angle = f * w + phase
+            sin, cos = a * np.sin(angle), a * np.cos(angle)
+            _add_wave(f, sin, cos, out)
+
+    def _anywhere(self, index: np.ndarray, w: np.ndarray, out: np.ndarray) -> None:
         for order, rows in enumerate(self.derivatives):
             taken = rows[:, index]
             total = taken[-1].copy()
@@ -114,10 +138,39 @@ class PieceTable:
         for amplitude, frequency, phase in zip(*self.sines, strict=True):
             a, f = amplitude[index], frequency[index]
             angle = f * w + phase[index]
-            sin, cos = a * np.sin(angle), a * np.cos(angle)
-            out[0] += sin
-            out[1] += f * cos
-            f2 = f * f
-            out[2] -= f2 * sin
-            out[3] -= f2 * f * cos
-        return out
+            _add_wave(f, a * np.sin(angle), a * np.cos(angle), out)
+
+    @cached_property
+    def _powers(self) -> list[list[list[float]]]:
+        """Of each piece and order the coefficients, none of them a leading 0."""
+        return [
+            [np.trim_zeros(rows[:, i], "b").tolist() or [0.0] for rows in self.derivatives]
+            for i in range(self.derivatives[0].shape[1])
+        ]
+
+    @cached_property
+    def _waves(self) -> list[list[list[float]]]:
+        """Of each piece amplitude, frequency and phase of its sines."""
+        return [[q.tolist() for q in self.sines[:, :, i].T if q[0]] for i in range(self.sines.shape[2])]
+
+
+def _add_wave(f: np.ndarray | float, sin: np.ndarray, cos: np.ndarray, out: np.ndarray) -> None:
+    """A sine of amplitude times sin, cos and of frequency f, added with its derivatives to ``out`` (4, n)."""
+    out[0] += sin
+    out[1] += f * cos
+    f2 = f * f
+    out[2] -= f2 * sin
+    out[3] -= f2 * f * cos
+
+
+_RUN = 100  # as many cam angles cost as much as one more pass over a piece
+
+
+def runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
+    """The stretches of an index (n,) that stay on one piece: piece and where; None where they are too short to be worth
+    a pass each."""
+    cuts = np.flatnonzero(index[1:] != index[:-1]) + 1
+    if cuts.size > index.size // _RUN:
+        return None
+    ends = [0, *cuts.tolist(), index.size]
+    return [(int(index[a]), slice(a, b)) for a, b in pairwise(ends) if b > a]

@@ -9,10 +9,14 @@ import numpy as np
 
 from core.errors import KindynaError
 from core.laws.pieces import Piece
+from core.laws.ring import STATES, quintics, states
 
 
 class NoSpline(KindynaError):
     """The points of a spline contradict each other."""
+
+
+CLOSEST = 1e-9  # distance of two knots of a spline, of its span
 
 
 def hermite(start: Sequence[float], end: Sequence[float]) -> tuple[float, ...]:
@@ -42,9 +46,6 @@ def _from_end(values: Sequence[float], other: int) -> np.ndarray:
     return np.convolve(head, fall)
 
 
-_DEGREE = 5  # a minimiser of ∫ jerk² is of this degree between its knots
-
-
 def least_jerk(
     knots: Sequence[float], conditions: Sequence[tuple[float, int, float]], periodic: bool
 ) -> tuple[Piece, ...]:
@@ -54,63 +55,34 @@ def least_jerk(
     conditions  (place, order 0...2, value)
     periodic    s, s', s'' join from 1 to 0
 
-    One linear system: the energy's gradient and the conditions' multipliers (Karush-Kuhn-Tucker). Raises NoSpline
-    where conditions contradict each other.
+    Least squares over the states s, s', s'' at the knots (``core.laws.ring``), in time proportional to their number.
+    Its error is that of conditions rounded to the last digit, times (longest over shortest distance of knots)^(5/2) at
+    worst. Raises NoSpline where conditions contradict each other or leave the curve free, or knots are too close.
     """
     u = np.asarray(knots, dtype=float)
-    m, n = u.size - 1, _DEGREE + 1
     h = np.diff(u)
-    hessian = np.zeros((m * n, m * n))
-    for i in range(m):
-        hessian[i * n : (i + 1) * n, i * n : (i + 1) * n] = _energy() / h[i] ** 5
-    rows: list[np.ndarray] = []
-    wanted: list[float] = []
-
-    def row(piece: int, end: int, order: int) -> np.ndarray:
-        made = np.zeros(m * n)
-        made[piece * n : (piece + 1) * n] = _derivative_row(end, order) / h[piece] ** order
-        return made
-
-    joins = [(i, i + 1) for i in range(m - 1)] + ([(m - 1, 0)] if periodic else [])
-    for a, b in joins:
-        for order in range(3):
-            scale = min(h[a], h[b]) ** order
-            rows.append((row(a, 1, order) - row(b, 0, order)) * scale)
-            wanted.append(0.0)
+    if h.min() < CLOSEST:
+        raise NoSpline(
+            f"motion.segments: two points of the spline are less than {CLOSEST:g} of its span apart; move one"
+        )
+    around = h if periodic else np.append(h, 0.0)
+    known, fixed = np.zeros((around.size, STATES, 1)), np.zeros((around.size, STATES), dtype=bool)
+    size = max([1.0, *(abs(value) for _, _, value in conditions)])
     for place, order, value in conditions:
-        k = int(np.argmin(np.abs(u - place)))
-        piece, end = (k, 0) if k < m else (k - 1, 1)
-        scale = h[piece] ** order
-        rows.append(row(piece, end, order) * scale)
-        wanted.append(value * scale)
-    equations, right_sides = np.array(rows), np.array(wanted)
-    weight = 1.0 / max(float(np.abs(hessian).max()), 1.0)
-    system = np.block([[hessian * weight, equations.T], [equations, np.zeros((len(rows), len(rows)))]])
-    right = np.concatenate((np.zeros(m * n), right_sides))
-    solved = np.linalg.lstsq(system, right, rcond=None)[0]
-    solved -= np.linalg.lstsq(system, system @ solved - right, rcond=None)[0]  # one step of refinement
-    coefficients = solved[: m * n].reshape(m, n)
-    missed = np.abs(equations @ solved[: m * n] - right_sides).max(initial=0.0)
-    if missed > 1e-8 * max(1.0, float(np.abs(right_sides).max(initial=0.0))):
-        raise NoSpline("motion.segments: the points of the spline contradict each other; remove one")
-    return tuple(
-        Piece(float(u[i]), tuple(float(c) / float(h[i]) ** k for k, c in enumerate(coefficients[i]))) for i in range(m)
-    )
+        k = _nearest(u, place) % around.size
+        if fixed[k, order] and abs(known[k, order, 0] - value) > 1e-8 * size:
+            raise NoSpline("motion.segments: the points of the spline contradict each other; remove one")
+        known[k, order], fixed[k, order] = value, True
+    nothing = np.zeros_like(known)
+    try:
+        at = states(around, known, fixed, np.zeros(fixed.shape), nothing)
+    except np.linalg.LinAlgError:
+        raise NoSpline("motion.segments: the points leave the spline free; add one with a value") from None
+    rows = quintics(h, at[: h.size], np.roll(at, -1, axis=0)[: h.size])[:, :, 0].tolist()
+    return tuple(Piece(start, tuple(row)) for start, row in zip(u[:-1].tolist(), rows, strict=True))
 
 
-def _energy() -> np.ndarray:
-    """∫ of products of third derivatives of 1, x, ... x^5 over 0...1."""
-    n = _DEGREE + 1
-    made = np.zeros((n, n))
-    for i in range(3, n):
-        for j in range(3, n):
-            made[i, j] = factorial(i) / factorial(i - 3) * factorial(j) / factorial(j - 3) / (i + j - 5)
-    return made
-
-
-def _derivative_row(end: int, order: int) -> np.ndarray:
-    """Derivative of 1, x, ... x^5 at x = 0 or 1."""
-    n = _DEGREE + 1
-    if end == 0:
-        return np.array([float(factorial(order)) if k == order else 0.0 for k in range(n)])
-    return np.array([factorial(k) / factorial(k - order) if k >= order else 0.0 for k in range(n)])
+def _nearest(u: np.ndarray, place: float) -> int:
+    """The knot at a place."""
+    k = int(np.searchsorted(u, place))
+    return k - 1 if k == u.size or (k > 0 and place - u[k - 1] < u[k] - place) else k

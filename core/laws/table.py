@@ -42,6 +42,12 @@ class Law:
         index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
         return self._table.evaluate(index, u - starts[index])
 
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether s(u) + s(1-u) = 1, so that its two halves may be stretched: an asymmetric law is made of such."""
+        u = np.linspace(0.0, 1.0, 9)
+        return not self.still and bool(np.abs(self(u)[0] + self(1.0 - u)[0] - 1.0).max() < 1e-12)
+
 
 def _one(*polynomial: float, sines: tuple[Sine, ...] = ()) -> tuple[Piece, ...]:
     return (Piece(0.0, polynomial, sines),)
@@ -189,6 +195,23 @@ LAWS: Mapping[str, Law] = MappingProxyType({row.slug: row for row in _ROWS})
 ALIASES: Mapping[str, str] = MappingProxyType(
     {"harmonic": "simple-harmonic", "polynomial-3-4-5": "3-4-5", "polynomial-4-5-6-7": "4-5-6-7"}
 )
+
+
+SHORT: Mapping[str, str] = MappingProxyType(
+    {
+        "dwell": "D", "constant-velocity": "CV", "parabolic": "CA", "simple-harmonic": "SH", "double-harmonic": "DH",
+        "cycloidal": "CYC", "modified-sine": "MS", "modified-trapezoid": "MT", "mcv20": "MCV20", "mcv33": "MCV33",
+        "mcv50": "MCV50", "mcv66": "MCV66", "2-3": "23", "3-4-5": "345", "4-5-6-7": "4567",
+        "5-6-7-8-9": "56789", "freudenstein-1-3": "F1-3", "freudenstein-1-3-5": "F1-5", "gutman-1-3": "G1-3",
+        "scca": "SCCA", "polynomial": "P", "spline": "SP",
+    }
+)  # fmt: skip
+"""Slug -> the handbooks' abbreviation, for where there is little room; Yang's curves go by their slugs."""
+
+
+def short_name(slug: str) -> str:
+    """The shortest name of a law or of a curve with keys of its own."""
+    return SHORT.get(ALIASES.get(slug, slug), slug.upper())
 
 
 def find_law(name: str) -> Law | None:

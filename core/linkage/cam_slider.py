@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 
@@ -51,40 +52,60 @@ def _require_triangle(g: SI, solved: RodAndArm, motion: MotionState) -> None:
 
 
 def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm) -> Train:
-    slider, phi, beta, n = solved.slider, solved.phi, solved.beta, motion.theta.size
-    pivot, along = complex(g.pivot_x, g.pivot_y), np.exp(1j * g.guide_angle)
-    still = np.zeros((4, n), dtype=complex)
-    still[0] = pivot
-    arm_angle, rod_angle, roller_angle = phi.copy(), beta.copy(), phi.copy()
-    arm_angle[0] += g.guide_angle
-    rod_angle[0] += g.guide_angle
-    roller_angle[0] += g.fixed_angle + g.guide_angle
-    pin = turning(g.slider_arm * unit(arm_angle[0]), arm_angle)
-    pin[0] += pivot
-    roller = turning(g.roller_arm * unit(roller_angle[0]), roller_angle)
-    travel = 1j * roller[0] / g.roller_arm
-    roller[0] += pivot
-    place = motion.y * along
-    place[0] = pivot + (slider + 1j * g.guide_height) * along
-    guide_angle = np.zeros((4, n))
-    guide_angle[0] = g.guide_angle
+    slider, n = solved.slider, motion.theta.size
+    pivot, along = complex(g.pivot_x, g.pivot_y), complex(np.exp(1j * g.guide_angle))
+    arm, rod = solved.arm * along, solved.rod * along
+    ahead = complex(np.exp(1j * g.fixed_angle))
+    roller = arm * ahead
+    swing = cache(lambda: turning(arm, solved.phi_rates))
+
+    def carried(place: complex) -> np.ndarray:
+        """A point of the arm, with three derivatives."""
+        z = place * swing()
+        z[0] += pivot
+        return z
+
+    def place() -> np.ndarray:
+        return pivot + (slider + 1j * g.guide_height) * along
+
     bodies = {
         "arm": Pose(
-            still,
-            arm_angle,
+            _still(pivot, n),
+            lambda: _ahead(solved.phi, g.guide_angle),
             {"pivot": 0j, "arm_pin": complex(g.slider_arm), "roller": _polar(g.roller_arm, g.fixed_angle)},
+            arm,
         ),
-        "rod": Pose(pin, rod_angle, {"arm_pin": 0j, "slider_pin": complex(g.rod)}),
-        "slider": Pose(place, guide_angle, {"slider_pin": 0j}),
-        "roller": Pose(roller, roller_angle, {"roller": 0j}),
+        "rod": Pose(
+            lambda: carried(g.slider_arm),
+            lambda: _ahead(solved.beta, g.guide_angle),
+            {"arm_pin": 0j, "slider_pin": complex(g.rod)},
+            rod,
+        ),
+        "slider": Pose(
+            lambda: _first(place(), motion.y * along),
+            _still(g.guide_angle, n),
+            {"slider_pin": 0j},
+        ),
+        "roller": Pose(
+            lambda: carried(g.roller_arm * ahead),
+            lambda: _ahead(solved.phi, g.fixed_angle + g.guide_angle),
+            {"roller": 0j},
+            roller,
+        ),
     }
     pairs = {
         "pivot": Pair(REVOLUTE, FRAME, "arm", "pivot"),
         "arm_pin": Pair(REVOLUTE, "arm", "rod", "arm_pin"),
         "slider_pin": Pair(REVOLUTE, "rod", "slider", "slider_pin"),
-        "guide": Pair(SLIDING, FRAME, "slider", "slider_pin", complex(along)),
+        "guide": Pair(SLIDING, FRAME, "slider", "slider_pin", along),
     }
-    size = g.slider_arm + g.rod + abs(g.guide_height)
+
+    def closure() -> np.ndarray:
+        """By the angles, as they stand in tables: the triangle's own vectors close by themselves."""
+        pin = pivot + g.slider_arm * unit(bodies["arm"].angle[0])
+        size = g.slider_arm + g.rod + abs(g.guide_height)
+        return np.abs(pin + g.rod * unit(bodies["rod"].angle[0]) - place()) / size
+
     return Train(
         motion=motion,
         bodies=bodies,
@@ -93,28 +114,40 @@ def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm)
         output="slider",
         follower_body="roller",
         ground="pivot",
-        travel=travel,
-        coordinates={"slider_position": _shifted(motion.y, slider), "phi": phi, "beta": beta},
+        travel=lambda: 1j * roller,
+        coordinates=lambda: {"slider_position": _first(slider, motion.y.copy()), "phi": solved.phi, "beta": solved.beta},
         base={
             "slider": (base.slider, "mm"),
             "phi": (base.phi, "deg"),
             "alpha": (base.alpha, "deg"),
             "beta": (base.beta, "deg"),
         },
-        residual=np.abs(bodies["rod"].point("slider_pin")[0] - place[0]) / size,
-        condition=4.0 * (1.0 + (solved.square + g.slider_arm**2 + g.rod**2) / solved.area),
-        singular={
+        residual=closure,
+        condition=lambda: 4.0 * (1.0 + (solved.square + g.slider_arm**2 + g.rod**2) / solved.area),
+        singular=lambda: {
             "dead-centre": solved.area / (2.0 * g.slider_arm * g.rod),
-            "rod-across-guide": np.abs(np.cos(beta[0])),
+            "rod-across-guide": np.abs(solved.rod.real),
         },
     )
 
 
+def _still(value: complex, n: int) -> np.ndarray:
+    """What never changes (4, n), which takes no memory."""
+    rows = np.zeros((4, 1), dtype=type(value))
+    rows[0] = value
+    return np.broadcast_to(rows, (4, n))
+
+
+def _first(value: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows (4, n) whose first is this value."""
+    rows[0] = value
+    return rows
+
+
+def _ahead(angle: np.ndarray, by: float) -> np.ndarray:
+    """An angle (4, n) that is ahead by a fixed one."""
+    return _first(angle[0] + by, angle.copy()) if by else angle
+
+
 def _polar(radius: float, angle: float) -> complex:
     return complex(radius * math.cos(angle), radius * math.sin(angle))
-
-
-def _shifted(y: np.ndarray, value: np.ndarray) -> np.ndarray:
-    out = y.copy()
-    out[0] = value
-    return out

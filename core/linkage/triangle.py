@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -13,16 +14,28 @@ def area4(r: np.ndarray, a: float, b: float) -> np.ndarray:
     Sorted A >= B >= C: K = sqrt((A+(B+C))(C-(A-B))(C+(A-B))(A+(B-C))). Kahan, Miscalculating Area and Angles of a
     Needle-like Triangle. A single factor, C-(A-B), turns negative where the sides do not meet.
     """
+    return area4_and_room(r, a, b)[0]
+
+
+def area4_and_room(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
+    """K as ``area4`` gives it, and C-(A-B) (n,): what is left before the sides no longer meet, negative where K is NaN."""
     low, high = min(a, b), max(a, b)
     big, mid, small = np.maximum(r, high), np.clip(r, low, high), np.minimum(r, low)
+    product = _square(small, mid, big)
+    return np.sqrt(np.where(product < 0.0, np.nan, product)), small - (big - mid)
+
+
+def _square(small: Any, mid: Any, big: Any) -> Any:
+    """K² for sides that are sorted."""
     gap = big - mid
-    product = (big + (mid + small)) * (small - gap) * (small + gap) * (big + (mid - small))
-    return np.sqrt(np.where(product < 0.0, np.nan, product))
+    return (big + (mid + small)) * (small - gap) * (small + gap) * (big + (mid - small))
 
 
 def area4_of(a: float, b: float, c: float) -> float:
     """The same for three plain lengths; NaN where they make no triangle."""
-    return float(area4(np.array([a]), b, c)[0])
+    small, mid, big = sorted((a, b, c))
+    product = _square(small, mid, big)
+    return math.sqrt(product) if product >= 0.0 else math.nan
 
 
 def opposite_angle(a: float, b: float, c: float) -> float:

@@ -8,11 +8,12 @@ from typing import Any
 
 import tomli_w
 
-from core.design import Design
+from core.design import Design, LinkageDesign
 from core.errors import MISSING, DesignError, Fault
 from core.files import AnyPath, read_text, write
+from core.project.linkage_writing import linkage_tables, section_text
 from core.project.reading import from_table
-from core.project.writing import to_table
+from core.project.writing import linkage_head, to_table
 
 __all__ = ["dumps", "from_table", "load", "loads", "save", "to_table"]
 
@@ -42,7 +43,14 @@ def save(design: Design, path: AnyPath) -> None:
 
 def dumps(design: Design) -> str:
     """The file's text: keys in the order of the contract, every number with all its digits."""
-    text = tomli_w.dumps(to_table(design), indent=_WIDE)
+    if isinstance(design, LinkageDesign):
+        sections = (section_text(name, table) for name, table in linkage_tables(design).items())
+        return _text(linkage_head(design)) + "".join(sections)
+    return _text(to_table(design))
+
+
+def _text(table: dict[str, Any]) -> str:
+    text = tomli_w.dumps(table, indent=_WIDE)
     return re.sub(rf"(?m)^(?: {{{_WIDE}}})+", lambda indent: " " * (4 * len(indent[0]) // _WIDE), text)
 
 

@@ -13,7 +13,21 @@ from typing import Any, get_type_hints
 from cattrs import Converter, override
 from cattrs.gen import make_dict_structure_fn, make_dict_unstructure_fn
 
-from core.design import CURVES, Curve, End, Info, Loads, Motion, Named, Point, Segment, info_of, split_unit
+from core.design import (
+    CURVES,
+    Curve,
+    Elastic,
+    End,
+    Info,
+    Loads,
+    Motion,
+    Named,
+    Point,
+    Segment,
+    Shaft,
+    info_of,
+    split_unit,
+)
 from core.laws import LAWS, find_law
 
 Hook = Callable[[Any, Any], Any]
@@ -28,6 +42,8 @@ class _NoWord(str):
 NO_NUMBER = float("nan")
 NO_WORD = _NoWord()
 
+_ELASTIC_KEYS = tuple(f.name for f in fields(Elastic))
+_ELASTIC = "stiffness_nm_per_rad"  # under this one of them the others are gathered
 _IN_MOTION_UNIT = ((Motion, "start"), (Segment, "rise"))
 _LOADS_LAST = (
     "friction",
@@ -55,6 +71,8 @@ def keys_of(part: type, unit: str) -> Mapping[str, str]:
         del keys["unit"]
     if part is Segment:
         keys["curve"] = "law"
+    if part is Shaft:
+        keys["elastic"] = _ELASTIC
     return MappingProxyType(keys)
 
 
@@ -109,6 +127,8 @@ def _reader(part: type, made: Converter, unit: str, strict: bool) -> Hook:
         table = _table(value, strict)
         if part is Segment:
             table = _with_curve(table, keys["rise"], strict)
+        if part is Shaft:
+            table = _with_elastic(table)
         read_part = build({**holes, **table}, part)
         return replace(read_part, unit=unit) if isinstance(read_part, Motion) else read_part
 
@@ -135,6 +155,13 @@ def _with_curve(table: Mapping[str, Any], rise: str, strict: bool) -> dict[str, 
     return gathered
 
 
+def _with_elastic(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A shaft's table with the keys of its elasticity gathered; there is none where none of them is said."""
+    gathered = {key: value for key, value in table.items() if key not in _ELASTIC_KEYS}
+    own = {key: value for key, value in table.items() if key in _ELASTIC_KEYS}
+    return {**gathered, _ELASTIC: own} if own else gathered
+
+
 def _entry(info: Info | None, expected: Any, key: str, made: Converter, strict: bool) -> Hook:
     """The hook of one field."""
     if info is not None and not info.choices:
@@ -145,6 +172,8 @@ def _entry(info: Info | None, expected: Any, key: str, made: Converter, strict: 
         return _list(made.get_structure_hook(expected), strict)
     if expected == Curve:
         return lambda value, _: made.structure(value[1], value[0])
+    if expected == Elastic | None:
+        return lambda value, _: made.structure(value, Elastic)
     return lambda value, _: made.structure(value, expected)  # a table within the table
 
 
@@ -199,9 +228,13 @@ def _writer(part: type, made: Converter, unit: str) -> Callable[[Any], dict[str,
     }
     if part is Segment:
         overrides["curve"] = override(rename="law", unstruct_hook=made.unstructure)
+    if part is Shaft:
+        overrides["elastic"] = override(rename=_ELASTIC, unstruct_hook=lambda e: e and made.unstructure(e))
     unstructure: Callable[[Any], dict[str, Any]] = make_dict_unstructure_fn(part, made, **overrides)
     if part is Segment:
         return lambda segment: _without_curve(segment, unstructure(segment), keys["rise"])
+    if part is Shaft:
+        return lambda shaft: _without_elastic(unstructure(shaft))
     if part in (End, Point):
         return lambda value: {k: v for k, v in unstructure(value).items() if v is not None}
     if issubclass(part, Loads):
@@ -216,6 +249,11 @@ def _without_curve(segment: Segment, table: dict[str, Any], rise: str) -> dict[s
     if law is not None and law.still and str(segment.rise) == "0.0":
         del table[rise]
     return {"law": slug or curve.pop("law"), **table, **_said(curve, segment.curve)}
+
+
+def _without_elastic(table: dict[str, Any]) -> dict[str, Any]:
+    own = table.pop(_ELASTIC)
+    return {**table, **(own or {})}
 
 
 def _said(table: dict[str, Any], curve: Any) -> dict[str, Any]:

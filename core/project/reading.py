@@ -13,6 +13,7 @@ from core.design import (
     FOLLOWER_KINDS,
     Design,
     Drive,
+    Elastic,
     FollowerKind,
     Motion,
     Named,
@@ -24,6 +25,7 @@ from core.design import (
 from core.design.paths import SECTIONS
 from core.errors import DesignError, Fault
 from core.project.hooks import NO_NUMBER, NO_WORD, converter, keys_of, required_keys
+from core.project.linkage_reading import linkage_from_table
 from core.project.telling import did_you_mean, faults_of, hinted, missing, nearest, spelled, unknown_key
 from core.project.writing import FORMAT
 
@@ -36,6 +38,11 @@ _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 def from_table(table: Mapping[str, Any]) -> Design:
     """The design in the tables of a file. Raises DesignError with all faults."""
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
+    if next((kind for kind in _KINDS if kind in table), "") == "linkage":
+        design, told = linkage_from_table(table, lambda at, unit: _read(at, "motion", Motion, unit))
+        if found or told:
+            raise DesignError([*found, *told])
+        return design
     parts: dict[str, Any] = {}
     if "follower" in table or not any(kind in table for kind in _KINDS):
         row, told = _follower_kind(table)
@@ -73,8 +80,8 @@ def _kind_faults(table: Mapping[str, Any]) -> Iterator[Fault]:
     there = [kind for kind in _KINDS if kind in table]
     if not there:
         yield missing("follower", _ONE_KIND)
-    elif there[0] != "follower":
-        yield Fault(there[0], table[there[0]], "this kind of design is not supported yet", "[follower]")
+    elif there[0] == "drives":
+        yield Fault(there[0], table[there[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
     for other in there[1:]:
         yield Fault(other, table[other], f"stands beside {there[0]}, but a design is of one kind", _ONE_KIND)
 
@@ -91,7 +98,7 @@ def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: st
         yield Fault("assumed", paths, "must be a list of field paths")
         return
     segments = table["motion"].get("segments") if isinstance(table.get("motion"), Mapping) else None
-    known = _field_paths(row, unit, len(segments) if isinstance(segments, list | tuple) else 0)
+    known = _field_paths(row, unit, len(segments) if isinstance(segments, list | tuple) else 0, _is_elastic(table))
     sure = {path.partition(".")[0] for path in known}  # without the others' kind nothing is known of them
     for i, path in enumerate(paths):
         if not isinstance(path, str):
@@ -105,10 +112,17 @@ def _curve_keys() -> list[str]:
     return [f.name for curve in (Named, *CURVES.values()) for f in dataclasses.fields(curve) if f.name != "law"]
 
 
-def _field_paths(row: FollowerKind | None, unit: str, segments: int) -> dict[str, None]:
+def _is_elastic(table: Mapping[str, Any]) -> bool:
+    shaft = table.get("shaft")
+    return isinstance(shaft, Mapping) and any(f.name in shaft for f in dataclasses.fields(Elastic))
+
+
+def _field_paths(row: FollowerKind | None, unit: str, segments: int, elastic: bool) -> dict[str, None]:
     """Every path that may be assumed, in the order of the file."""
     parts = {name: part for name, part in _parts(row).items() if part}
-    paths = [f"{name}.{key}" for name, part in parts.items() for key in keys_of(part, unit).values()]
+    paths = [f"{name}.{key}" for name, part in parts.items() for field, key in keys_of(part, unit).items() if field != "elastic"]
+    if elastic:
+        paths += [f"shaft.{f.name}" for f in dataclasses.fields(Elastic)]
     for i in range(segments):
         paths += [f"motion.segments[{i}].{key}" for key in (*keys_of(Segment, unit).values(), *_curve_keys())]
     return {path: None for path in paths if path != "motion.segments"}

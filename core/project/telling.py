@@ -12,7 +12,7 @@ from typing import Any
 
 from cattrs import ClassValidationError, ForbiddenExtraKeysError, IterableValidationError
 
-from core.design import split_unit
+from core.design import Elastic, split_unit
 from core.errors import MISSING, Fault
 from core.project.hooks import Wrong, allowed_in, curve_type, keys_of
 
@@ -38,13 +38,15 @@ def _faults_of_part(error: ClassValidationError, path: str, at: Any, unit: str) 
     with_place, others = error.group_exceptions()
     for inner, place in with_place:
         key = keys[place.name]
-        if place.name == "curve":  # its keys stand in the segment's own table
+        if place.name in ("curve", "elastic"):  # its keys stand in the table of the whole
             yield from faults_of(inner, path, at, unit)
         elif not isinstance(inner, KeyError):
             yield from faults_of(inner, f"{path}.{key}", at[key], unit)
         elif not any(_stem(other) == _stem(key) for other in at):  # else told as a wrong unit
             yield missing(f"{path}.{key}", allowed_in(error.cl, place.name, key))
     known = list(keys.values())
+    if "elastic" in keys:
+        known += [f.name for f in dataclasses.fields(Elastic) if f.name not in known]
     if "curve" in keys:
         known += [f.name for f in dataclasses.fields(curve_type(at.get("law"))) if f.name not in known]
     for inner in others:

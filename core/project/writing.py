@@ -4,21 +4,37 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, kind_of
+from core.design import FOLLOWER_KINDS, Design, LinkageDesign, kind_of
 from core.design.paths import SECTIONS, section
 from core.project.hooks import converter
+from core.project.linkage_writing import linkage_tables
 
 FORMAT = 1
 
 
 def to_table(design: Design) -> dict[str, Any]:
     """The tables of the file."""
+    if isinstance(design, LinkageDesign):
+        return {**linkage_head(design), **linkage_tables(design)}
     kind = kind_of(design.drive.follower)
     made = converter(FOLLOWER_KINDS[kind].motion_unit)
-    table: dict[str, Any] = {"format": FORMAT, "name": design.name}
-    if design.assumed:
-        table["assumed"] = list(design.assumed)
+    table = _head(design)
     for name in SECTIONS:
         table[name] = made.unstructure(section(design, name))
     table["follower"] = {"kind": kind, **table["follower"]}
+    return table
+
+
+def linkage_head(design: LinkageDesign) -> dict[str, Any]:
+    """What stands before [linkage]: head and motion."""
+    table = _head(design)
+    if design.motion is not None:
+        table["motion"] = converter(design.motion.unit).unstructure(design.motion)
+    return table
+
+
+def _head(design: Design) -> dict[str, Any]:
+    table: dict[str, Any] = {"format": FORMAT, "name": design.name}
+    if design.assumed:
+        table["assumed"] = list(design.assumed)
     return table

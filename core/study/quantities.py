@@ -13,7 +13,7 @@ from core.design import FOLLOWER_KINDS
 from core.errors import NoAnswer
 
 if TYPE_CHECKING:
-    from core.study.study import Study
+    from core.study.base import Study
 
 ALL_KINDS = frozenset(FOLLOWER_KINDS)
 SLIDER = frozenset({"cam-slider"})

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable, Mapping
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Hashable
 from functools import lru_cache, wraps
 from typing import Any
 
 import numpy as np
 
 from core.cam import CamShape, envelope
-from core.design import Cam, Follower, Loads, Motion
+from core.design import Cam, Elastic, Follower, Loads, Motion, si
 from core.dynamics import Forces, Loading, loading_of, newton_euler
+from core.errors import NoStability
+from core.keeping import locked
 from core.linkage import train_of
 from core.motion import Angles, MotionState, degrees, program
+from core.stability import Coefficients, Stability, coefficients, stability
 from core.train import Train
 
 KEPT = 24  # results of a stage that are kept, so that undo computes nothing
@@ -29,27 +31,11 @@ def remembered(function: Callable[..., Any]) -> Any:
 
     @wraps(function)
     def locking(*parts: Any) -> Any:
-        return _locked(function(*parts))
+        return locked(function(*parts))
 
     cached = lru_cache(maxsize=KEPT)(locking)
     _caches.append(cached)
     return cached
-
-
-def _locked(value: Any) -> Any:
-    """The value, every array in it read-only from now on."""
-    if isinstance(value, np.ndarray):
-        value.flags.writeable = False
-    elif isinstance(value, Mapping):
-        for part in value.values():
-            _locked(part)
-    elif isinstance(value, tuple):
-        for part in value:
-            _locked(part)
-    elif is_dataclass(value):
-        for field in fields(value):
-            _locked(getattr(value, field.name))
-    return value
 
 
 def stage(name: str) -> Callable[[Callable[..., Any]], Any]:
@@ -98,6 +84,40 @@ def cam_stage(train: Train, cam: Cam, sense: float) -> CamShape:
 @stage("dynamics")
 def dynamics_stage(train: Train, shape: CamShape, loading: Loading, omega: float) -> Forces:
     return newton_euler(train, shape, loading, omega)
+
+
+@remembered
+def shaft_coefficients(
+    motion: Motion, follower: Follower, reach: float, loads: Loads, inertia: float, stiffness: float, spring: str, factor: float
+) -> Coefficients | NoStability:
+    """Why there are none is remembered too."""
+    compiled = program(motion)
+    try:
+        return coefficients(
+            lambda angles: train_of(follower, reach, compiled.state(angles)),
+            loading(follower, loads), compiled, inertia, stiffness, spring, factor,
+        )  # fmt: skip
+    except NoStability as error:
+        return error
+
+
+@stage("stability")
+def stability_stage(
+    motion: Motion, follower: Follower, reach: float, loads: Loads, cam: Cam, sense: float, elastic: Elastic, omega: float
+) -> Stability | NoStability:
+    s = si(elastic)
+    made = shaft_coefficients(
+        motion, follower, reach, loads, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor
+    )
+    if isinstance(made, NoStability):
+        return made
+    compiled = program(motion)
+
+    def train_and_shape(angles: Angles) -> tuple[Train, CamShape]:
+        train = train_of(follower, reach, compiled.state(angles))
+        return train, envelope(train, cam, sense)
+
+    return stability(made, elastic, omega, train_and_shape, loading(follower, loads), compiled)
 
 
 @remembered

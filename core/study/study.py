@@ -1,46 +1,44 @@
-"""A design and everything that follows from it, computed when asked and not before."""
+"""A cam on its shaft and everything that follows from it, computed when asked and not before."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 
-from core import cam, dynamics, linkage, motion
+from core import cam, dynamics, linkage, motion, stability
 from core.cam import CamShape
-from core.design import Design, kind_of, si
+from core.design import SingleCam, kind_of, si
 from core.dynamics import Forces, Loading
-from core.errors import NoAnswer, NoSuchStage, at_angles
-from core.extremes import Range, find_extremes
-from core.findings import ERROR, NOTE, WARNING, Finding, Residual
+from core.errors import NoAnswer, NoStability
+from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
 from core.shaft import Flywheel, TorqueCurve, flywheel, torque_curve
-from core.study.failures import failing_ranges
-from core.study.quantities import quantities_of
-from core.study.stages import cam_stage, dynamics_stage, evaluations, grid, linkage_stage, loading, memory, motion_stage
+from core.stability import Stability
+from core.study.base import Study
+from core.study.quantities import Quantity, quantities_of
+from core.study.stages import (
+    cam_stage,
+    dynamics_stage,
+    evaluations,
+    grid,
+    linkage_stage,
+    loading,
+    memory,
+    motion_stage,
+    stability_stage,
+)
 from core.train import Train
 
-SAMPLES = 3600
-_ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
 
+class CamStudy(Study, of=SingleCam):
+    """Stages ``motion``, ``linkage``, ``cam``, ``dynamics``, ``stability``, which is None where the shaft is rigid or nothing
+    excites it; ``flywheel`` belongs to the stage ``dynamics``."""
 
-class Study:
-    """One design at equally spaced cam angles, or at the angles given.
-
-    Stages are attributes: ``motion``, ``linkage``, ``cam``, ``dynamics``; ``stages`` names them, in the order they
-    need each other. Each is computed on first use from only the parts of the design it needs, and kept for every other
-    study that shares these parts. ``flywheel`` belongs to the stage ``dynamics``.
-    Any stage may raise NoAnswer; a stage this kind of design lacks raises NoSuchStage.
-    """
-
-    stages: tuple[str, ...] = ("motion", "linkage", "cam", "dynamics")
-
-    def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
-        self.design = design
-        self.samples = samples
-        self._given = angles
+    stages = ("motion", "linkage", "cam", "dynamics", "stability")
+    design: SingleCam
 
     # -- stages -----------------------------------------------------------------------------------------
 
@@ -52,11 +50,6 @@ class Study:
     @cached_property
     def angles(self) -> Angles:
         return grid(self.design.drive.motion, self.samples) if self._given is None else self._given
-
-    @property
-    def theta(self) -> np.ndarray:
-        """Cam angles (n,) [rad]."""
-        return self.angles.theta
 
     @cached_property
     def motion(self) -> MotionState:
@@ -81,6 +74,31 @@ class Study:
         return self._stage(dynamics_stage, self.linkage, self.cam, self.loading, self.omega)
 
     @cached_property
+    def stability(self) -> Stability | None:
+        try:
+            return self.flexible_shaft()
+        except NoStability:
+            return None
+
+    def flexible_shaft(self) -> Stability:
+        """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
+        elastic, drive = self.design.shaft.elastic, self.design.drive
+        if elastic is None:
+            raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
+        try:
+            found = stability_stage(
+                drive.motion, drive.follower, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
+            )
+        except NoStability:
+            raise
+        except NoAnswer as error:
+            raise self._located(error, "linkage") from None
+        if isinstance(found, NoStability):
+            raise found
+        shaft: Stability = found
+        return shaft
+
+    @cached_property
     def flywheel(self) -> Flywheel:
         """Sizing and motor torque. Raises NoAnswer where the guide jams."""
         key = (*self._depends_on("dynamics"), self.design.shaft)
@@ -92,38 +110,21 @@ class Study:
 
     def _torque_curve(self) -> TorqueCurve:
         key = ("torque curve", self._depends_on("dynamics"))
-        curve: TorqueCurve = memory.get(key, lambda: torque_curve(self._torque, self.program))
+        curve: TorqueCurve = memory.get(key, self._fitted_torque)
         return curve
+
+    def _fitted_torque(self) -> TorqueCurve:
+        there = lru_cache(maxsize=1)(self.at)  # torque and guide are asked at the same angles
+
+        def turning_guide(angles: Angles) -> np.ndarray:
+            """The guide's force where it rubs: friction turns round with its sign."""
+            return there(angles).dynamics.guide.normal * np.abs(there(angles).motion.way)
+
+        switch = turning_guide if self.loading.friction else None
+        return torque_curve(lambda angles: there(angles).dynamics.torque, self.program, switch)
 
     def _torque(self, angles: Angles) -> np.ndarray:
         return self.at(angles).dynamics.torque
-
-    def _located(self, error: NoAnswer, stage: str) -> NoAnswer:
-        """The error of a sampled stage with the cam angles to the last digit, whatever the sampling was."""
-        if not error.cam_angles or not self.angles.kept:
-            return error
-        return at_angles(error, failing_ranges(lambda angles: self.at(angles), stage, self.program))
-
-    def _stage(self, function: Any, *parts: Any) -> Any:
-        return function(*parts) if self.angles.kept else function.__wrapped__(*parts)
-
-    def require_stage(self, name: str) -> None:
-        """Raises NoSuchStage, naming the stages there are."""
-        if name not in self.stages:
-            raise NoSuchStage(name, self.stages)
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        raise NoSuchStage(name, self.stages)
-
-    def at(self, angles: Angles) -> Study:
-        """The same design at other cam angles, not remembered."""
-        return Study(self.design, self.samples, angles)
-
-    def at_theta(self, theta: np.ndarray) -> Study:
-        """The same design at any cam angles (n,) [rad]; at a join the right-hand limit."""
-        return self.at(self.program.angles(np.atleast_1d(theta)))
 
     # -- what stages share ------------------------------------------------------------------------------
 
@@ -158,36 +159,19 @@ class Study:
             "linkage": (drive.motion, self.omega, drive.follower, self.reach),
             "cam": (drive.motion, drive.follower, drive.cam, shaft.rotation),
             "dynamics": (drive, shaft.rotation, self.omega),
+            "stability": (drive, shaft.rotation, self.omega, shaft.elastic),
         }
         return parts[stage]
 
     # -- figures ----------------------------------------------------------------------------------------
 
-    def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
-        """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
-        self.require_stage(stage)
-        key = ("extremes", stage, only, self._depends_on(stage), self.design.shaft if stage == "dynamics" else None)
-        found: Mapping[str, Range] = memory.get(key, lambda: self._extremes(stage, only))
-        return found
+    def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
+        return quantities_of(self.kind, stage)
 
-    def _extremes(self, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
-        rows = {
-            name: row
-            for name, row in quantities_of(self.kind, stage).items()
-            if not row.turns and (name in only if only else row.exists(self))
-        }
+    def _figures_depend_on(self, stage: str) -> Any:
+        return self._depends_on(stage), self.design.shaft if stage == "dynamics" else None
 
-        def values(angles: Angles) -> Mapping[str, np.ndarray]:
-            there = self.at(angles)
-            return {name: row.value(there) for name, row in rows.items()}
-
-        try:
-            return find_extremes(values, self.program)
-        except NoAnswer as error:
-            raise self._located(error, stage) from None
-
-    def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
-        """What the named stages (all, where none is named) exceed, the gravest first."""
+    def _findings_of(self, stage: str) -> list[Finding]:
         rows: Mapping[str, Callable[[], list[Finding]]] = {
             "motion": lambda: motion.findings(self.program),
             "linkage": lambda: linkage.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
@@ -199,12 +183,19 @@ class Study:
             "dynamics": lambda: dynamics.findings(
                 self.extremes("dynamics", ("contact_force", "jam_factor")), self.loading
             ),
+            "stability": self._stability_findings,
         }
-        found = [f for name in stages or self.stages for f in rows[name]()]
-        return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
+        return rows[stage]()
+
+    def _stability_findings(self) -> list[Finding]:
+        if self.design.shaft.elastic is None:
+            return []
+        try:
+            return stability.findings(self.flexible_shaft())
+        except NoStability as error:
+            return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
     def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
-        """What proves the figures: each residual with its bound, of the named stages or of all."""
         wanted = stages or self.stages
         proof: dict[str, Residual] = {}
         if "motion" in wanted:
@@ -228,4 +219,6 @@ class Study:
             parts = (self.linkage, self.cam, self.dynamics, self.loading)
             proof["power_balance"] = Residual(float(dynamics.power_residual(*parts).max()), bound)
             proof["momentum_balance"] = Residual(float(dynamics.momentum_residual(*parts).max()), bound)
+        if "stability" in wanted and self.stability is not None:
+            proof.update(self.stability.certificate)
         return proof

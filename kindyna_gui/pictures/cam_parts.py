@@ -11,9 +11,9 @@ from PySide6.QtCore import QLineF
 from PySide6.QtWidgets import QGraphicsLineItem
 
 from core.train import REVOLUTE, SLIDING
-from kindyna_gui.pictures.items import Outline, Part, Tag, pinned, turning
+from kindyna_gui.pictures.items import Loop, Outline, Part, Tag, pinned, turning
 from kindyna_gui.pictures.reading import Joint, Reading
-from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, curve, joined, segments
+from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, segments
 from kindyna_gui.pictures.style import CHAIN, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
@@ -22,11 +22,13 @@ ARROW_START, ARROW_SPAN = 200.0, 80.0  # of the arrow of rotation, deg
 
 def cam(reading: Reading, theme: Theme) -> Iterator[Part]:
     """All that turns with the camshaft, and the shaft in its bearing."""
+    if not reading.with_cam:
+        return
     if reading.profile.size:
-        item = Outline(curve(reading.profile), theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
+        item = Loop(reading.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, reading.turned))
         yield from _zero_mark(reading, theme)
-        pitch = Outline(curve(reading.pitch), theme.pen(theme.quiet, THIN, CHAIN))
+        pitch = Loop(reading.pitch, theme.pen(theme.quiet, THIN, CHAIN))
         yield Part("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, reading.turned))
     yield Part(
         "base", Outline(circle(reading.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
@@ -57,8 +59,10 @@ def _inwards(tag: Tag, track: np.ndarray) -> Callable[[int], None]:
 
 def edge_radius(profile: np.ndarray) -> float:
     """Where the cam's +x axis leaves the outline [mm]."""
-    order = np.argsort(np.angle(profile))
-    return float(np.interp(0.0, np.angle(profile)[order], np.abs(profile)[order]))
+    after = np.roll(profile, -1)
+    cut = np.flatnonzero((profile.imag <= 0.0) != (after.imag <= 0.0))
+    one, other = profile[cut], after[cut]
+    return float((one.real - one.imag * (other.real - one.real) / (other.imag - one.imag)).max())
 
 
 def shaft_radius(reading: Reading) -> float:
@@ -97,7 +101,9 @@ def contact(reading: Reading, theme: Theme) -> Iterator[Part]:
     size = 0.8 * reading.unit
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
     yield Part("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, _within_reach(reading)))
-    ground = next(j for j in reading.joints if j.name == reading.train.ground)
+    ground = next((j for j in reading.joints if j.name == reading.train.ground), None)
+    if ground is None:  # the roller's link is held by no pair of its own: the line turns with its pole
+        return
     ends = CENTRE_LINES[ground.pair.kind](ground, reading)
     yield Part(
         "centre.line", Outline(segments([ends]), theme.pen(theme.quiet, THIN, SPARSE)), ("centre",), Z_NORMAL - 0.5

@@ -13,14 +13,20 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
 from core.channels import Channel, channels, existing
+from core.stability import Chart
 from core.study import Study
+from kindyna_gui.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.shown_kinds import has_cam, is_linkage
 
 RATIO = 2.0  # dots per pixel of a PNG
+ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
 SHEET = (960, 720)  # of a mechanism, pixels
+SHEET_OF_CHART = (960, 560)
 PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
 
 
@@ -47,9 +53,12 @@ class Sheet(QGraphicsView):
 
 
 class PlotStack(QWidget):
-    """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom."""
+    """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom.
 
-    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme) -> None:
+    unseen: pixels by which curves may be off; 0 draws every point
+    """
+
+    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
         super().__init__()
         paper = QPalette(self.palette())
         paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
@@ -62,6 +71,7 @@ class PlotStack(QWidget):
         for number, row in enumerate(rows):
             plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
             plot.setFrameShape(QFrame.Shape.NoFrame)
+            plot.unseen = unseen
             plot.set_curves(study, row)
             plot.show_cursor(False)
             column.addWidget(plot)
@@ -113,10 +123,11 @@ def _draw(widget: QWidget, device: QPaintDevice) -> None:
 # -- the pictures of a report -----------------------------------------------------------------------------
 
 
-def _scene(study: Study, theme: Theme) -> MechanismScene:
+def _scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
-    scene = MechanismScene(study, theme)
-    scene.set_index(int(np.argmax(study.cam.flank.pressure_angle)))
+    scene = MechanismScene(study, theme, closest)
+    at = int(np.argmax(study.cam.flank.pressure_angle)) if has_cam(study) else study.theta.size // 8
+    scene.set_index(at)
     return scene
 
 
@@ -125,7 +136,7 @@ def _mechanism_png(study: Study) -> bytes:
 
 
 def _mechanism_svg(study: Study) -> bytes:
-    return svg(Sheet(_scene(study, LIGHT), *SHEET), study.design.name)
+    return svg(Sheet(_scene(study, LIGHT, ENLARGED), *SHEET), study.design.name)
 
 
 def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
@@ -133,7 +144,8 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
 
     def picture(study: Study) -> bytes:
         there = {row.quantity: row for row in existing(study, channels(study.design))}
-        shown = [different(study, [there[name] for name in names if name in there]) for names in rows]
+        rows_here = [quantities_for(study, names) for names in rows] if is_linkage(study.design) else rows
+        shown = [different(study, [there[name] for name in names if name in there]) for names in rows_here]
         return curves_file(study, [row for row in shown if row], ".png")
 
     return picture
@@ -143,7 +155,7 @@ def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) ->
     """Plots one below the other as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
     if ending == ".svg":
         return svg(PlotStack(study, rows, LIGHT), study.design.name)
-    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO)))
+    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))
 
 
 def different(study: Study, rows: Sequence[Channel]) -> list[Channel]:
@@ -166,7 +178,23 @@ PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
 )
 
 
-def paint(study: Study) -> dict[str, bytes]:
-    """The pictures of a report: file name -> content. Raises NoAnswer where the design has none."""
+def chart_file(chart: Chart, ending: str) -> bytes:
+    """A chart of stability as a file, ``.png`` or ``.svg``."""
+    from kindyna_gui.pictures.chart import ChartPlot
+
+    vector = ending == ".svg"
+    plot = ChartPlot(theme=LIGHT if vector else replace(LIGHT, ratio=RATIO))
+    plot.resize(*SHEET_OF_CHART)
+    plot.show_chart(chart)
+    plot.grab()  # the axes find their sizes
+    plot.show_chart(chart)
+    return svg(plot, chart.name) if vector else png(plot)
+
+
+def paint(study: Study | Chart) -> dict[str, bytes]:
+    """The pictures of a report, or of a chart: file name -> content. Raises NoAnswer where the design has none."""
     ensure_app(offscreen=True)
-    return {name: draw(study) for name, draw in PICTURES.items()}
+    if isinstance(study, Chart):
+        return {f"stability{ending}": chart_file(study, ending) for ending in (".svg", ".png")}
+    without = () if has_cam(study) else ("cam.png",)
+    return {name: draw(study) for name, draw in PICTURES.items() if name not in without}

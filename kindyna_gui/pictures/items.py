@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainterPath, QPen
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen
 from PySide6.QtWidgets import (
     QGraphicsItem,
     QGraphicsLineItem,
     QGraphicsPathItem,
     QGraphicsRectItem,
     QGraphicsSimpleTextItem,
+    QStyleOptionGraphicsItem,
+    QWidget,
 )
 
+from kindyna_gui.pictures.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.shapes import joined, outline
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
 
 Move = Callable[[int], None]
@@ -40,6 +45,45 @@ class Outline(QGraphicsPathItem):
         self.prepareGeometryChange()
         self._bounds = path.controlPointRect()
         self.setPath(path)
+
+
+class Loop(Outline):
+    """A closed line through many points (n,) [mm], drawn from those that its scale needs; from all until it is told."""
+
+    def __init__(self, points: np.ndarray, line: QPen, fill: QBrush | None = None) -> None:
+        super().__init__(outline(points), line, fill)
+        self._points = np.append(points, points[:1])
+        self._level = 0.0
+
+    def look(self, scale: float) -> None:
+        """Be drawn at so many dots per mm."""
+        wanted = level(scale)
+        if wanted != self._level:
+            self._level = wanted
+            # the box stays: that of the kept points is the same within what nobody sees
+            self.setPath(outline(self._points[needed(self._points, UNSEEN / wanted)[:-1]]))
+
+
+class Silhouette(Outline):
+    """Pieces that overlap, drawn as one: the edges of all, then over them the fill of all."""
+
+    def __init__(self, pieces: Sequence[QPainterPath], line: QPen, fill: QBrush) -> None:
+        whole = joined(*pieces)
+        whole.setFillRule(Qt.FillRule.WindingFill)
+        super().__init__(whole, line, fill)
+        self._pieces = tuple(pieces)
+        self._edge = QPen(line)
+        self._edge.setWidthF(2.0 * line.widthF())  # the fill covers the inner half
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(self._edge)
+        for piece in self._pieces:
+            painter.drawPath(piece)
+        painter.setBrush(self.brush())
+        painter.setPen(Qt.PenStyle.NoPen)
+        for piece in self._pieces:
+            painter.drawPath(piece)
 
 
 class Tag(QGraphicsItem):
@@ -90,20 +134,23 @@ class Tag(QGraphicsItem):
         return box.width(), box.height()
 
     def set_text(self, text: str) -> None:
-        self._text.setText(text)
-        self._lay()
+        if text != self._text.text():
+            self._text.setText(text)
+            self._lay()
 
     def set_lean(self, x: float, y: float) -> None:
-        self._lean = (x, y)
-        self._lay()
+        if (x, y) != self._lean:
+            self._lean = (x, y)
+            self._lay()
 
     def set_colour(self, colour: str) -> None:
         self._text.setBrush(brush(colour))
 
     def shift(self, x: float, y: float) -> None:
         """Move the text by so many pixels from its place, y downwards."""
-        self._shift = (x, y)
-        self._lay()
+        if (x, y) != self._shift:
+            self._shift = (x, y)
+            self._lay()
 
     def lead(self, wanted: bool) -> None:
         """Draw or leave out a thin line from the place to the text."""
@@ -184,6 +231,7 @@ def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
     return move
 
 
+@lru_cache(maxsize=1024)
 def text_size(text: str, pixels: int = SMALL) -> tuple[float, float]:
     """Width and height of a text in pixels."""
     metrics = QFontMetricsF(font(pixels))

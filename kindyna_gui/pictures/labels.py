@@ -11,10 +11,11 @@ from functools import cached_property
 
 import numpy as np
 
+from core.mechanism import ROLLER
 from core.train import REVOLUTE, SLIDING
 from kindyna_gui.pictures.cam_parts import sense_arc
 from kindyna_gui.pictures.items import Move, Part, Tag, pinned
-from kindyna_gui.pictures.parts import BLOCK_HEIGHT, BLOCK_LENGTH, ground_direction
+from kindyna_gui.pictures.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
 from kindyna_gui.pictures.reading import Reading
 from kindyna_gui.pictures.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
@@ -23,6 +24,9 @@ Z_LABEL = 12.0
 LOOKS = 8  # samples of the turn at which room is looked for
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
+SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
+# from a text's edge to its middle, in halves of its size, so that the text lies outside of a point in the direction
+LEANS = np.clip(1.6 * SIDES.real, -1.0, 1.0) + 1j * np.clip(1.6 * SIDES.imag, -1.0, 1.0)
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
 APART = 9.0  # between two labels, pixels
@@ -43,33 +47,43 @@ class Label:
 
 def names(reading: Reading) -> Iterator[Label]:
     """What is named: cam, roller, bodies, pins, instant centre."""
-    unit, bodies = reading.unit, reading.bodies
+    unit = reading.unit
     still = np.zeros(reading.samples, dtype=complex)
     if reading.face_radius:
         yield Label("roller", "roller", reading.reference, reading.face_radius, "roller")
     slides = {j.pair.body: j for j in reading.joints if j.pair.kind == SLIDING}
-    for body in bodies.values():
+    for body in reading.moving.values():
         places = list(body.nodes.values())
-        name = body.name.replace("_", " ")
+        name = body.name.removeprefix("link") if reading.linkage else body.name.replace("_", " ")
         if body.name in slides:
             yield Label(body.name, name, *_of_slide(reading, body.name, slides), "linkage")
         elif len(places) > 1:
             ends = max(((a, b) for a in places for b in places), key=lambda e: abs(e[0] - e[1]))
             yield Label(body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage")
-    for joint in reading.joints:
+    for joint in drawn_joints(reading):
         if joint.pair.kind == REVOLUTE:
             on_block = joint.pair.body in slides or joint.pair.on in slides
             room = 0.5 * BLOCK_HEIGHT * unit if on_block else 1.3 * EYE * unit
             yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage")
+    yield from _free_points(reading)
     if reading.profile.size:
         yield Label("cam", "cam", still, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
         if np.isfinite(reading.centre).any():
             yield Label("centre", "Q", reading.centre, 1.6 * unit, "centre")
 
 
+def _free_points(reading: Reading) -> Iterator[Label]:
+    """The points of links that no pair is at, such as coupler points."""
+    pinned_points = {joint.pair.point for joint in reading.joints}
+    for body in reading.moving.values() if reading.linkage else ():
+        for name, place in body.points.items():
+            if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
+                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * reading.unit, "linkage")
+
+
 def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, float]:
     joint, unit = slides[name], reading.unit
-    if joint.fixed and name == reading.train.follower_body:
+    if joint.fixed and name == reading.train.follower_body and not reading.linkage:
         outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
         return joint.track + outwards * joint.line * (reading.face_radius + 0.9 * unit), unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
@@ -107,7 +121,7 @@ def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, 
         part = np.linspace(0.0, 1.0, count)
         rows.append((one[:, None] + (other - one)[:, None] * part, radius, weight))
 
-    for body in reading.bodies.values():
+    for body in reading.moving.values():
         ends = [body.track(p)[seen] for p in body.nodes.values()]
         middle = sum(ends) / max(len(ends), 1)
         for i, end in enumerate(ends[1:]):
@@ -128,10 +142,11 @@ def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, 
         rows.append((reading.pitch[thin] * turn, 0.0, 0.9))
         centre = np.where(np.isfinite(reading.centre[seen]), reading.centre[seen], 0.0)
         dots(reading.reference[seen], centre, 0.0, 0.25)
-    rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
-    radius, start, span = sense_arc(reading)
-    arc = radius * np.exp(1j * np.deg2rad(start + span * np.linspace(0.0, 1.0, 16)))
-    rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
+    if reading.with_cam:
+        rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
+        radius, start, span = sense_arc(reading)
+        arc = radius * np.exp(1j * np.deg2rad(start + span * np.linspace(0.0, 1.0, 16)))
+        rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
     for joint in reading.joints:
         track = joint.track[seen]
         if joint.pair.kind == SLIDING:
@@ -157,6 +172,19 @@ class Labels:
         self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(reading)]
         self._moves: dict[str, Move] = {}
         self.sides: dict[str, int] = {}
+
+    def renew(self, reading: Reading) -> bool:
+        """Name the parts of another drawing with the same texts; False, and nothing done, where it has others."""
+        rows = list(names(reading))
+        if [(label.key, label.text) for label in rows] != [(label.key, label.text) for label, _ in self._rows]:
+            return False
+        self._reading = reading
+        self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
+        for cached in ("_looks", "_ink"):
+            self.__dict__.pop(cached, None)
+        for _, tag in self._rows:
+            tag.setOpacity(1.0)
+        return True
 
     @cached_property
     def _looks(self) -> np.ndarray:
@@ -195,22 +223,22 @@ class Labels:
     def lay(self, scale: float) -> None:
         """Put each label on its side."""
         for label, tag in self._rows:
-            outwards, gaps, push = _sides(tag)
-            best = self.sides[label.key]
+            side = self.sides[label.key]
+            outwards, lean, gap = complex(SIDES[side]), complex(LEANS[side]), float(SIDE_GAPS[side])
             start = label.room if label.foot is None else label.foot
-            push_best = push[best] + outwards[best] * (label.room - start) * scale
-            tag.shift(push_best.real, -push_best.imag)
-            tag.lead(gaps[best] > GAPS[0] or label.foot is not None)
-            self._moves[label.key] = pinned(tag, label.track + outwards[best] * start)
+            push, (width, height) = outwards * (gap + (label.room - start) * scale), tag.size
+            tag.shift(push.real + 0.5 * lean.real * width, -push.imag - 0.5 * lean.imag * height)
+            tag.lead(gap > GAPS[0] or label.foot is not None)
+            self._moves[label.key] = pinned(tag, label.track + outwards * start)
 
     def _choose(self, corners: tuple[complex, complex], scale: float) -> None:
         """Find the best side of each part."""
         taken: list[tuple[np.ndarray, float, float]] = []
         for label, tag in self._rows:
-            outwards, _, push = _sides(tag)
             half = complex(*tag.size) / 2
+            push = SIDES * SIDE_GAPS + LEANS.real * half.real + 1j * LEANS.imag * half.imag
             centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._looks][:, None]
-            centre = centre + outwards * label.room + push / scale
+            centre = centre + SIDES * label.room + push / scale
             cost = self._covered(centre, half / scale, scale)
             cost += FURTHER * np.repeat(np.arange(len(GAPS)), DIRECTIONS.size)
             cost += _leaving(centre, half / scale, corners) * LEAVES
@@ -237,19 +265,6 @@ class Labels:
         y = np.maximum(np.abs(centre.imag[:, :, None] - p.imag) - half.imag, 0.0)
         covered = np.clip(1.0 - (np.sqrt(x * x + y * y) - r) / pad, 0.0, 1.0)
         return np.asarray((covered @ ink.weight[near]).mean(axis=0))
-
-
-def _sides(tag: Tag) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The sides a text may stand on: direction, gap [pixels], and from the part to the middle of the text [pixels]."""
-    outwards = np.tile(DIRECTIONS, len(GAPS))
-    gaps = np.repeat(GAPS, DIRECTIONS.size)
-    return outwards, gaps, outwards * gaps + _clear(outwards, complex(*tag.size) / 2)
-
-
-def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
-    """From a text's edge to its middle, so that the text lies outside of a point in the direction (c,) [pixels]."""
-    x, y = np.clip(1.6 * outwards.real, -1.0, 1.0), np.clip(1.6 * outwards.imag, -1.0, 1.0)
-    return x * half.real + 1j * y * half.imag
 
 
 def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]) -> np.ndarray:

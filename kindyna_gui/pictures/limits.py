@@ -11,6 +11,7 @@ import numpy as np
 
 from core.cam import PRESSURE_LIMITS
 from core.study import Study
+from core.train import REVOLUTE
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,8 @@ class Limit:
 
 def _pressure_angle(study: Study) -> float:
     train = study.linkage
-    return PRESSURE_LIMITS[train.pairs[train.ground].kind] * pi / 180.0
+    held = train.pairs[train.ground].kind if train.ground else REVOLUTE
+    return PRESSURE_LIMITS[held] * pi / 180.0
 
 
 def _undercut(study: Study) -> float:

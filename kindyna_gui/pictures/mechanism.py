@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from math import degrees, pi
+from math import degrees
 from types import MappingProxyType
 
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
+from core.mechanism import ROLLER, movable
 from core.study import Study
 from kindyna_gui.pictures import cam_parts, parts, vectors
-from kindyna_gui.pictures.items import Part
+from kindyna_gui.pictures.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
+from kindyna_gui.pictures.items import Loop, Part, Tag
 from kindyna_gui.pictures.labels import Labels
 from kindyna_gui.pictures.overlay import BOTTOM_STRIP, TOP_STRIP, Overlay, Scale
 from kindyna_gui.pictures.reading import Reading
+from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.shown_kinds import has_cam, is_linkage
 
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
@@ -49,6 +53,26 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
     }
 )
 
+LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "centres": Layer("Instant centres of all links", shown=False),
+        "kennedy": Layer("Kennedy's construction", shown=False),
+        "coupler": Layer("Coupler curves", shown=False),
+    }
+)
+"""What the drawing of a general linkage can show besides."""
+
+_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre")
+EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
+
+
+def layers_of(study: Study) -> tuple[str, ...]:
+    """The layers that have something to show of this kind of design."""
+    if not is_linkage(study.design):
+        return tuple(LAYERS)
+    return tuple(name for name in EVERY_LAYER if has_cam(study) or name not in _OF_CAMS)
+
+
 BUILDERS: tuple[Callable[[Reading, Theme], Iterator[Part]], ...] = (
     cam_parts.cam,
     parts.roller,
@@ -66,9 +90,11 @@ class MechanismScene(QGraphicsScene):
 
     ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``look_at`` must be told what is visible and at which
     scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
+
+    closest: by how much a reader may enlarge the picture and still find its curves smooth
     """
 
-    def __init__(self, study: Study | None = None, theme: Theme = LIGHT) -> None:
+    def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0) -> None:
         super().__init__()
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))
@@ -77,10 +103,17 @@ class MechanismScene(QGraphicsScene):
         self.index = 0
         self._told: float | None = None
         self.parts: dict[str, Part] = {}
-        self._shown = {name: layer.shown for name, layer in LAYERS.items()}
+        self._closest = closest
+        self._lines: list[Loop] = []
+        self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
+        self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
         self._look: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
         self._fields: dict[str, vectors.Field] = {}
+        self.sight = Sight()
+        self._marks: CentreMarks | None = None
+        self._kennedy: KennedyLines | None = None
+        self._step: int | None = None
         self.overlay: Overlay | None = None
         if study is not None:
             self.update_study(study)
@@ -90,33 +123,69 @@ class MechanismScene(QGraphicsScene):
     def update_study(self, study: Study, keep_labels: bool = False) -> None:
         """Draw another study; cam angle, layers and what is visible stay as they are.
 
-        keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones.
+        keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones,
+        and so does the first ``look_at``.
         """
         reading = Reading(study)
-        fraction = self.index / self.reading.samples if self.reading is not None else 0.0
-        self.reading, self.parts = reading, {}
-        self.clear()
-        self.overlay = Overlay(self.theme, self.addItem)
+        before, self.reading = self.reading, reading
+        if before is not None:
+            self.index = round(self.index / before.samples * reading.samples) % reading.samples
+        self._told = None
+        sides = self._labels.sides if self._labels is not None and keep_labels else {}
+        drew = bool(self._fields)
+        self._drop_vectors()
+        stands = before is not None and reading.stands_as(before)
+        if not stands:
+            self._rebuild(reading)
+        for layer in FIELDS:
+            self._need(layer)
+        for layer in LINKAGE_LAYERS:
+            self._need_more(layer)
+        if self._fields or drew:
+            self._make_room()
+        self._show()
+        if self._look is None and keep_labels:
+            self._move(self.index, None)  # nothing can be laid yet
+        elif not stands or self._fields or drew or not keep_labels:
+            self._look_at(*(self._look or self.fit(*USUAL_SIZE)), sides)
+        else:
+            self._move(self.index, None)
+
+    def _rebuild(self, reading: Reading) -> None:
+        """Draw all parts anew; labels of the same names stay the items they are."""
+        named = self._labels is not None and self._labels.renew(reading)
+        for key, part in self.parts.items():
+            if not (named and key.startswith("label.")):
+                self.removeItem(part.item)
+        self.parts = {}
+        if self.overlay is None:
+            self.overlay = Overlay(self.theme, self.addItem)
+        self.overlay.angle_name = reading.study.angle_name if reading.linkage else "cam angle"
         for builder in BUILDERS:
             for part in builder(reading, self.theme):
                 self._take(part)
-        sides = self._labels.sides if self._labels is not None and keep_labels else {}
-        self._labels = Labels(reading, self.theme)
+        if self._labels is None or not named:
+            self._labels = Labels(reading, self.theme)
         for part in self._labels.parts():
             self._take(part)
+        self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
+        self._whole = self._box(reading)
+        self.setSceneRect(self._whole)
+
+    def _drop_vectors(self) -> None:
+        for key in [key for key in self.parts if key.partition(".")[0] in FIELDS]:
+            self.removeItem(self.parts.pop(key).item)
+        if self.overlay is not None:
+            self.overlay.drop_scales(self.removeItem)
         self._fields = {}
-        for layer in FIELDS:
-            self._need(layer)
-        if self._fields:
-            self._make_room()
-        self.setSceneRect(self.fit_rect())
-        self._look_at(*(self._look or self.fit(*USUAL_SIZE)), sides)
-        self._show()
-        self.set_fraction(fraction)
+        for key in [key for key in self.parts if key.partition(".")[0] in LINKAGE_LAYERS]:
+            self.removeItem(self.parts.pop(key).item)
+        self._marks = self._kennedy = None
 
     def _take(self, part: Part) -> None:
         part.item.setZValue(part.z)
-        self.addItem(part.item)
+        if part.item.scene() is not self:
+            self.addItem(part.item)
         self.parts[part.key] = part
 
     def _need(self, layer: str) -> None:
@@ -128,6 +197,60 @@ class MechanismScene(QGraphicsScene):
             self._take(part)
         self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.reading)))
 
+    def _need_more(self, layer: str) -> None:
+        """Centres, their lines and the ways of points are read when their layer is first shown."""
+        reading = self.reading
+        if reading is None or not reading.linkage or not self.layer_shown(layer):
+            return
+        if any(key.partition(".")[0] == layer for key in self.parts):
+            return
+        if layer == "coupler":
+            for part in coupler_curves(reading, self.theme):
+                self._take(part)
+            return
+        table = reading.study.centres
+        if layer == "centres":
+            self._marks = CentreMarks(table, self.theme, self.sight, self._texts)
+            self._take(Part("centres.all", self._marks.item, ("centres",), Z_CENTRES, self._marks.move))
+        else:
+            self._kennedy = KennedyLines(table, table.construction.steps, self.theme, self.sight)
+            self._take(Part("kennedy.all", self._kennedy.item, ("kennedy",), Z_LINES, self._kennedy.move))
+        self._mark_step()
+
+    def _texts(self) -> list[QRectF]:
+        """Boxes of the labels that are shown, in pixels of the whole scene."""
+        boxes = []
+        for key, part in self.parts.items():
+            if key.startswith("label.") and part.item.isVisible() and isinstance(part.item, Tag):
+                place = part.item.pos() * self.sight.scale
+                boxes.append(part.item.pixel_box().translated(place.x(), -place.y()))
+        return boxes
+
+    def show_step(self, step: int | None, draw: bool = True) -> None:
+        """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.
+        None: no step, but the layers as they are chosen. draw: now, not with what is drawn next."""
+        self._step = step
+        if not draw:
+            return
+        for layer in ("centres", "kennedy"):
+            self._need_more(layer)
+        self._mark_step()
+        self._show()
+        self._move(self.index, self._told)
+
+    def _mark_step(self) -> None:
+        if self._marks is None and self._kennedy is None:
+            return
+        assert self.reading is not None
+        plan, step = self.reading.study.centres.construction, self._step
+        found = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
+        wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
+        if self._marks is not None:
+            self._marks.only = found
+        if self._kennedy is not None:
+            self._kennedy.emphasise(wanted if step is not None else None)
+            self._kennedy.hidden = step == 0
+
     def _make_room(self) -> None:
         """Labels keep clear of the vectors that are shown."""
         if self._labels is not None and self.reading is not None:
@@ -138,14 +261,32 @@ class MechanismScene(QGraphicsScene):
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
         return self.parts[key].item
 
+    def joints_now(self) -> dict[str, complex]:
+        """Where the points of a linkage stand that can be drawn elsewhere, by name [mm]; none of other designs."""
+        if self.reading is None or not self.reading.linkage:
+            return {}
+        design, found = self.reading.study.design, {}
+        for body in self.reading.bodies.values():
+            for name, place in body.points.items():
+                if name != ROLLER and not name.isdecimal() and movable(design, name):
+                    found[name] = complex(body.track(place)[self.index])
+        return found
+
     # -- layers ---------------------------------------------------------------------------------------------
 
     def layer_shown(self, name: str) -> bool:
+        """Whether it was asked for, or a step of the construction needs it."""
+        return self._shown[name] or (self._step is not None and name in ("centres", "kennedy"))
+
+    def layer_wanted(self, name: str) -> bool:
+        """Whether it was asked for."""
         return self._shown[name]
 
     def set_layer(self, name: str, shown: bool) -> None:
         """Show or hide one of ``LAYERS``."""
         self._shown[name] = shown
+        if name in LINKAGE_LAYERS:
+            self._need_more(name)
         if name in FIELDS:
             self._need(name)
             self._make_room()
@@ -156,7 +297,7 @@ class MechanismScene(QGraphicsScene):
 
     def _show(self) -> None:
         for part in self.parts.values():
-            part.item.setVisible(all(self._shown[layer] for layer in part.layers))
+            part.item.setVisible(all(self.layer_shown(layer) for layer in part.layers))
         if self.overlay is not None:
             self.overlay.show_layers(self._shown)
 
@@ -179,27 +320,38 @@ class MechanismScene(QGraphicsScene):
     def set_fraction(self, fraction: float) -> None:
         """Move to the sample nearest to this part of a turn."""
         if self.reading is not None:
-            self.set_index(round(fraction * self.reading.samples))
+            n, whole = self.reading.samples, self.reading.whole_turn
+            # there and back where the mechanism cannot go round
+            self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
 
     def set_angle(self, theta: float) -> None:
         """Move to the sample nearest to cam angle theta [rad]; theta itself is told in the corner."""
         if self.reading is not None:
-            self._move(round(theta / (2.0 * pi) * self.reading.samples), degrees(theta))
+            self._move(self.reading.nearest(theta), degrees(theta))
 
     # -- sight ----------------------------------------------------------------------------------------------
 
     def fit_rect(self) -> QRectF:
         """The rectangle that holds the mechanism over the whole turn [mm]."""
-        if self.reading is None:
-            return QRectF(-100.0, -100.0, 200.0, 200.0)
-        low, high = self.reading.core_box
+        return QRectF(self._whole)
+
+    def least_rect(self) -> QRectF:
+        """What a picture must hold to be no worse than fitted: the same with half the margin."""
+        half = 0.5 * MARGIN_UNITS * self.reading.unit if self.reading is not None else 0.0
+        return self._whole.adjusted(half, half, -half, -half)
+
+    def _box(self, reading: Reading) -> QRectF:
+        low, high = reading.core_box
         rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
         for part in self.parts.values():
             if part.move is None and part.key.partition(".")[0] in ("rails", "ground", "pedestal"):
                 rect = rect.united(part.item.boundingRect())
-        for q in self.reading.near_centres[:: max(1, self.reading.near_centres.size // 100)]:
-            rect = rect.united(QRectF(q.real, q.imag, 1e-9, 1e-9))
-        room = MARGIN_UNITS * self.reading.unit
+        q = reading.near_centres
+        if q.size:
+            x, y = q.real, q.imag
+            left, below = float(x.min()), float(y.min())
+            rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
+        room = MARGIN_UNITS * reading.unit
         return rect.adjusted(-room, -room, room, room)
 
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
@@ -214,6 +366,14 @@ class MechanismScene(QGraphicsScene):
         visible.translate(0.0, -0.5 * below / scale)
         return visible, scale
 
+    def fill(self, width: float, height: float) -> tuple[QRectF, float]:
+        """The same without strips for texts."""
+        rect = self.fit_rect()
+        scale = min(width / rect.width(), height / rect.height())
+        visible = QRectF(0.0, 0.0, width / scale, height / scale)
+        visible.moveCenter(rect.center())
+        return visible, scale
+
     def look_at(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
         """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
         self._look_at(visible, scale, self._labels.sides if self._labels is not None and keep_labels else {})
@@ -225,6 +385,9 @@ class MechanismScene(QGraphicsScene):
 
     def _look_at(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._look = (visible, scale)
+        self.sight.visible, self.sight.scale = QRectF(visible), scale
+        for line in self._lines:
+            line.look(scale * self.theme.ratio * self._closest)
         if self._labels is not None and self.overlay is not None:
             low = complex(visible.left(), visible.top())
             if not self._labels.keep(sides, scale):

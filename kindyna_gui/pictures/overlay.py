@@ -124,6 +124,7 @@ class Overlay:
         self.angle = _Corner()
         self._text = Tag("", theme.ink, theme, TEXT, (0.0, 0.0))
         self._text.setParentItem(self.angle)
+        self.angle_name = "cam angle"
         self.vectors: dict[str, VectorScale] = {}
         add(self.bar)
         add(self.angle)
@@ -133,11 +134,17 @@ class Overlay:
         return self._text.text
 
     def show_angle(self, degrees: float) -> None:
-        self._text.set_text(f"Cam angle {degrees:.1f}°")
+        self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°")
 
     def add_scale(self, row: Scale) -> None:
         self.vectors[row.layer] = VectorScale(row, self._theme)
         self._add(self.vectors[row.layer])
+
+    def drop_scales(self, remove: Callable[[QGraphicsItem], None]) -> None:
+        """Take the scales of all vectors away."""
+        for arrow in self.vectors.values():
+            remove(arrow)
+        self.vectors = {}
 
     def show_layers(self, shown: Mapping[str, bool]) -> None:
         self.bar.setVisible(shown["scale"])

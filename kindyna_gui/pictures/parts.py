@@ -10,7 +10,7 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
 from core.train import REVOLUTE, SLIDING
-from kindyna_gui.pictures.items import Outline, Part, pinned, riding
+from kindyna_gui.pictures.items import Outline, Part, Silhouette, pinned, riding
 from kindyna_gui.pictures.reading import Body, Joint, Reading
 from kindyna_gui.pictures.shapes import (
     EYE,
@@ -38,21 +38,31 @@ _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 def linkage(reading: Reading, theme: Theme) -> Iterator[Part]:
     """Bodies as bars, levers and plates; pins; slides."""
-    for number, body in enumerate(reading.bodies.values()):
+    for number, body in enumerate(reading.moving.values()):
         fill = brush(theme.links[number % len(theme.links)])
-        path = body_path(body, reading)
-        if path is not None:
-            item = Outline(path, theme.pen(theme.ink, OUTLINE), fill)
+        pieces = body_pieces(body, reading)
+        if pieces:
+            item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)
             yield Part(f"body.{body.name}", item, ("linkage",), Z_BODY + 0.1 * number, riding(item, body.z, body.angle))
-    for joint in reading.joints:
+    for joint in drawn_joints(reading):
         yield from JOINTS[joint.pair.kind](joint, reading, theme)
 
 
-def body_path(body: Body, reading: Reading) -> QPainterPath | None:
-    """A body as a bar between two points, a lever about its fixed pivot, or a plate; None where it has one point."""
+def drawn_joints(reading: Reading) -> Iterator[Joint]:
+    """Every pair once: several links on one pin are one pin."""
+    seen: set[tuple[str, str]] = set()
+    for joint in reading.joints:
+        key = (joint.pair.kind, joint.pair.point)
+        if not reading.linkage or key not in seen:
+            seen.add(key)
+            yield joint
+
+
+def body_pieces(body: Body, reading: Reading) -> tuple[QPainterPath, ...]:
+    """A body as a bar between two points, a lever about its fixed pivot, or a plate; none where it has one point."""
     places = tuple(body.nodes.values())
     if len(places) < 2:
-        return None
+        return ()
     if len(places) == 2:
         return link(places, reading.unit)
     hubs = [j.pair.point for j in reading.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
@@ -96,7 +106,7 @@ def ground_direction(joint: Joint, reading: Reading) -> complex:
 
 def _slide(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
-    if joint.fixed and joint.pair.body == reading.train.follower_body:
+    if joint.fixed and joint.pair.body == reading.train.follower_body and not reading.linkage:
         yield from _stem(joint, reading, theme)
     else:
         yield from _block(joint, reading, theme)
@@ -143,8 +153,9 @@ def _stem(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     low = (joint.low if outwards > 0 else -joint.high) / unit
     eye = min(EYE, 0.4 * reading.face_radius / unit) or EYE
     half = 0.65 * eye
-    path = scaled(stem(start + length - low + 1.8, half, eye), unit, body.points[joint.pair.point], own)
-    item = Outline(path, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
+    shapes = stem(start + length - low + 1.8, half, eye)
+    pieces = [scaled(path, unit, body.points[joint.pair.point], own) for path in shapes]
+    item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield Part(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
     for inner, outer in ((half + 0.25, half + 1.75), (-half - 1.75, -half - 0.25)):

@@ -1,4 +1,4 @@
-"""What a plot of curves is made of besides its curves: paper with grid and segments, axes, cursor, limits."""
+"""What a plot of curves stands on: paper with grid and segments, axes and their ticks."""
 
 from __future__ import annotations
 
@@ -11,35 +11,48 @@ import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QPainterPath
 
-from core.design import Motion
+from core.design import CURVES, Motion
 from core.laws import find_law
-from kindyna_gui.pictures.items import Outline, Tag, text_size
+from core.laws.table import short_name
+from kindyna_gui.pictures.items import Outline, text_size
+from kindyna_gui.pictures.plot_frame import (
+    BOTTOM_HEIGHT,
+    LEFT_WIDTH,
+    TOP_HEIGHT,
+    Z_BANDS,
+    Z_CURSOR,
+    Z_CURVE,
+    Z_GRID,
+    Z_REFERENCE,
+    Z_ZERO,
+)
+from kindyna_gui.pictures.plot_lines import LimitLine
 from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font
-from kindyna_gui.pictures.units import Rung, decimals_of, measure, number, ticks
+from kindyna_gui.pictures.units import decimals_of, number, ticks
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
 LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS = 38.0, 26.0  # between ticks
-LEFT_WIDTH, TOP_HEIGHT, BOTTOM_HEIGHT = 66, 17, 38  # of the axes, pixels
-Z_BANDS, Z_GRID, Z_ZERO, Z_LIMIT, Z_REFERENCE, Z_CURVE, Z_CURSOR = -90.0, -80.0, -70.0, 5.0, 8.0, 10.0, 20.0
-SIDE = 6.0  # of a cursor's text from its line, pixels
-LIFT = 9.0  # of its middle above the value, so that a level curve is not covered
+NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
 
 
 @dataclass(frozen=True)
 class Span:
-    """One segment of the motion: where it starts and ends [deg], and its law's name."""
+    """One segment of the motion: where it starts and ends [deg], its law's name, and that in short."""
 
     start: float
     end: float
     name: str
+    short: str = ""
 
 
-def spans(motion: Motion) -> list[Span]:
-    """The segments of a motion in order."""
+def spans(motion: Motion | None) -> list[Span]:
+    """The segments of a motion in order; none without one."""
     made, at = [], 0.0
-    for segment in motion.segments:
-        law = find_law(segment.curve.law)
-        made.append(Span(at, at + segment.span_deg, law.label if law is not None else segment.curve.law))
+    for segment in motion.segments if motion is not None else ():
+        slug = segment.curve.law
+        law = CURVES.get(slug) or find_law(slug)
+        name = law.label if law is not None else slug
+        made.append(Span(at, at + segment.span_deg, name, short_name(slug)))
         at += segment.span_deg
     return made
 
@@ -72,7 +85,7 @@ class Axis(pg.AxisItem):
         if (text, colour) != self._title:
             self._title = (text, colour)
             self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
-        self.resizeEvent()
+            self.resizeEvent()
 
     def wheelEvent(self, event: object) -> None:
         """Left to the view around."""
@@ -96,12 +109,12 @@ def value_ticks(low: float, high: float, height: float) -> list[tuple[float, str
 
 
 def name_ticks(segments: Sequence[Span], width: float) -> list[tuple[float, str]]:
-    """The names of those segments that are wide enough on paper for theirs."""
+    """The names of the segments, in short where they are too narrow on paper, none where even that is too long."""
     rows = []
     for span in segments:
         room = (span.end - span.start) / 360.0 * width
-        if text_size(span.name)[0] + 6.0 <= room:
-            rows.append(((span.start + span.end) / 2.0, span.name))
+        fitting = (name for name in (span.name, span.short) if name and text_size(name)[0] + NAME_ROOM <= room)
+        rows += [((span.start + span.end) / 2.0, name) for name in [next(fitting, "")] if name]
     return rows
 
 
@@ -136,106 +149,19 @@ class Paper:
             item.redraw(path)
 
 
-class LimitLine:
-    """A thin red line over the whole turn with its value at the right end."""
-
-    def __init__(self, view: pg.ViewBox, theme: Theme, value: float, text: str) -> None:
-        self.value, self.text = value, text
-        path = QPainterPath()
-        path.moveTo(0.0, value)
-        path.lineTo(360.0, value)
-        self._line = Outline(path, theme.pen(theme.limit))
-        self._tag = Tag(text, theme.limit, theme, SMALL, (1.0, 1.0), backing=True)
-        self._tag.setPos(360.0, value)
-        self._items = (self._line, self._tag)
-        for item, z in zip(self._items, (Z_LIMIT, Z_CURSOR + 1.0), strict=True):
-            item.setZValue(z)
-            view.addItem(item, ignoreBounds=True)
-
-    def lay(self, low: float, high: float, height: float) -> None:
-        """The text stands above the line, below it where there is no room."""
-        room = (high - self.value) / (high - low) * height
-        self._tag.set_lean(1.0, 1.0 if room > self._tag.size[1] + 2.0 else 0.0)
-        self._tag.shift(-4.0, 0.0)
-
-    def remove(self, view: pg.ViewBox) -> None:
-        for item in self._items:
-            view.removeItem(item)
-
-
-class Readout:
-    """A curve's value beside the cursor, with a dot on the curve."""
-
-    def __init__(self, view: pg.ViewBox, theme: Theme, colour: str) -> None:
-        dot = QPainterPath()
-        dot.addEllipse(QRectF(-3.0, -3.0, 6.0, 6.0))
-        self.dot = Outline(dot, theme.pen(theme.paper), brush(colour))
-        self.dot.setFlag(self.dot.GraphicsItemFlag.ItemIgnoresTransformations)
-        self.tag = Tag("", theme.letters(colour), theme, SMALL, (0.0, 0.5), backing=True)
-        self.hide()
-        for item in (self.dot, self.tag):
-            item.setZValue(Z_CURSOR)
-            view.addItem(item, ignoreBounds=True)
-
-    def hide(self) -> None:
-        self.dot.setVisible(False)
-        self.tag.setVisible(False)
-
-    def remove(self, view: pg.ViewBox) -> None:
-        view.removeItem(self.dot)
-        view.removeItem(self.tag)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """What a plot shows at which size: values from low to high on width x height pixels."""
-
-    low: float
-    high: float
-    width: float
-    height: float
-
-    def pixel(self, value: float) -> float:
-        """Height of a value above the axis, pixels."""
-        return (value - self.low) / (self.high - self.low) * self.height
-
-    def value(self, pixel: float) -> float:
-        return self.low + pixel / self.height * (self.high - self.low)
-
-
-def place_readouts(
-    readouts: Sequence[Readout], angle: float, values: Sequence[float], rung: Rung, frame: Frame
-) -> None:
-    """Write the values beside the cursor at ``angle`` [deg]: on its right, on its left where there is no room, one
-    above the other in their order, all within the frame."""
-    rows = []
-    for reading, value in zip(readouts, values, strict=True):
-        known = abs(value) < float("inf")
-        reading.tag.set_text(measure(value, rung.symbol))
-        reading.dot.setVisible(known)
-        reading.tag.setVisible(True)
-        if known:
-            reading.dot.setPos(angle, value)
-        rows.append((frame.pixel(value) + LIFT if known else frame.height / 2, reading.tag))
-    heights = stacked([row[0] for row in rows], rows[0][1].size[1] if rows else 0.0, frame.height)
-    widest = max((tag.size[0] for _, tag in rows), default=0.0)
-    right = angle / 360.0 * frame.width + SIDE + widest + 4.0 <= frame.width
-    for (_, tag), at in zip(rows, heights, strict=True):
-        tag.set_lean(0.0 if right else 1.0, 0.5)
-        tag.shift(SIDE if right else -SIDE, 0.0)
-        tag.setPos(angle, frame.value(at))
-
-
-def stacked(middles: Sequence[float], height: float, room: float) -> list[float]:
-    """Middles of boxes of one height, moved apart and into 0 ... room as little as that needs."""
-    order = sorted(range(len(middles)), key=lambda i: middles[i])
-    placed = [min(max(middles[i], height / 2 + 1.0), room - height / 2 - 1.0) for i in order]
-    for i in range(1, len(placed)):
-        placed[i] = max(placed[i], placed[i - 1] + height)
-    over = placed[-1] - (room - height / 2 - 1.0) if placed else 0.0
-    if over > 0.0:
-        placed[-1] -= over
-        for i in range(len(placed) - 2, -1, -1):
-            placed[i] = min(placed[i], placed[i + 1] - height)
-    back = dict(zip(order, placed, strict=True))
-    return [back[i] for i in range(len(middles))]
+__all__ = [
+    "BOTTOM_HEIGHT",
+    "LEFT_WIDTH",
+    "TOP_HEIGHT",
+    "Z_CURSOR",
+    "Z_CURVE",
+    "Z_REFERENCE",
+    "Axis",
+    "LimitLine",
+    "Paper",
+    "Span",
+    "angle_ticks",
+    "name_ticks",
+    "spans",
+    "value_ticks",
+]

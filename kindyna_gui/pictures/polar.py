@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from PySide6.QtCore import QPointF, QRectF, Qt, Signal
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
     QFontMetricsF,
@@ -14,6 +14,7 @@ from PySide6.QtGui import (
     QPainterPath,
     QPaintEvent,
     QPen,
+    QPixmap,
     QPolygonF,
     QResizeEvent,
 )
@@ -21,26 +22,36 @@ from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
 from core.study import Study
+from kindyna_gui.pictures.boxes import near
+from kindyna_gui.pictures.detail import needed
+from kindyna_gui.pictures.items import text_size
 from kindyna_gui.pictures.plot_parts import Span, spans
+from kindyna_gui.pictures.polar_title import paint_title
 from kindyna_gui.pictures.ranges import peak, usual_range
+from kindyna_gui.pictures.shapes import outline
+from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
+from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
+from kindyna_gui.shown_kinds import motion_of
 
 HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
 CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
 EDGE, TITLE = 32.0, 22.0  # pixels around the outer circle for angles, above it for the name
 SPOKES = 30  # degrees between
 LETTER_ANGLE = 15.0  # deg: where the circles' values stand, between two spokes
-BUTTON = 24.0  # kept free in the upper right corner, pixels
+HINTS = QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing
 
 
 class PolarPlot(QWidget):
     """One or several channels of one unit against the cam angle.
 
     angle_moved   the user has clicked at, or drawn the ray to, this cam angle [rad]
+    unseen        pixels by which a curve may be off where that saves points; on paper none
     """
 
     angle_moved = Signal(float)
+    unseen = 0.0
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         super().__init__(parent)
@@ -49,18 +60,22 @@ class PolarPlot(QWidget):
         self._spans: list[Span] = []
         self._message = ""
         self._angle, self._values = 0.0, [0.0]
+        self._floors: list[float] = []
         self._with_cursor = True
         self.rung = Rung("", 1.0, 0.0)
         self._range = (0.0, 1.0)
         self._low, self._high, self._circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
         self._path: list[QPainterPath] | None = None
+        self._kept: QPixmap | None = None
+        self._read_at: list[QRectF] = []
         self.setMinimumSize(120, 120)
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def set_curves(self, study: Study, channels: Sequence[Channel]) -> None:
         """Draw these channels of the study. Raises NoAnswer where one has none."""
-        values = [row.values(study) for row in channels]
+        self._floors = [floor_of(study, row) for row in channels]
+        values = [without_noise(row.values(study), floor) for row, floor in zip(channels, self._floors, strict=True)]
         seen: dict[str, int] = {}
         colours = []
         for row in channels:
@@ -71,15 +86,16 @@ class PolarPlot(QWidget):
         sides = [usual_range(v) for v in shown]
         self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
         self._scale()
-        self._theta = study.theta
+        self._theta, self._whole = study.theta, study.theta.size == study.samples
         self._rows = list(zip(channels, shown, colours, strict=True))
-        self._spans, self._message, self._path = spans(study.design.drive.motion), "", None
+        self._spans, self._message, self._path = spans(motion_of(study.design)), "", None
+        self._kept = None
         self._read()
         self.update()
 
     def show_message(self, text: str) -> None:
         """Nothing but a line of text: what would fill this plot."""
-        self._rows, self._spans, self._message, self._path = [], [], text, None
+        self._rows, self._spans, self._message, self._path, self._kept = [], [], text, None, None
         self.update()
 
     def _scale(self) -> None:
@@ -114,11 +130,14 @@ class PolarPlot(QWidget):
     def _read(self, there: Study | None = None) -> None:
         if not self._rows:
             return
-        n = self._theta.size
-        at = round(self._angle / (2.0 * math.pi) * n) % n
-        self._values = [
+        at = nearest(self._theta, self._angle)
+        known = [
             float(values[at]) if there is None else float(row.values(there)[0]) / self.rung.size
             for row, values, _ in self._rows
+        ]
+        self._values = [
+            0.0 if abs(value) * self.rung.size <= floor else value
+            for value, floor in zip(known, self._floors, strict=True)
         ]
 
     # -- geometry -----------------------------------------------------------------------------------------
@@ -153,24 +172,39 @@ class PolarPlot(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._scale()
-        self._path = None
+        self._path = self._kept = None
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
+        if not self._with_cursor:
+            self._paint_still(painter)
+        else:  # on the screen the cursor moves over what is kept as pixels
+            if self._kept is None or self._kept.devicePixelRatio() != self.devicePixelRatioF():
+                self._kept = QPixmap(self.size() * self.devicePixelRatioF())
+                self._kept.setDevicePixelRatio(self.devicePixelRatioF())
+                still = QPainter(self._kept)
+                self._paint_still(still)
+                still.end()
+            painter.drawPixmap(0, 0, self._kept)
+            painter.setRenderHints(HINTS)
+            if self._rows:
+                self._paint_cursor(painter)
+        painter.end()
+
+    def _paint_still(self, painter: QPainter) -> None:
+        """All but the cursor."""
+        painter.setRenderHints(HINTS)
         painter.fillRect(self.rect(), QColor(self._theme.paper))
         if self._rows:
             self._paint_paper(painter)
             self._paint_curves(painter)
-            self._paint_title(painter)
-            if self._with_cursor:
-                self._paint_cursor(painter)
+            names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
+            paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
         else:
             painter.setFont(font(TEXT))
             painter.setPen(QColor(self._theme.quiet))
             room = self.rect().adjusted(16, 16, -16, -16)
             painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
-        painter.end()
 
     def _paint_paper(self, painter: QPainter) -> None:
         theme, centre, radius = self._theme, self.centre, self.radius
@@ -192,12 +226,24 @@ class PolarPlot(QWidget):
             painter.drawLine(self.place(angle, inner), self.place(angle, radius))
         painter.setFont(font(SMALL))
         painter.setPen(QColor(theme.ink))
-        for angle in range(0, 360, SPOKES):
-            _centred(painter, self.place(angle, radius + 14.0), f"{angle}°")
+        for text, box in self.letters():
+            painter.fillRect(box, QColor(theme.paper))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+    def letters(self) -> list[tuple[str, QRectF]]:
+        """The angles around the circles, the values on them, and where they stand [pixels]."""
+        rows = [(f"{angle}°", self.place(angle, self.radius + 14.0)) for angle in range(0, 360, SPOKES)]
         for value in self._circles:
             if self.distance(value) > 0.0:
-                text = number(value, decimals_of(self._step))
-                _centred(painter, self.place(LETTER_ANGLE, self.distance(value)), text, QColor(theme.paper))
+                place = self.place(LETTER_ANGLE, self.distance(value))
+                rows.append((number(value, decimals_of(self._step)), place))
+        made = []
+        for text, place in rows:
+            width, height = text_size(text)
+            box = QRectF(0.0, 0.0, width + 4.0, height)
+            box.moveCenter(place)
+            made.append((text, box))
+        return made
 
     def _paint_curves(self, painter: QPainter) -> None:
         if self._path is None:
@@ -212,51 +258,32 @@ class PolarPlot(QWidget):
         part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
         away = self.radius * (hole + (1.0 - hole) * part)
         place = away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y())
-        path = QPainterPath()
         finite = np.isfinite(values)
-        if finite.all():
-            path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place.tolist()]))
-            path.closeSubpath()
-            return path
+        if finite.all() and self._whole:
+            round_about = np.append(place, place[:1])
+            return outline(round_about[needed(round_about, self.unseen / self.devicePixelRatioF())[:-1]])
+        path = QPainterPath()
         for run in np.split(np.arange(values.size), np.flatnonzero(np.diff(finite)) + 1):
             if finite[run[0]]:
                 path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place[run].tolist()]))
         return path
 
-    def _paint_title(self, painter: QPainter) -> None:
-        """Names with their colours, and the unit."""
-        painter.setFont(font(TEXT))
-        metrics, theme = QFontMetricsF(font(TEXT)), self._theme
-        words = [(row.label, theme.letters(colour)) for row, _, colour in self._rows]
-        unit = self.rung.symbol
-        told = [
-            (f"{text}{',' if i < len(words) - 1 or unit else ''} ", colour) for i, (text, colour) in enumerate(words)
-        ]
-        if unit:
-            told.append((unit, theme.ink))
-        width = sum(metrics.horizontalAdvance(text) for text, _ in told)
-        x = max(4.0, min((self.width() - width) / 2.0, self.width() - width - BUTTON))
-        for text, colour in told:
-            painter.setPen(QColor(colour))
-            painter.drawText(QPointF(x, 6.0 + metrics.ascent()), text)
-            x += metrics.horizontalAdvance(text)
-
     def _paint_cursor(self, painter: QPainter) -> None:
         theme, angle = self._theme, math.degrees(self._angle)
+        self._read_at = []
         painter.setPen(theme.pen(theme.quiet))
         painter.drawLine(self.place(angle, self.distance(self._low)), self.place(angle, self.radius))
         painter.setFont(font(SMALL))
         metrics = QFontMetricsF(font(SMALL))
         left = math.cos(self._angle) > 0.0  # the text stands inwards, where there is room
-        boxes: list[QRectF] = []
+        boxes = [box for _, box in self.letters()]
+        room = QRectF(self.rect())
         for value, (_, _, colour) in zip(self._values, self._rows, strict=True):
             text = measure(value, self.rung.symbol)
-            width, height = metrics.horizontalAdvance(text) + 6.0, metrics.height()
             at = self.place(angle, self.distance(value if math.isfinite(value) else self._high))
-            box = QRectF(at.x() - 8.0 - width if left else at.x() + 8.0, at.y() - height / 2.0, width, height)
-            while any(box.intersects(other) for other in boxes):
-                box.translate(0.0, height)
+            box = near(at, QSizeF(metrics.horizontalAdvance(text) + 6.0, metrics.height()), left, boxes, room)
             boxes.append(box)
+            self._read_at.append(box)
             if math.isfinite(value):
                 painter.setPen(QPen(QColor(theme.paper), THIN))
                 painter.setBrush(QColor(colour))
@@ -265,15 +292,6 @@ class PolarPlot(QWidget):
             painter.fillRect(box, brush(theme.paper, 0.85))
             painter.setPen(QColor(theme.letters(colour)))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
-
-
-def _centred(painter: QPainter, at: QPointF, text: str, backing: QColor | None = None) -> None:
-    metrics = QFontMetricsF(painter.font())
-    box = QRectF(0.0, 0.0, metrics.horizontalAdvance(text) + 4.0, metrics.height())
-    box.moveCenter(at)
-    if backing is not None:
-        painter.fillRect(box, backing)
-    painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
 
 __all__ = ["PolarPlot"]

@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QWidget
 
 from core.channels import Channel
 from core.study import Study
+from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.files import RATIO, png, svg
 from kindyna_gui.pictures.polar import PolarPlot
 from kindyna_gui.pictures.style import LIGHT, Theme
@@ -25,9 +26,9 @@ def columns_for(count: int, width: float, height: float) -> int:
 
 
 class PolarSheet(QWidget):
-    """Polar plots side by side, for files."""
+    """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point."""
 
-    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme) -> None:
+    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
         super().__init__()
         paper = QPalette(self.palette())
         paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
@@ -38,6 +39,7 @@ class PolarSheet(QWidget):
         columns = math.ceil(math.sqrt(len(rows)))
         for place, row in enumerate(rows):
             plot = PolarPlot(self, theme)
+            plot.unseen = unseen
             plot.set_curves(study, row)
             plot.show_cursor(False)
             grid.addWidget(plot, place // columns, place % columns)
@@ -48,4 +50,4 @@ def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> 
     """Polar plots as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
     if ending == ".svg":
         return svg(PolarSheet(study, rows, LIGHT), study.design.name)
-    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO)))
+    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))

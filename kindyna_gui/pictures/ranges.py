@@ -33,7 +33,13 @@ def peak(rows: Sequence[np.ndarray]) -> float:
 
 def shown_range(rows: Sequence[np.ndarray], families: Iterable[str], limits: Sequence[float]) -> tuple[float, float]:
     """Lowest and highest value of the axis for these curves and limits, in one unit."""
-    sides = [usual_range(values) for values in rows]
+    return room_for([usual_range(values) for values in rows], families, limits)
+
+
+def room_for(
+    sides: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float]
+) -> tuple[float, float]:
+    """The same for curves whose usual ranges are known."""
     low, high = min(side[0] for side in sides), max(side[1] for side in sides)
     near = 0.3 * (high - low)
     if FROM_ZERO.intersection(families) or 0.0 < low < near or -near < high < 0.0:

@@ -15,6 +15,8 @@ from core.cam import CamShape
 from core.errors import NoAnswer
 from core.study import Study
 from core.train import FRAME, SLIDING, Pair, Train
+from kindyna_gui.pictures.turn import nearest
+from kindyna_gui.shown_kinds import has_cam, is_linkage, sense_of
 
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
@@ -79,6 +81,9 @@ def _still(n: int) -> Body:
 def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     body, n = bodies[pair.body], bodies[pair.body].z.size
     on = bodies.get(pair.on) or _still(n)
+    if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the link that slides is the block, whichever is first
+        turn = np.exp(1j * np.deg2rad(on.angle[0] - body.angle[0]))
+        return _joint(name, Pair(SLIDING, pair.body, pair.on, pair.point, complex(pair.axis * turn)), bodies)
     track = body.track(body.points[pair.point])
     if pair.kind != SLIDING:
         return Joint(name, pair, track)
@@ -98,7 +103,8 @@ class Reading:
         self.study = study
         self.train: Train = study.linkage
         self.shape: CamShape | None = _shape(study)
-        self.sense: float = study.design.shaft.sense
+        self.sense = sense_of(study)
+        self.linkage, self.with_cam = is_linkage(study.design), has_cam(study)
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
@@ -107,7 +113,28 @@ class Reading:
         }
         self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.train.pairs.items())
         self.reference = self.bodies[self.train.follower_body].z
-        self.base_radius = study.design.drive.cam.base_radius_mm
+        self.base_radius = self._base_radius()
+
+    def _base_radius(self) -> float:
+        """Of a linkage's cam the least radius of its outline: its size follows from where the roller runs [mm]."""
+        if not self.linkage:
+            radius: float = self.study.design.drive.cam.base_radius_mm
+            return radius
+        return float(np.abs(self.profile).min()) if self.profile.size else 0.0
+
+    def nearest(self, theta: float) -> int:
+        """The sample nearest to an angle [rad]."""
+        return nearest(self.study.theta, theta)
+
+    @property
+    def whole_turn(self) -> bool:
+        """Whether the mechanism can stand at every angle of the turn."""
+        return self.samples == self.study.samples
+
+    @cached_property
+    def moving(self) -> dict[str, Body]:
+        """The bodies that are drawn as such: all but the frame."""
+        return {name: body for name, body in self.bodies.items() if name != FRAME}
 
     @property
     def samples(self) -> int:
@@ -160,7 +187,7 @@ class Reading:
     def core_box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all that moves, over the whole turn [mm]."""
         sweep = float(np.abs(self.pitch).max()) if self.pitch.size else self.base_radius
-        boxes = [(-sweep, -sweep, sweep, sweep)]
+        boxes = [(-sweep, -sweep, sweep, sweep)] if self.with_cam else []
         for track in self.tracks():
             boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
         r, z = self.face_radius, self.reference
@@ -175,6 +202,14 @@ class Reading:
         size = abs(high - low) / UNITS_ACROSS
         return float(10.0 ** (np.round(UNIT_STEPS * np.log10(size)) / UNIT_STEPS))
 
+    def stands_as(self, other: Reading) -> bool:
+        """Whether every part stands where it does in another reading: no more than speed or loads may differ."""
+        return (
+            self.train is other.train
+            and self.shape is other.shape
+            and (self.sense, self.base_radius) == (other.sense, other.base_radius)
+        )
+
     @cached_property
     def near_centres(self) -> np.ndarray:
         """Those places of the instant centre that are near enough to be kept in the picture (m,) [mm]."""
@@ -188,6 +223,8 @@ class Reading:
 
 
 def _shape(study: Study) -> CamShape | None:
+    if not has_cam(study):
+        return None
     try:
         shape: CamShape = study.cam
     except NoAnswer:

@@ -1,7 +1,8 @@
 """Outlines of the textbook's symbols as paths. Lengths in mm, y upwards; ``unit`` is the size of symbols [mm].
 
 Symbols are built at the size of a few units and then scaled, so that a mechanism of micrometres is drawn as one of
-kilometres is. Outlines are merged at a hundred times that size: Qt flattens curves to a fixed tolerance.
+kilometres is. Bodies are pieces that overlap and are drawn as one: merging their outlines would cost more than all the
+rest of a drawing, and would turn their arcs into so many straight lines.
 """
 
 from __future__ import annotations
@@ -14,13 +15,12 @@ from functools import lru_cache
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath, QPolygonF, QTransform
+from shiboken6 import VoidPtr
 
 PIN, EYE, HUB = 0.6, 1.15, 1.45  # radii of a pin, of the eye around it, of a lever's hub, in units
 BAR, WEB = 0.62, 7.0  # half the width of a bar, reach of a lever's web, in units
 HATCH = 0.75  # distance of hatching lines, in units
-FINE = 100.0
-MOST_POINTS = 1200  # of a curve on paper
-KEPT = 64  # outlines of bodies that are remembered: most edits leave most bodies as they are
+KEPT = 64  # symbols of each kind that are remembered: most edits leave most of them as they are
 
 
 def at(place: complex) -> QPointF:
@@ -49,11 +49,15 @@ def circle(radius: float, centre: complex = 0j) -> QPainterPath:
 
 
 def outline(points: np.ndarray) -> QPainterPath:
-    """A closed curve through many points (n,)."""
-    from pyqtgraph.functions import arrayToQPolygonF  # one by one the points would take milliseconds
-
+    """A closed curve through many points (n,), handed over as one block of memory: one by one they would take
+    milliseconds."""
+    polygon = QPolygonF()
+    polygon.resize(points.size)
+    if points.size:
+        room = VoidPtr(polygon.data(), 16 * points.size, True)
+        np.frombuffer(room, dtype=complex)[:] = points
     path = QPainterPath()
-    path.addPolygon(arrayToQPolygonF(points.real, points.imag))
+    path.addPolygon(polygon)
     path.closeSubpath()
     return path
 
@@ -74,19 +78,6 @@ def segments(lines: Iterable[tuple[complex, complex]]) -> QPainterPath:
     return path
 
 
-def curve(points: np.ndarray) -> QPainterPath:
-    """A closed curve (n,) thinned to what paper can show: points stay dense where it is long or where it bends."""
-    if points.size <= MOST_POINTS:
-        return outline(points)
-    step = np.diff(points, append=points[:1])
-    length = np.abs(step)
-    bend = np.abs(np.angle(step * np.conj(np.roll(step, 1)))) * (length > 0.0)
-    weight = length / (length.sum() or 1.0) + bend / (bend.sum() or 1.0)
-    marks = np.floor(np.cumsum(weight) / weight.sum() * MOST_POINTS)
-    kept = np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
-    return outline(points[kept])
-
-
 def bar(start: complex, end: complex, half_width: float) -> QPainterPath:
     """A bar with round ends [mm]."""
     length = abs(end - start)
@@ -98,17 +89,14 @@ def bar(start: complex, end: complex, half_width: float) -> QPainterPath:
     return scaled(path, 1.0, start, turn)
 
 
-def _merged(paths: Sequence[QPainterPath], unit: float, place: complex) -> QPainterPath:
-    """Paths drawn in units as one outline, at its place [mm]."""
-    whole = QPainterPath()
-    for path in paths:
-        whole = whole.united(scaled(path, FINE))
-    return scaled(whole.simplified(), unit / FINE, place)
+def _pieces(paths: Sequence[QPainterPath], unit: float, place: complex) -> tuple[QPainterPath, ...]:
+    """Paths drawn in units, at their place [mm]."""
+    return tuple(scaled(path, unit, place) for path in paths)
 
 
 @lru_cache(maxsize=KEPT)
-def lever(hub: complex, ends: tuple[complex, ...], unit: float) -> QPainterPath:
-    """A lever of several arms from one hub, stiffened by a web between neighbours."""
+def lever(hub: complex, ends: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
+    """The pieces of a lever of several arms from one hub, stiffened by a web between neighbours."""
     local = sorted(((end - hub) / unit for end in ends), key=cmath.phase)
     paths = [circle(HUB)]
     for end in local:
@@ -118,35 +106,37 @@ def lever(hub: complex, ends: tuple[complex, ...], unit: float) -> QPainterPath:
             reach = min(WEB, 0.4 * abs(one), 0.4 * abs(other))
             web = [0j, reach * one / abs(one), reach * other / abs(other)]
             paths.append(polyline(web, closed=True))
-    return _merged(paths, unit, hub)
+    return _pieces(paths, unit, hub)
 
 
 @lru_cache(maxsize=KEPT)
-def plate(corners: tuple[complex, ...], unit: float) -> QPainterPath:
-    """A body of three or more points without a fixed one: a plate with eyes."""
+def plate(corners: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
+    """The pieces of a body of three or more points without a fixed one: a plate with eyes."""
     centre = sum(corners) / len(corners)
     local = sorted(((c - centre) / unit for c in corners), key=cmath.phase)
     paths = [polyline(local, closed=True)]
     for one, other in zip(local, local[1:] + local[:1], strict=True):
         paths += [bar(one, other, BAR), circle(EYE, one)]
-    return _merged(paths, unit, centre)
+    return _pieces(paths, unit, centre)
 
 
 @lru_cache(maxsize=KEPT)
-def link(ends: tuple[complex, ...], unit: float) -> QPainterPath:
-    """A bar between two points, with eyes."""
+def link(ends: tuple[complex, ...], unit: float) -> tuple[QPainterPath, ...]:
+    """The pieces of a bar between two points, with eyes."""
     start, end = ends
     local = (end - start) / unit
-    return _merged([bar(0j, local, BAR), circle(EYE), circle(EYE, local)], unit, start)
+    return _pieces([bar(0j, local, BAR), circle(EYE), circle(EYE, local)], unit, start)
 
 
-def stem(length: float, half_width: float, eye: float) -> QPainterPath:
-    """A bar along +x from an eye about the origin, cut off square at its end; lengths in units."""
+@lru_cache(maxsize=KEPT)
+def stem(length: float, half_width: float, eye: float) -> tuple[QPainterPath, ...]:
+    """The pieces of a bar along +x from an eye about the origin, cut off square at its end; lengths in units."""
     path = QPainterPath()
     path.addRect(QRectF(0.0, -half_width, length, 2 * half_width))
-    return _merged([path, circle(eye)], 1.0, 0j)
+    return path, circle(eye)
 
 
+@lru_cache(maxsize=KEPT)
 def hatched_box(left: float, right: float, low: float, high: float, gap: float) -> QPainterPath:
     """The strokes at 45 degrees inside a box."""
     lines = []
@@ -158,6 +148,7 @@ def hatched_box(left: float, right: float, low: float, high: float, gap: float) 
     return segments(lines)
 
 
+@lru_cache(maxsize=KEPT)
 def hatching(start: complex, end: complex, depth: float, gap: float) -> QPainterPath:
     """Short strokes at 45 degrees on the right of the line from start to end [mm]."""
     length = abs(end - start)
@@ -168,6 +159,7 @@ def hatching(start: complex, end: complex, depth: float, gap: float) -> QPainter
     return segments((p + 0.25 * depth * along, p + across - 0.75 * depth * along) for p in places)
 
 
+@lru_cache(maxsize=1)
 def pedestal() -> tuple[QPainterPath, QPainterPath]:
     """The textbook's fixed pivot below the origin, in units: triangle, and hatched ground."""
     half, height, wide = 1.9, 3.4, 2.9
@@ -177,6 +169,7 @@ def pedestal() -> tuple[QPainterPath, QPainterPath]:
     return triangle, ground
 
 
+@lru_cache(maxsize=KEPT)
 def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPainterPath]:
     """A shaft in its bearing, radii in mm: bush, hatching of the bush, shaft with centre lines."""
     bush = circle(outer)
@@ -209,6 +202,7 @@ def arrow_head(tip: complex, along: complex, size: float) -> QPainterPath:
     return polyline([tip, back + side, back - side], closed=True)
 
 
+@lru_cache(maxsize=KEPT)
 def arc_arrow(radius: float, start: float, span: float, head: float) -> tuple[QPainterPath, QPainterPath]:
     """An arc about the origin from ``start`` over ``span`` [deg, counter-clockwise] and the head at its end."""
     stop = span - math.copysign(math.degrees(0.7 * head / radius), span)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
@@ -66,13 +67,7 @@ class Theme:
 
     def pen(self, colour: str, width: float = THIN, dash: tuple[float, ...] = ()) -> QPen:
         """A pen of so many pixels at every zoom; dashes in pixels."""
-        made = QPen(QColor(colour), width * self.ratio)
-        made.setCosmetic(True)
-        made.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
-        made.setCapStyle(Qt.PenCapStyle.FlatCap if dash else Qt.PenCapStyle.RoundCap)
-        if dash:
-            made.setDashPattern([part / width for part in dash])
-        return made
+        return QPen(_pen(colour, width, dash, self.ratio))
 
     def letters(self, colour: str) -> str:
         """A colour for texts: the same hue, dark enough to be read on light paper."""
@@ -129,11 +124,30 @@ TEXT, SMALL = 12, 11  # heights of letters, pixels
 FONTS = ("DejaVu Sans", "Noto Sans", "Liberation Sans", "Segoe UI", "Helvetica Neue", "Arial", "NanumGothic")
 
 
+# Every edit asks for the same few dozens of these again; a copy costs next to nothing.
+
+
+@lru_cache(maxsize=256)
+def _pen(colour: str, width: float, dash: tuple[float, ...], ratio: float) -> QPen:
+    made = QPen(QColor(colour), width * ratio)
+    made.setCosmetic(True)
+    made.setJoinStyle(Qt.PenJoinStyle.RoundJoin)
+    made.setCapStyle(Qt.PenCapStyle.FlatCap if dash else Qt.PenCapStyle.RoundCap)
+    if dash:
+        made.setDashPattern([part / width for part in dash])
+    return made
+
+
 def no_pen() -> QPen:
     return QPen(Qt.PenStyle.NoPen)
 
 
 def brush(colour: str, opacity: float = 1.0) -> QBrush:
+    return QBrush(_brush(colour, opacity))
+
+
+@lru_cache(maxsize=256)
+def _brush(colour: str, opacity: float) -> QBrush:
     made = QColor(colour)
     made.setAlphaF(opacity)
     return QBrush(made)
@@ -141,6 +155,11 @@ def brush(colour: str, opacity: float = 1.0) -> QBrush:
 
 def font(pixels: int = TEXT, bold: bool = False) -> QFont:
     """The font of all drawings; the first of ``FONTS`` that the machine has."""
+    return QFont(_font(pixels, bold))
+
+
+@lru_cache(maxsize=16)
+def _font(pixels: int, bold: bool) -> QFont:
     made = QFont()
     made.setFamilies(list(FONTS))
     made.setPixelSize(pixels)
@@ -148,13 +167,14 @@ def font(pixels: int = TEXT, bold: bool = False) -> QFont:
     return made
 
 
+@lru_cache(maxsize=64)
 def shade(colour: str, number: int) -> str:
-    """The colour of the curve of this number (0, 1, ...) among curves of one family in one plot: darker in turn,
-    lighter where dark already."""
+    """The colour of the curve of this number (0, 1, ...) among curves of one family in one plot: darker and
+    lighter in turn, lighter only where dark already."""
     base = QColor(colour)
     if number == 0:
         return base.name()
-    steps = (200, 280, 130)
+    steps = (200, 62, 330)  # below 100 it becomes lighter
     step = steps[(number - 1) % len(steps)]
     dark = base.lightnessF() < 0.2
     if dark:

@@ -59,13 +59,14 @@ def forces(reading: Reading) -> Field:
     """Forces of the pairs, as the tables of core name them, and of the cam on the follower."""
     try:
         found = reading.study.dynamics
-        shape = reading.study.cam
+        shape = reading.shape
     except NoAnswer:
         return Field("force", "N", ())
     places = {joint.name: joint.track for joint in reading.joints}
     centre = np.zeros(reading.samples, dtype=complex)
     rows = [(name, places.get(name, centre), force) for name, force in found.pairs.items()]
-    rows.append(("contact", reading.contact, -found.contact * shape.flank.normal))
+    if shape is not None:
+        rows.append(("contact", reading.contact, -found.contact * shape.flank.normal))
     return _moving(Field("force", "N", tuple(rows)))
 
 

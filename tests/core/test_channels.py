@@ -126,8 +126,9 @@ def test_a_smaller_question_writes_only_its_tables() -> None:
     assert set(tables(LIFT, 8, ("cam",))) == {"profile.csv"}
     assert set(tables(LIFT, 8, ("dynamics", "cam"))) == {"profile.csv", "dynamics.csv"}
     assert set(tables(PUSHER, 8, ("linkage",))) == set()
+    assert set(files(Study(LIFT, 8), ("stability",))) == {"summary.json"}, "a rigid shaft has no tongues"
     with pytest.raises(NoSuchStage):
-        files(Study(LIFT, 8), ("stability",))
+        files(Study(LIFT, 8), ("strength",))
 
 
 # -- the values -------------------------------------------------------------------------------------------

@@ -239,13 +239,14 @@ def test_inserted_and_removed_is_as_before(data: st.DataObject) -> None:
 
 
 def test_what_is_assumed_keeps_its_segment() -> None:
-    assert PICKER.assumed[:3] == ("motion.segments[1].law", "motion.segments[2].law", "cam.roller_radius_mm")
-    grown = insert_segment(PICKER, 1)
-    assert grown.assumed[:3] == ("motion.segments[1].law", "motion.segments[3].law", "cam.roller_radius_mm")
-    assert get(grown, "motion.segments[3].law") == get(PICKER, "motion.segments[2].law")
-    shrunk = remove_segment(PICKER, 1)
+    guessed = with_assumed(with_assumed(PICKER, "motion.segments[1].law", True), "motion.segments[2].law", True)
+    assert guessed.assumed[:3] == ("motion.segments[1].law", "motion.segments[2].law", "cam.roller_radius_mm")
+    grown = insert_segment(guessed, 0)
+    assert grown.assumed[:3] == ("motion.segments[2].law", "motion.segments[3].law", "cam.roller_radius_mm")
+    assert get(grown, "motion.segments[3].law") == get(guessed, "motion.segments[2].law")
+    shrunk = remove_segment(guessed, 1)
     assert shrunk.assumed[:2] == ("motion.segments[1].law", "cam.roller_radius_mm")
-    assert remove_segment(grown, 2) == PICKER
+    assert remove_segment(grown, 1) == guessed
 
 
 # -- layout, assumption, plain values ---------------------------------------------------------------------

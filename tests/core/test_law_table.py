@@ -9,7 +9,9 @@ import mpmath
 import numpy as np
 import pytest
 
+from core.design import CURVES
 from core.laws import LAWS, Law, asymmetric, peaks
+from core.laws.table import SHORT, short_name
 
 EPS = float(np.finfo(float).eps)
 pi = mpmath.pi
@@ -100,3 +102,13 @@ def test_an_asymmetric_law_is_smooth_at_its_crossover(slug: str, crossover: floa
     assert np.abs(before - after)[:3].max() <= 1e-12
     assert after[0] == pytest.approx(crossover, abs=8 * EPS)
     assert np.abs(law(np.linspace(0.0, crossover, 50))[2, 1:-1]).min() > 0.0
+
+
+def test_every_curve_has_a_short_name_of_its_own() -> None:
+    """Also those with keys of their own, and by their other spellings; Yang's go by their slugs."""
+    names = [short_name(slug) for slug in (*LAWS, *CURVES)]
+    assert len(set(names)) == len(names)
+    assert max(len(name) for name in names) <= 5
+    assert short_name("c3") == "C3"
+    assert short_name("harmonic") == short_name("simple-harmonic") == "SH"
+    assert set(SHORT) <= {*LAWS, *CURVES}

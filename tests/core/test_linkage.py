@@ -43,8 +43,9 @@ from references import (
 from core.design import SingleCam, si
 from core.errors import NoAssembly, NoCam
 from core.findings import ERROR, WARNING
-from core.linkage import LAYOUT_TABLE, area4_of, cam_slider_train, opposite_angle, rod_and_arm
+from core.linkage import LAYOUT_TABLE, area4, area4_of, cam_slider_train, opposite_angle, rod_and_arm
 from core.linkage.base import BasePosition
+from core.linkage.dead_centres import dead_centres
 from core.study import Study
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
@@ -91,6 +92,21 @@ def test_points_angles_and_three_derivatives_follow_from_the_circles(name: str, 
 @given(buildable(), ANGLES)
 def test_any_mechanism_follows_from_the_circles(design: SingleCam, theta: float) -> None:
     check_everything(design, theta)
+
+
+@pytest.mark.parametrize("letter", ["b", "d", "f"])
+def test_a_slider_high_above_the_pivot_keeps_the_arms_pin_on_its_side(letter: str) -> None:
+    """Height and cosine outweigh slider and sine: which side the pin is on is told by both."""
+    follower, cam = posed(
+        letter, slider_arm=300.0, rod=280.0, arm_angle=0.35, rod_angle=1.1, guide=0.2, pivot=complex(230.0, -30.0),
+        roller_arm=200.0, spread=0.7, roller_share=0.2,
+    )  # fmt: skip
+    design = with_drive(LAYOUT_DESIGNS[letter], follower=follower, cam=cam)
+    base = Study(design, 8).linkage.base
+    slider, phi = base["slider"][0], base["phi"][0]
+    assert abs(follower.guide_height_mm * 1e-3 * math.cos(phi)) > 2.0 * abs(slider * math.sin(phi))
+    for theta in (0.3, 2.5):
+        check_everything(design, theta)
 
 
 # -- layouts ----------------------------------------------------------------------------------------------
@@ -202,7 +218,11 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: SingleCam) -> None:
     size = (g.slider_arm_mm + g.rod_mm + abs(g.guide_height_mm)) * 1e-3
     closure = np.abs(rod.point("slider_pin") - slider.z)
     assert closure[0].max() <= 1e-13 * size
-    assert train.residual == pytest.approx(closure[0] / size, abs=EPS)
+    # and the angles say the same as the poses
+    by_angles = arm.z[0] + g.slider_arm_mm * 1e-3 * np.exp(1j * arm.angle[0]) + g.rod_mm * 1e-3 * np.exp(1j * rod.angle[0])
+    missed = np.abs(by_angles - slider.z[0])
+    assert missed.max() <= 1e-13 * size
+    assert train.residual == pytest.approx(missed / size, abs=EPS)
     # velocities and accelerations close too: each order divides by the sine once more than its velocities
     grow = EPS * ROUNDINGS * train.condition.max() ** np.array([2.0, 3.0, 4.0])
     parts = [np.abs(p[1:]).max(axis=1) for p in (rod.z, slider.z, rod.point("slider_pin"))]
@@ -230,6 +250,30 @@ def test_angles_do_not_wrap_within_the_cycle() -> None:
             assert abs(angle[0, 0] - train.base[name][0]) < 1.0
 
 
+@pytest.mark.parametrize("name", DESIGNS)
+def test_every_body_points_where_its_angle_says(name: str) -> None:
+    """The vectors of the triangle and the angles in tables are one and the same direction, seen from its own point."""
+    train = Study(DESIGNS[name], 24).linkage
+    for body, ends in {"arm": ("pivot", "arm_pin"), "rod": ("arm_pin", "slider_pin"), "roller": (), "slider": ()}.items():
+        if body not in train.bodies:
+            continue
+        pose = train.bodies[body]
+        assert pose.unit == pytest.approx(np.exp(1j * pose.angle[0]), abs=EPS * ROUNDINGS * train.condition.max())
+        if ends:
+            here, there = (pose.point(end)[0] for end in ends)
+            assert (there - here) / abs(there - here) == pytest.approx(pose.unit, abs=8 * EPS)
+        for point, local in pose.points.items():
+            for k in range(4):
+                assert pose.derivative(local, k) == pytest.approx(pose.point(point)[k], rel=4 * EPS, abs=1e-300)
+            assert pose.place(point).tolist() == pose.derivative(local, 0).tolist()
+    if "roller" in train.bodies:
+        # fixed to the arm
+        ahead = train.bodies["roller"].angle - train.bodies["arm"].angle
+        fixed = math.radians(DESIGNS[name].drive.follower.fixed_angle_deg)
+        assert ahead[0] == pytest.approx(fixed, abs=EPS * 8 * math.tau)
+        assert not ahead[1:].any()
+
+
 # -- the triangle -----------------------------------------------------------------------------------------
 
 
@@ -243,6 +287,7 @@ def test_area_and_angle_keep_their_digits_in_a_needle(a: float, b: float, c: flo
     x, y, z = map(MP.mpf, (a, b, c))
     area = MP.sqrt((x + y + z) * (-x + y + z) * (x - y + z) * (x + y - z))
     assert off(area4_of(a, b, c), area) <= 8 * EPS * float(area)
+    assert area4(np.array([a, a]), b, c).tolist() == [area4_of(a, b, c)] * 2
     cosine = (x * x + y * y - z * z) / (2 * x * y)
     angle = MP.acos(cosine)
     # atan2 of the area and 2ab cos, the latter of three products: its error counts as far as it turns the angle
@@ -255,6 +300,33 @@ def test_no_triangle_gives_no_area() -> None:
     assert math.isnan(area4_of(3.1, 2.0, 1.0))
     assert math.isnan(opposite_angle(5.0, 1.0, 2.0))
     assert area4_of(1.0, 2.0, 3.0) == 0.0
+    told = area4(np.array([3.1, 3.0, 0.9, 2.5]), 1.0, 2.0)
+    assert np.isnan(told).tolist() == [True, False, True, False]
+    assert told[1] == 0.0
+
+
+@pytest.mark.parametrize(("l1", "l2"), [(1.3, 0.8), (0.31, 0.94), (0.7, 0.7), (1.302162, 0.845), (1e-4, 1.0)])
+@pytest.mark.parametrize("height", [0.0, 0.3, -0.2, 1.3])
+def test_the_area_keeps_all_its_digits_down_to_dead_centres(l1: float, l2: float, height: float) -> None:
+    """Four sums and three products under a root: 4 eps of it, at any distance from the straight line."""
+    a, b, h = map(MP.mpf, (l1, l2, height))
+    centres = dead_centres(l1, l2, height)
+    places = []
+    for square in ((a + b) ** 2 - h**2, (a - b) ** 2 - h**2):
+        if square > 0:
+            edge = float(MP.sqrt(square))
+            steps = [edge * (1.0 + sign * 10.0**-k) for k in (1, 3, 6, 9, 12, 15) for sign in (1, -1)]
+            places += [edge, math.nextafter(edge, 0.0), math.nextafter(edge, 9.0), *steps]
+    for slider in (p * sign for p in places for sign in (1.0, -1.0)):
+        r2 = MP.mpf(slider) ** 2 + h**2
+        exact = ((a + b) ** 2 - r2) * (r2 - (a - b) ** 2)
+        got = float(centres.area4(np.array([slider]))[0])
+        if exact < 0:
+            assert math.isnan(got)
+        else:
+            assert off(got, MP.sqrt(exact)) <= 4 * EPS * float(MP.sqrt(exact))
+    if not places:
+        assert math.isnan(float(centres.area4(np.array([0.5]))[0])), "the guide is out of reach"
 
 
 # -- towards dead centres ---------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
-from mechanisms import SMOOTH, levels, motions
+from mechanisms import LIFT, PUSHER, SMOOTH, levels, motions
 from references import EPS, LAW_TERMS, MP, joins_of, motion_series, segment_at
 
 from core.design import Motion, Named, Segment
@@ -150,6 +150,24 @@ def test_degrees_are_rounded_once() -> None:
     for n in (4, 7, 3600, 100_000):
         exact = [float(Fraction(360 * i, n)) for i in range(0, n, max(1, n // 500))]
         assert degrees(n)[:: max(1, n // 500)].tolist() == exact
+
+
+IN_ORDER = {"lift": LIFT.drive.motion, "pusher": PUSHER.drive.motion, "many": Motion(0.0, MANY),
+            "half a dwell": levels(0.0, (100.0, 10.0, "modified-trapezoid"), (180.0, 10.0, "dwell"), (80.0, 0.0, "cycloidal"))}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", IN_ORDER)
+def test_in_turn_or_in_any_order_the_motion_is_the_same_to_the_last_bit(name: str) -> None:
+    """A grid is walked piece by piece, angles in disorder are looked up one by one: of each angle the same is told."""
+    compiled = Program(IN_ORDER[name])
+    theta = np.linspace(0.0, TURN, 3600, endpoint=False)
+    order = np.random.default_rng(5).permutation(theta.size)
+    grid = compiled.state(compiled.angles(theta))
+    told = compiled.state(compiled.angles(theta[order]))
+    assert told.y.tolist() == grid.y[:, order].tolist()
+    assert told.way.tolist() == grid.way[order].tolist()
+    one_by_one = [compiled.state(compiled.angles(theta[[i]])).y[:, 0].tolist() for i in order[:50]]
+    assert one_by_one == grid.y[:, order[:50]].T.tolist()
 
 
 # -- jumps ------------------------------------------------------------------------------------------------

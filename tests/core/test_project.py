@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core import project
-from core.design import FOLLOWER_KINDS, Design, Named, Segment, faults, info_of, put
+from core.design import FOLLOWER_KINDS, Design, Elastic, Named, Segment, faults, info_of, put
 from core.errors import DesignError, FileError
 from core.laws import LAWS
 
@@ -97,17 +97,17 @@ def test_lift() -> None:
 def test_card_picker() -> None:
     design = project.load(PICKER)
     assert design.drive.cam.base_radius_mm == 50.0
-    assert [s.rise for s in design.drive.motion.segments] == [0.0, 20.0, -20.0, 0.0]
+    assert [s.curve.law for s in design.drive.motion.segments] == ["dwell", "c1", "cv1", "h2", "p2", "dwell"]
+    assert [s.rise for s in design.drive.motion.segments] == [0.0, 1.0, 18.0, 1.0, -20.0, 0.0]
 
 
 def test_card_picker_keeps_contact() -> None:
-    """Preload and weight alone, friction none, against the largest cycloidal acceleration: 2 pi h / beta^2."""
+    """Preload and weight alone, friction none, against the largest acceleration, which P2 and H2 share at the top:
+    216/41 h/beta^2."""
     design = project.load(PICKER)
     loads, omega = design.drive.loads, math.radians(6.0 * design.shaft.speed_rpm)
-    largest = max(
-        2.0 * math.pi * abs(s.rise) / 1e3 * (omega / math.radians(s.span_deg)) ** 2
-        for s in design.drive.motion.segments
-    )
+    back = design.drive.motion.segments[4]
+    largest = 216.0 / 41.0 * abs(back.rise) / 1e3 * (omega / math.radians(back.span_deg)) ** 2
     assert loads.preload_n > 5.0 * loads.follower_mass_kg * largest
 
 
@@ -344,12 +344,54 @@ def test_every_required_key_is_missed(kind: str) -> None:
     assert lines["motion.segments"]
 
 
-@pytest.mark.parametrize("other", ["linkage", "drives"])
-def test_kinds_to_come(other: str) -> None:
-    content: Any = [{}] if other == "drives" else {}
-    lines = told({"format": 2, other: content})
-    assert set(lines) == {"format", "name", other}
-    assert "this kind of design is not supported yet" in lines[other]
+def test_kinds_to_come() -> None:
+    lines = told({"format": 2, "drives": [{}]})
+    assert set(lines) == {"format", "name", "drives"}
+    assert "this kind of design is not supported yet" in lines["drives"]
+
+
+# -- a flexible shaft -------------------------------------------------------------------------------------
+
+ELASTIC = {"shaft.camshaft_inertia_kg_m2": 60, "shaft.stiffness_nm_per_rad": 1.6e6}
+
+
+def test_the_elasticity_of_a_shaft_stands_flat_in_its_table() -> None:
+    design = project.from_table(edited(ELASTIC))
+    assert design.shaft.elastic == Elastic(60.0, 1.6e6)
+    table = project.to_table(design)["shaft"]
+    assert list(table)[-5:] == ["camshaft_inertia_kg_m2", "stiffness_nm_per_rad", "damping_ratio", "spring", "spring_factor"]
+    assert table["spring"] == "fixed"
+    assert project.loads(project.dumps(design)) == design
+    assert project.from_table(edited({})).shaft.elastic is None
+    assert "stiffness_nm_per_rad" not in project.to_table(project.from_table(edited({})))["shaft"]
+
+
+@pytest.mark.parametrize(
+    ("edits", "expected"),
+    [
+        ({"shaft.damping_ratio": 0.1}, {
+            "shaft.camshaft_inertia_kg_m2": "missing; allowed: > 0", "shaft.stiffness_nm_per_rad": "missing; allowed: > 0"}),
+        (ELASTIC | {"shaft.stiffness_nm_per_rad": 0.0}, {"shaft.stiffness_nm_per_rad": "> 0 N·m/rad"}),
+        (ELASTIC | {"shaft.damping_ratio": "much"}, {"shaft.damping_ratio": "must be a number; allowed: 0 ... 0.99"}),
+        (ELASTIC | {"shaft.spring": "retunned"}, {"shaft.spring": "did you mean 'retuned'?"}),
+        (ELASTIC | {"shaft.spring": 3}, {"shaft.spring": "must be text"}),
+        (ELASTIC | {"shaft.damping": 0.1}, {"shaft.damping": "did you mean 'damping_ratio'?"}),
+        ({"shaft.stiffness_n_per_mm": 1.0}, {"shaft.stiffness_n_per_mm": "wrong unit; allowed: stiffness_nm_per_rad"}),
+        ({"shaft.elastic": {}}, {"shaft.elastic": "unknown key"}),
+        (ELASTIC | {"shaft.elastic": 1}, {"shaft.elastic": "unknown key"}),
+        ({"assumed": ["shaft.stiffness_nm_per_rad"]}, {"assumed[0]": "no such entry in this design"}),
+        (ELASTIC | {"shaft.speed_rpm": -1.0, "shaft.spring_factor": math.nan, "assumed": ["shaft.elastic"]},
+         {"shaft.speed_rpm": "above 0", "shaft.spring_factor": "allowed: 0", "assumed[0]": "no such entry"}),
+    ],
+)  # fmt: skip
+def test_faults_of_a_flexible_shaft(edits: dict[str, Any], expected: dict[str, str]) -> None:
+    check(edits, expected)
+
+
+def test_what_is_assumed_of_a_flexible_shaft_is_kept() -> None:
+    design = project.from_table(edited(ELASTIC | {"assumed": ["shaft.stiffness_nm_per_rad", "shaft.damping_ratio"]}))
+    assert design.assumed == ("shaft.stiffness_nm_per_rad", "shaft.damping_ratio")
+    assert project.loads(project.dumps(design)) == design
 
 
 # -- many faults ------------------------------------------------------------------------------------------

@@ -2,14 +2,26 @@
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_loads, with_shaft
+from mechanisms import (
+    LAYOUT_DESIGNS,
+    LIFT,
+    PUSHER,
+    buildable,
+    levels,
+    with_drive,
+    with_follower,
+    with_loads,
+    with_shaft,
+)
 from references import EPS
 from scipy.integrate import quad, solve_ivp
+from scipy.optimize import bisect
 
 from core.design import Shaft, SingleCam
 from core.motion import TURN, Angles, Program
@@ -82,23 +94,43 @@ def test_a_jolt_within_a_thousandth_of_a_degree_is_not_lost() -> None:
     assert flywheel(wave(1, 0, 0), jolt, shaft()).energy_swing == pytest.approx(1e6 * width / math.pi, rel=left_out + PANEL)
 
 
-@pytest.mark.parametrize("design", [LIFT, FREE_PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "pusher", "f"])
+def turns_of_the_guide(study: Study, piece: int) -> list[float]:
+    """Where the guide's force changes sides within a piece, by the interval that is halved."""
+
+    def normal(theta: float) -> float:
+        return float(study.at(Angles(np.array([theta]), np.array([piece]))).dynamics.guide.normal[0])
+
+    if study.program.way_of[piece] == 0.0:
+        return []
+    theta = np.linspace(study.program.starts[piece], study.program.ends[piece], 500)[1:-1]
+    values = [normal(t) for t in theta]
+    return [bisect(normal, a, b, xtol=1e-15) for (a, b), (x, y) in zip(pairwise(theta), pairwise(values), strict=True) if x * y < 0.0]
+
+
+@pytest.mark.parametrize("design", [LIFT, FREE_PUSHER, PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "free pusher", "pusher", "f"])
 def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: SingleCam) -> None:
-    """By an adaptive rule on each segment, and the energy's extremes off 20 samples a degree."""
+    """By an adaptive rule between joins and between the angles where the guide's force turns round, and friction with it;
+    the energy's extremes off 20 samples a degree."""
     study = Study(design)
     program = study.program
 
     def torque(theta: float, piece: int) -> float:
         return float(study.at(Angles(np.array([theta]), np.array([piece]))).dynamics.torque[0])
 
-    pieces = list(enumerate(zip(program.starts, program.ends, strict=True)))
+    pieces = [
+        (i, a, b)
+        for i, (begin, end) in enumerate(zip(program.starts, program.ends, strict=True))
+        for a, b in pairwise([begin, *(turns_of_the_guide(study, i) if design.drive.loads.friction else []), end])
+    ]
+    if design is PUSHER:
+        assert len(pieces) > program.starts.size, "friction does turn round"
     peak = np.abs(study.dynamics.torque).max()
-    areas = [quad(torque, a, b, args=(i,), epsabs=1e-12 * peak, epsrel=1e-12, limit=200)[0] for i, (a, b) in pieces]
+    areas = [quad(torque, a, b, args=(i,), epsabs=1e-13 * peak, epsrel=1e-13, limit=200)[0] for i, a, b in pieces]
     mean = sum(areas) / TURN
-    assert study.flywheel.mean_torque == pytest.approx(mean, abs=1e-11 * peak)
+    assert study.flywheel.mean_torque == pytest.approx(mean, abs=1e-13 * peak)
     # the energy by Simpson's rule: steps of a twentieth of a degree leave h^4/180 of the fourth derivative
     low = high = at = 0.0
-    for i, (a, b) in pieces:
+    for i, a, b in pieces:
         n = 2 * math.ceil(math.degrees(b - a) * 20 / 2)
         theta = np.linspace(a, b, 2 * n + 1)
         t = study.at(Angles(theta, np.full(theta.size, i))).dynamics.torque - mean
@@ -112,25 +144,43 @@ def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: SingleCa
     assert study.flywheel.energy_swing >= high - low - 1e-9 * peak
 
 
-def test_where_the_guides_force_turns_round_friction_breaks_the_torque_and_costs_its_share_of_a_panel() -> None:
-    """μ|N||y'| has a kink of slope 2μ|N'y'| there. Ten nodes follow |x| on -1...1 to 0.1 (Bernstein: 0.28/n at best,
-    times Lebesgue's constant), so a panel of width w to 0.1 μ|N'y'| w/2, and the mean to w/2π of that."""
-    study = Study(PUSHER)
-    program, normal = study.program, study.dynamics.guide.normal
-    turns = np.flatnonzero((normal[:-1] * normal[1:] < 0.0) & (study.motion.way[1:] != 0.0))
-    assert turns.size >= 1
-    kinks = 0.12 * np.abs(np.diff(normal) / np.diff(study.theta))[turns] * np.abs(study.motion.y[1])[turns]
-    width = math.radians(2.0)
-    bound = float(kinks.sum()) * 0.1 * width / 2 * width / TURN
-    mean = 0.0
-    for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
+@pytest.mark.parametrize("shift", [0.0, 0.9, 0.999999])
+@pytest.mark.parametrize("place", [0.1, 1.0, 3.3])
+def test_a_kink_ends_a_panel_and_costs_nothing(place: float, shift: float) -> None:
+    """|sin θ - shift| cut where it turns round, however near together: mean, energy and motor torque in closed form."""
 
-        def torque(theta: float, i: int = i) -> float:
-            return float(study.at(Angles(np.array([theta]), np.array([i]))).dynamics.torque[0])
+    def sine(angles: Angles) -> np.ndarray:
+        return np.sin(angles.theta - place) - shift
 
-        mean += quad(torque, a, b, epsabs=1e-11, epsrel=1e-11, limit=400)[0] / TURN
-    assert study.flywheel.mean_torque == pytest.approx(mean, abs=bound)
-    assert bound < 1e-5 * np.abs(study.dynamics.torque).max()
+    curve = torque_curve(lambda a: np.abs(sine(a)), EVEN, sine)
+    first = math.asin(shift)
+    # inside the two roots sin θ - shift is positive: 2 cos(first) - shift (π - 2 first); over the turn it sums to -2π shift
+    inside = 2.0 * math.cos(first) - shift * (math.pi - 2.0 * first)
+    assert curve.mean == pytest.approx((2.0 * inside + TURN * shift) / TURN, abs=PANEL)
+    for root in (place + first, place + math.pi - first):
+        assert np.abs(curve.start - root % TURN).min() <= 4 * EPS * TURN / max(math.cos(first), 1e-3)
+    assert curve.start.size == torque_curve(sine, EVEN).start.size + 2
+    energy = filtered(curve, 0.0)
+    roots = sorted(r % TURN for r in (place + first, place + math.pi - first))
+
+    def exact(theta: float) -> float:
+        """The area from root to root, each with its own sign."""
+        edges = [0.0, *(r for r in roots if r < theta), theta]
+        areas = [math.cos(a - place) - math.cos(b - place) - shift * (b - a) for a, b in pairwise(edges)]
+        return math.fsum(map(abs, areas)) - curve.mean * theta
+
+    for theta in (0.5, 2.0, 4.0, 6.0):
+        assert float(energy(np.array([theta]))[0]) == pytest.approx(exact(theta), abs=4 * PANEL)
+
+
+def test_friction_that_rests_or_never_turns_cuts_no_panel() -> None:
+    """No friction, no cut; in a dwell the guide's force may change sides without any rubbing."""
+    panels = torque_curve(wave(1, 1.0, 0.0), Study(PUSHER).program).start.size
+    assert Study(FREE_PUSHER)._torque_curve().start.size == panels
+    assert Study(PUSHER)._torque_curve().start.size == panels + 2
+    still = with_loads(with_follower(PUSHER, direction_deg=90.0), preload_n=0.0)
+    rests = Study(with_drive(still, motion=levels(3.0, (360.0, 3.0, "dwell"))))
+    assert rests._torque_curve().start.size == torque_curve(wave(1, 1.0, 0.0), rests.program).start.size
 
 
 def test_the_needed_inertia_keeps_the_speed_within_the_share() -> None:

@@ -1,13 +1,15 @@
 """Findings, certificate, flywheel, and the count in the status line."""
 
+from dataclasses import replace
 from math import degrees
 
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
+from core.design import Motion, Named, Segment
 from core.study import Study
 from kindyna_gui.certificate_view import PROVES, CertificateView
 from kindyna_gui.findings_view import FindingsView
@@ -152,8 +154,12 @@ def test_the_certificate_says_what_it_proves(user: User) -> None:
     assert len(rows) == len(proof)
     for row, (name, residual) in zip(rows, proof.items(), strict=True):
         assert row[0].lower().replace(" ", "_") == name
-        assert row[1:4] == (f"{residual.value:.1e}", f"{residual.bound:.1e}", "kept")
-        assert row[4].lower() == PROVES[name].lower()
+        assert row[1:4] == (f"{residual.value:.1e}" if residual.value else "0", f"{residual.bound:.1e}", "kept")
+        assert row[4].lower() == PROVES[name][0].lower()
+    tips = [
+        str(view.table.rows.data(view.table.rows.index(i, 4), Qt.ItemDataRole.ToolTipRole)) for i in range(len(rows))
+    ]
+    assert [tip.lower() for tip in tips] == [PROVES[name][1].lower() for name in proof]
 
 
 def test_the_flywheel_has_its_figures(user: User) -> None:
@@ -180,3 +186,50 @@ def test_a_table_goes_to_the_clipboard(user: User) -> None:
     lines = QApplication.clipboard().text().splitlines()
     assert lines[0].startswith("Check\tResidual")
     assert len(lines) == 1 + len(cells(view.table))
+
+
+def test_the_certificate_can_be_read_in_a_small_window(open_user: Open) -> None:
+    """No sentence is cut off, none takes a second line."""
+    user = open_user(size=(1280, 720))
+    view = user.window.show_view("certificate")
+    assert isinstance(view, CertificateView)
+    wait_for(lambda: view.up_to_date)
+    settle()
+    table = view.table
+    for row in range(table.model().rowCount()):
+        index = table.model().index(row, 4)
+        assert table.sizeHintForIndex(index).width() <= table.columnWidth(4), index.data()
+        assert table.rowHeight(row) < 2 * table.fontMetrics().height() + 6
+
+
+def test_a_torque_that_is_only_rounding_has_no_figures(user: User) -> None:
+    """A dwell all round needs no flywheel."""
+    still = Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),))
+    lift = user.design
+    user.session.put(replace(lift, drive=replace(lift.drive, motion=still)), "Stand still")
+    assert user.session.edit("cam.base_radius_mm", 401.0, "Change")
+    assert user.session.study.dynamics.torque.any(), "else there is nothing to be seen here"
+    user.choose("Dyna", "Flywheel")
+    view = user.window.view("flywheel")
+    assert isinstance(view, FlywheelView)
+    wait_for(lambda: view.up_to_date)
+    assert {row[1] for row in cells(view.table)} == {"0"}
+    assert {row[2] for row in cells(view.table)} == {"N·m", "J", "kg·m²"}
+
+
+def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:
+    asked: list[int] = []
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() == QEvent.Type.LayoutRequest:
+                asked.append(1)
+            return False
+
+    watch = Watch()
+    user.window.status.installEventFilter(watch)
+    for theta in (0.1, 1.0, 6.0):
+        user.window.player.set_theta(theta)
+        settle()
+    assert user.window.status.angle.text() == "cam angle 343.8°"
+    assert asked == []

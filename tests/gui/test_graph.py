@@ -156,6 +156,20 @@ def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -
     assert "jam" not in graph.tree.item_of("motor_torque").toolTip(0)
 
 
+def test_where_every_plot_has_gone_one_says_what_would_fill_it(graph: GraphView) -> None:
+    """By another kind of follower, which has none of the channels; and by the mouse."""
+    for name in ("displacement", "velocity", "acceleration"):
+        tick(graph, name)
+    assert [panel.plot._message.text.replace("\n", " ") for panel in graph.panels] == [EMPTY]
+    tick(graph, "phi", "beta")
+    assert graph.choice.plots == [["phi", "beta"]]
+    graph.session.put(PUSHER, "a")
+    settle()
+    assert [panel.plot._message.text.replace("\n", " ") for panel in graph.panels] == [EMPTY]
+    tick(graph, "displacement")
+    assert graph.panels[0].plot.readings() == ["0 mm"]
+
+
 # -- plots ------------------------------------------------------------------------------------------------
 
 
@@ -265,6 +279,26 @@ def test_circles_are_round_values_that_hold_the_curve(quantity: str, size: int, 
     assert apart.min() > 24.0, "their values do not touch"
     mantissa = (circles[1] - circles[0]) / 10.0 ** np.floor(np.log10(circles[1] - circles[0]))
     assert round(mantissa, 9) in (1.0, 2.0, 5.0)
+    plot.deleteLater()
+
+
+@pytest.mark.parametrize("size", [220, 300, 420])
+@pytest.mark.parametrize(
+    "quantities", [("displacement",), ("velocity",), ("slider_pin", "arm_pin", "pivot", "bearing")]
+)
+def test_the_values_of_the_cursor_cover_neither_scale_nor_each_other(
+    quantities: tuple[str, ...], size: int, app: QApplication
+) -> None:
+    plot = polar_of(*quantities, size=size)
+    for angle in range(0, 360, 5):
+        plot.set_angle(radians(angle))
+        plot.grab()
+        boxes = plot._read_at
+        assert len(boxes) == len(quantities)
+        for i, box in enumerate(boxes):
+            assert plot.rect().toRectF().contains(box)
+            assert not any(box.intersects(other) for _, other in plot.letters()), f"{angle} deg, {i}"
+            assert not any(box.intersects(other) for other in boxes[:i]), f"{angle} deg, {i}"
     plot.deleteLater()
 
 

@@ -197,6 +197,57 @@ def test_another_study_keeps_angle_and_layers() -> None:
     assert scene.item("velocities.follower.roller").isVisible()
 
 
+def test_another_speed_moves_nothing_but_the_arrows() -> None:
+    scene = scene_of(LIFT)
+    scene.set_layer("velocities", True)
+    scene.set_index(58)
+    before = {key: part.item for key, part in scene.parts.items()}
+    assert scene.overlay is not None
+    told = scene.overlay.vectors["velocities"].text
+    scene.update_study(Study(with_shaft(LIFT, speed_rpm=55.0), SAMPLES), keep_labels=True)
+    moved = {key for key, part in scene.parts.items() if part.item is not before[key]}
+    assert moved == {key for key in scene.parts if key.startswith("velocities.")}
+    assert scene.overlay.vectors["velocities"].text != told
+    assert scene.index == 58
+    scene.update_study(Study(with_cam(LIFT, base_radius_mm=410.0), SAMPLES), keep_labels=True)
+    assert scene.item("cam") is not before["cam"]
+    assert scene.item("label.cam") is before["label.cam"], "labels are told elsewhere, not made anew"
+
+
+def test_what_is_drawn_after_edits_is_what_a_fresh_drawing_shows() -> None:
+    """However many items are kept on the way: speed, cam, another kind of follower, loads, and back."""
+    designs = (LIFT, with_shaft(LIFT, speed_rpm=55.0), with_cam(LIFT, base_radius_mm=420.0), PUSHER,
+               with_loads(PUSHER, friction=0.3), LIFT)  # fmt: skip
+    edited = MechanismScene()
+    for layer in ("velocities", "forces"):
+        edited.set_layer(layer, True)
+    for design in designs:
+        study = Study(design, SAMPLES)
+        edited.update_study(study, keep_labels=True)
+        fresh = MechanismScene()
+        for layer in ("velocities", "forces"):
+            fresh.set_layer(layer, True)
+        fresh.update_study(study)
+        shown = []
+        for scene in (edited, fresh):
+            scene.set_index(304)
+            shown.append(image(Sheet(scene, 480, 400)))
+        assert (shown[0] == shown[1]).all(), design.name
+
+
+def test_a_label_that_was_out_of_reach_comes_back() -> None:
+    study = Study(LIFT, SAMPLES)
+    weight = study.cam.centre.weight.copy()
+    weight[7] = 0.0
+    cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
+    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega}
+    scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
+    scene.set_index(7)
+    assert scene.item("label.centre").opacity() == 0.0
+    scene.update_study(study, keep_labels=True)
+    assert scene.item("label.centre").opacity() == 1.0
+
+
 def test_a_study_without_position_is_refused_and_the_old_drawing_stays() -> None:
     scene = scene_of(LIFT)
     parts = dict(scene.parts)
@@ -506,6 +557,22 @@ def test_a_slide_on_a_moving_body_moves_with_it() -> None:
         span = rails.path().boundingRect()  # type: ignore[attr-defined]
         assert span.left() < on_rails.real < span.right()
     assert scene.item("body.coupler").path().contains(QPointF(120.0, 50.0))  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("size", [(614, 648), (502, 468), (420, 360)])
+@pytest.mark.parametrize("design", [LIFT, PUSHER], ids=lambda d: d.name)
+def test_no_label_stands_on_hatching(design: SingleCam, size: tuple[int, int]) -> None:
+    scene = scene_of(design)
+    visible, scale = scene.fit(*size)
+    scene.look_at(visible, scale)
+    hatched = [part.item for key, part in scene.parts.items() if key.startswith("ground.")]
+    for i in INDICES:
+        scene.set_index(i)
+        for key, part in scene.parts.items():
+            if key.startswith("label."):
+                assert isinstance(part.item, Tag)
+                box = seen(scene, part.item, scale)
+                assert not any(h.mapToScene(h.path()).intersects(box) for h in hatched), f"{key} at {i}"  # type: ignore[attr-defined]
 
 
 def test_the_drawing_knows_no_follower_by_name() -> None:

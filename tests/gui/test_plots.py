@@ -1,27 +1,28 @@
 """Curves over the cam angle: their values, units, limits, cursor and paper; and pictures as files."""
 
+from dataclasses import replace
 from io import BytesIO
+from itertools import pairwise
 from math import radians
 
 import numpy as np
-import pyqtgraph as pg
 import pytest
-from mechanisms import LIFT, PUSHER, with_follower, with_loads, with_shaft
+from mechanisms import LIFT, PUSHER, with_cam, with_drive, with_follower, with_loads, with_shaft
 from PIL import Image
 from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
-from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
 
 from core.channels import channel, channels
-from core.design import SingleCam
+from core.design import Motion, Named, Segment, SingleCam
 from core.study import Study
 from kindyna_gui.pictures.files import paint, png, svg
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.plot import CurvePlot
-from kindyna_gui.pictures.plot_parts import angle_ticks, name_ticks, spans, stacked, value_ticks
+from kindyna_gui.pictures.plot_lines import CurveLine
+from kindyna_gui.pictures.plot_parts import angle_ticks, name_ticks, spans, value_ticks
 from kindyna_gui.pictures.ranges import shown_range, usual_range
+from kindyna_gui.pictures.readouts import beside, stacked
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, SMALL, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 
@@ -39,9 +40,9 @@ def plot_of(design: SingleCam, *slugs: str, size: tuple[int, int] = (700, 240), 
     return plot
 
 
-def curves(plot: CurvePlot) -> list[pg.PlotCurveItem]:
+def curves(plot: CurvePlot) -> list[CurveLine]:
     return sorted(
-        (item for item in plot.items() if isinstance(item, pg.PlotCurveItem)),
+        (item for item in plot.items() if isinstance(item, CurveLine)),
         key=lambda item: (item.zValue(), id(item)),
     )
 
@@ -128,7 +129,7 @@ def test_a_curve_is_its_channel(slug: str) -> None:
     row, study = channel("cam-slider", slug), Study(LIFT, SAMPLES)
     plot = plot_of(LIFT, slug, size=(700, 400))
     (curve,) = curves(plot)
-    x, y = curve.getData()
+    x, y = curve.x, curve.y
     assert x[:-1] == pytest.approx(np.rad2deg(study.theta))
     assert x[-1] == 360.0
     values = row.values(study)
@@ -137,7 +138,7 @@ def test_a_curve_is_its_channel(slug: str) -> None:
     low, high = plot.getViewBox().viewRange()[1]
     assert low < y.min() <= y.max() < high
     assert plot.getViewBox().viewRange()[0] == [0.0, 360.0]
-    assert curve.opts["pen"].color().name().upper() == LIGHT.family(row.family).upper()
+    assert curve.pen().color().name().upper() == LIGHT.family(row.family).upper()
     assert row.label in title(plot)
     if plot.rung.symbol:
         assert title(plot).endswith(f", {plot.rung.symbol}")
@@ -163,7 +164,7 @@ def test_every_family_has_a_colour() -> None:
 def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) -> None:
     plot = plot_of(LIFT, slug)
     assert plot.rung.symbol == unit
-    _, y = curves(plot)[0].getData()
+    y = curves(plot)[0].y
     assert y[:-1] == pytest.approx(channel("cam-slider", slug).values(Study(LIFT, SAMPLES)) * factor)
     for level in plot.getAxis("left")._tickLevels:
         assert not [text for _, text in level if "e" in text]
@@ -171,7 +172,7 @@ def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) 
 
 def test_curves_of_one_family_are_told_apart_and_named() -> None:
     plot = plot_of(PUSHER, "bearing_x_n", "bearing_y_n", "contact_force_n")
-    pens = {curve.opts["pen"].color().name() for curve in curves(plot)}
+    pens = {curve.pen().color().name() for curve in curves(plot)}
     assert len(pens) == 3
     text = plot.getPlotItem().titleLabel.text
     assert all(name in text for name in ("Camshaft bearing, x", "Camshaft bearing, y", "Contact force"))
@@ -185,16 +186,16 @@ def test_the_reference_is_dashed_and_in_the_same_unit() -> None:
     other = Study(with_shaft(LIFT, speed_rpm=60.0), 360)
     plot.set_curves(Study(LIFT, SAMPLES), [row], other)
     reference, curve = curves(plot)
-    assert reference.opts["pen"].style() == Qt.PenStyle.CustomDashLine
-    assert curve.opts["pen"].style() == Qt.PenStyle.SolidLine
-    assert reference.getData()[1][:-1] * plot.rung.size == pytest.approx(row.values(other))
+    assert reference.pen().style() == Qt.PenStyle.CustomDashLine
+    assert curve.pen().style() == Qt.PenStyle.SolidLine
+    assert reference.y[:-1] * plot.rung.size == pytest.approx(row.values(other))
     low, high = plot.getViewBox().viewRange()[1]
-    assert low < reference.getData()[1].min() < reference.getData()[1].max() < high
+    assert low < reference.y.min() < reference.y.max() < high
 
 
 def test_a_jump_is_a_jump() -> None:
     """The lift's jerk jumps where its dwells end: between two neighbouring samples and nowhere else."""
-    _, y = curves(plot_of(LIFT, "jerk_mm_s3"))[0].getData()
+    y = curves(plot_of(LIFT, "jerk_mm_s3"))[0].y
     steps = np.abs(np.diff(y))
     assert np.sort(steps)[-4:].min() > 0.4 * np.ptp(y)
     assert np.sort(steps)[-5] < 0.15 * np.ptp(y)
@@ -207,9 +208,13 @@ def test_infinite_values_are_gaps() -> None:
     assert np.isinf(force).any()
     plot = plot_of(jammed, "contact_force_n")
     (curve,) = curves(plot)
-    _, y = curve.getData()
+    y = curve.y
     assert np.isnan(y[:-1]).tolist() == np.isinf(force).tolist()
-    assert curve.opts["connect"] == "finite"
+    path, gap = curve.path(), curve.x[:-1][np.isinf(force)]
+    drawn = [path.elementAt(i) for i in range(path.elementCount())]
+    lines = [(one.x, other.x) for one, other in pairwise(drawn) if other.isLineTo()]
+    assert len(lines) > 0.5 * SAMPLES
+    assert not [(start, end) for start, end in lines if ((start <= gap) & (gap <= end)).any()]
     low, high = plot.getViewBox().viewRange()[1]
     assert np.isfinite([low, high]).all()
     assert np.nanmax(np.abs(y)) < 100.0 * (high - low)
@@ -218,8 +223,14 @@ def test_infinite_values_are_gaps() -> None:
     assert png(plot, 1.0)
 
 
-def test_only_whole_curves_skip_the_check_for_gaps() -> None:
-    assert curves(plot_of(LIFT, "velocity_mm_s"))[0].opts["skipFiniteCheck"] is True
+def test_a_whole_curve_is_one_line_through_all_its_points() -> None:
+    plot = plot_of(LIFT, "velocity_mm_s")
+    (curve,) = curves(plot)
+    path = curve.path()
+    assert [(path.elementAt(i).x, path.elementAt(i).y) for i in range(path.elementCount())] == list(
+        zip(curve.x.tolist(), curve.y.tolist(), strict=True)
+    )
+    assert not any(path.elementAt(i).isMoveTo() for i in range(1, path.elementCount()))
 
 
 # -- what the axis shows ----------------------------------------------------------------------------------
@@ -264,6 +275,80 @@ def test_limits_stand_as_red_lines_with_their_value(design: SingleCam, slug: str
     assert all(low < limit.value < high for limit in plot._limits)
 
 
+QUIET = with_drive(with_cam(LIFT, base_radius_mm=403.3), motion=Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),)))
+"""A dwell all round: the torque is the difference of two equal products."""
+
+
+def test_what_rounding_leaves_of_a_zero_is_drawn_as_zero() -> None:
+    raw = channel("cam-slider", "drive_torque_nm").values(Study(QUIET, SAMPLES))
+    assert 0.0 < np.abs(raw).max() < 1e-9, "else there is nothing to be seen here"
+    plot = plot_of(QUIET, "drive_torque_nm")
+    (curve,) = curves(plot)
+    assert not curve.y.any()
+    assert plot.rung.symbol == "N·m"
+    low, high = plot.getViewBox().viewRange()[1]
+    assert low < -0.1 < 0.1 < high
+    plot.set_angle(1.0, Study(QUIET, SAMPLES).at_theta(np.array([1.0])))
+    assert plot.readings() == ["0 N·m"]
+
+
+def test_a_small_quantity_is_no_zero() -> None:
+    """A stroke of a nanometre keeps its curves, and so do forces a millionth of what they were."""
+    motion = replace(LIFT.drive.motion, start=150.0, segments=tuple(
+        replace(s, rise=1e-8 * s.rise) for s in LIFT.drive.motion.segments
+    ))  # fmt: skip
+    plot = plot_of(with_drive(LIFT, motion=motion), "velocity_mm_s")
+    assert np.ptp(curves(plot)[0].y) > 0.01
+    assert plot.rung.symbol.endswith("µm/s")
+    assert np.ptp(curves(plot_of(with_drive(LIFT, motion=motion), "drive_torque_nm"))[0].y) > 0.0
+
+
+def test_the_limits_text_covers_no_curve_where_it_can_be_helped() -> None:
+    for design, slug, size in (
+        (LIFT, "contact_force_n", (400, 180)),
+        (PUSHER, "contact_force_n", (300, 160)),
+        (LIFT, "pressure_angle_deg", (400, 180)),
+        (PUSHER, "pressure_angle_deg", (300, 160)),
+        (LIFT, "pitch_curvature_per_mm", (300, 180)),
+    ):
+        plot = plot_of(design, slug, size=size)
+        plot.grab()
+        (line,), (curve,) = plot._limits, curves(plot)
+        assert not curve.enters(line.box(plot.frame()), plot.frame()), slug
+    plot = plot_of(LIFT, "pitch_curvature_per_mm", "profile_curvature_per_mm", size=(384, 182))
+    plot.grab()
+    (line,) = plot._limits
+    assert line._tag.text == "Pitch curvature: undercut", "the axis tells the value"
+    assert not any(curve.enters(line.box(plot.frame()), plot.frame()) for curve in curves(plot))
+
+
+@pytest.mark.parametrize("size", [(700, 240), (320, 150), (250, 150)])
+def test_the_cursors_value_stands_clear_of_the_limits_text(size: tuple[int, int]) -> None:
+    """A force that is zero over the whole turn runs on its limit."""
+    idle = with_loads(PUSHER, follower_mass_kg=0.0, spring_rate_n_per_mm=0.0, preload_n=0.0)
+    for design in (idle, PUSHER, LIFT):
+        plot = plot_of(design, "contact_force_n", size=size)
+        plot.grab()
+        for degrees in range(0, 361, 4):
+            plot.set_angle(radians(degrees))
+            (reading,), (line,) = plot._readings, plot._limits
+            box = reading.tag.pixel_box().translated(reading.tag.scenePos())
+            text = line._tag.pixel_box().translated(line._tag.scenePos())
+            assert not box.adjusted(0.5, 0.5, -0.5, -0.5).intersects(text), f"{degrees} deg"
+
+
+def test_texts_find_the_gaps_that_are_left() -> None:
+    assert beside([], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0)
+    (one,) = beside([(45.0, 60.0)], [50.0], 10.0, 100.0)
+    assert one == 39.0, "below, which is nearer"
+    low, high = sorted(beside([(40.0, 60.0)], [42.0, 58.0], 10.0, 100.0))
+    assert low <= 35.0
+    assert high >= 65.0
+    assert beside([(0.0, 95.0)], [50.0], 10.0, 100.0) == stacked([50.0], 10.0, 100.0), "no gap at all"
+    crowd = beside([(12.0, 100.0)], [20.0, 30.0, 40.0], 10.0, 100.0)
+    assert crowd == stacked([20.0, 30.0, 40.0], 10.0, 100.0), "too little of it"
+
+
 # -- paper ------------------------------------------------------------------------------------------------
 
 
@@ -283,7 +368,9 @@ def test_segments_are_named_where_they_are_wide_enough() -> None:
     wide, narrow = name_ticks(segments, 900.0), name_ticks(segments, 300.0)
     assert [name for _, name in wide] == [s.name for s in segments]
     assert [at for at, _ in wide] == pytest.approx([(s.start + s.end) / 2 for s in segments])
-    assert narrow == [(180.0, "Dwell")]
+    assert [name for _, name in narrow] == ["D", "MS", "Dwell", "MS", "D"], "the handbooks' abbreviations"
+    assert [name for _, name in name_ticks(segments, 150.0)] == ["D", "Dwell", "D"]
+    assert name_ticks(segments, 20.0) == []
 
 
 def test_the_grid_is_one_static_item() -> None:
@@ -358,34 +445,6 @@ def test_boxes_are_moved_apart_as_little_as_needed() -> None:
     assert stacked([99.0, 98.0, 97.0], 10.0, 100.0) == [94.0, 84.0, 74.0]
     assert stacked([-5.0], 10.0, 100.0) == [6.0]
     assert stacked([], 10.0, 100.0) == []
-
-
-def test_drawing_the_cursor_tells_the_angle(qt_parent: QWidget) -> None:
-    plot = plot_of(LIFT, "velocity_mm_s")
-    plot.setParent(qt_parent)
-    qt_parent.show()
-    told: list[float] = []
-    plot.angle_moved.connect(told.append)
-    plot.set_angle(radians(90.0))
-    assert told == []
-
-    def spot(degrees: float) -> QPointF:
-        return plot.mapFromScene(plot.getViewBox().mapViewToScene(QPointF(degrees, 300.0)))
-
-    QTest.mousePress(plot.viewport(), Qt.MouseButton.LeftButton, pos=spot(90.0))
-    for degrees in (100.0, 130.0, 150.0):
-        QTest.mouseMove(plot.viewport(), spot(degrees))
-    QTest.mouseRelease(plot.viewport(), Qt.MouseButton.LeftButton, pos=spot(150.0))
-    assert told
-    assert told[-1] == pytest.approx(radians(150.0), abs=radians(1.0))
-    assert plot.angle == told[-1]
-
-
-@pytest.fixture
-def qt_parent() -> QWidget:
-    widget = QWidget()
-    widget.resize(700, 240)
-    return widget
 
 
 def test_paper_has_no_cursor() -> None:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_follower, with_loads, with_shaft
 from PIL import Image
-from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtCore import QBuffer, QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 from window_user import User, settle
 
 from core.channels import channel
@@ -217,6 +217,13 @@ def picks(monkeypatch: pytest.MonkeyPatch) -> Callable[[str, Path | None], list[
     return pick
 
 
+def as_shown(widget: QWidget) -> bytes:
+    """A widget as it stands on the screen, as PNG."""
+    data = QBuffer()
+    widget.grab().save(data, "PNG")
+    return bytes(data.data().data())
+
+
 def act(view: PlotView, text: str) -> None:
     """An entry of the menu that a right click opens."""
     assert view.plot.contextMenuPolicy() == Qt.ContextMenuPolicy.ActionsContextMenu
@@ -325,3 +332,47 @@ def test_what_was_written_is_told_in_the_status_line(user: User, tmp_path: Path)
     user.picks("table_to_save", tmp_path / "d.csv")
     act(view, "Export numbers...")
     assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'd.csv'}"
+
+
+def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(user: User) -> None:
+    painted: list[str] = []
+
+    class Watch(QObject):
+        def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+            if event.type() == QEvent.Type.Paint:
+                painted.append(watched.objectName())
+            return False
+
+    watch = Watch()
+    user.number("follower.rod_mm")
+    for name in ("displacement", "pressure_angle", "torque"):
+        view = user.window.view(name)
+        assert isinstance(view, PlotView)
+        view.plot.viewport().setObjectName(name)
+        view.plot.viewport().installEventFilter(watch)
+    settle()
+    painted.clear()
+    assert user.session.edit("follower.rod_mm", 850.0, "a")
+    settle()
+    assert sorted(painted) == ["pressure_angle", "torque"]
+
+
+def test_a_plot_after_edits_is_what_a_fresh_plot_shows(show: Show) -> None:
+    """However much of it is kept on the way."""
+    view = show("pitch_curvature", "profile_curvature")
+    other = show("drive_torque", "motor_torque")
+    edits = (("cam.base_radius_mm", 380.0), ("cam.roller_radius_mm", 120.0), ("shaft.flywheel_inertia_kg_m2", 900.0),
+             ("motion.stroke", 120.0), ("shaft.flywheel_inertia_kg_m2", 0.0))  # fmt: skip
+    for path, value in edits:
+        for plot in (view, other):
+            plot.session.edit(path, value, "a")
+            fresh = PlotView(plot.session, plot.player, plot.quantities)
+            fresh.resize(plot.size())
+            fresh.show()
+            settle()
+            one, two = (Image.open(BytesIO(as_shown(widget))).convert("RGB") for widget in (fresh, plot))
+            apart = np.abs(np.asarray(one, dtype=int) - np.asarray(two, dtype=int)).max(axis=2) > 0
+            assert apart[:, :-20].sum() == 0, path
+            assert apart.sum() < 400, "the last line of the grid may stand a pixel beside"
+            fresh.close()
+            fresh.deleteLater()

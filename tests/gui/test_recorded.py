@@ -95,7 +95,7 @@ def seen(user: User) -> dict[str, Any]:
     for name in ("displacement", "pressure_angle", "torque"):
         view = window.view(name)
         assert isinstance(view, PlotView)
-        told[name] = (view.plot.readings(), [curve.yData.tobytes() for curve in view.plot._drawn])
+        told[name] = (view.plot.readings(), [curve.y.tobytes() for curve in view.plot._drawn])
     mechanism = window.view("mechanism")
     path = mechanism.scene.item("cam").path()  # type: ignore[union-attr]
     told["cam"] = [(path.elementAt(i).x, path.elementAt(i).y) for i in range(0, path.elementCount(), 50)]

@@ -6,13 +6,16 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import Motion, edited
+from core.design import CURVES, Motion, edited
 from core.laws import LAWS
 from core.project import load
 from core.study import Study
-from kindyna_gui.number_box import NumberBox, WordBox
+from kindyna_gui.motion_marks import join_help, join_text
+from kindyna_gui.motion_picker import LawPicker
+from kindyna_gui.number_box import NumberBox
+from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, join_help, join_text
+from kindyna_gui.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, readable
 
 LIFT = load(example("transfer_lift"))
 EDITING = QAbstractItemView.State.EditingState
@@ -36,20 +39,23 @@ def column(user: User, number: int) -> list[str]:
     return [user.cell(row, number).strip() for row in range(user.motion().model.rowCount())]
 
 
-def choose_law(user: User, row: int, slug: str) -> None:
-    """Open the list of a cell and click on a law."""
+def open_picker(user: User, row: int) -> LawPicker:
+    """Open the pictures of the laws in a cell."""
     view = user.motion()
     view.choose(row, LAW)
     view.table.setFocus()
     user.press(Qt.Key.Key_Return)
-    wait_for(lambda: QApplication.activePopupWidget() is not None)
-    words = view.table.findChild(WordBox)
-    assert words is not None
-    place = words.model().index(words.findData(slug), 0)
-    inside = words.view()
-    inside.scrollTo(place)
-    QTest.mouseClick(inside.viewport(), Qt.MouseButton.LeftButton, pos=inside.visualRect(place).center())
-    wait_for(lambda: view.table.state() != EDITING)
+    wait_for(lambda: isinstance(QApplication.activePopupWidget(), LawPicker))
+    picker = QApplication.activePopupWidget()
+    assert isinstance(picker, LawPicker)
+    return picker
+
+
+def choose_law(user: User, row: int, slug: str) -> None:
+    """Open the pictures of a cell and click on a law."""
+    picker = open_picker(user, row)
+    QTest.mouseClick(picker.grid, Qt.MouseButton.LeftButton, pos=picker.grid.box(slug).center())
+    wait_for(lambda: user.motion().table.state() != EDITING)
 
 
 # -- what is shown ----------------------------------------------------------------------------------------
@@ -61,7 +67,7 @@ def test_the_table_shows_the_motion(user: User) -> None:
     assert column(user, TO) == ["35", "76.5", "283.5", "325", "360"]
     assert column(user, SPAN) == ["35", "41.5", "207", "41.5", "35"]
     assert column(user, RISE) == ["0", "-150", "0", "150", "0"]
-    assert column(user, JOIN) == ["s v a", "s v a", "s v a", "s v a", "s v a j"]
+    assert column(user, JOIN) == ["s v a Δj", "s v a Δj", "s v a Δj", "s v a Δj", "s v a j"]
 
 
 def test_numbers_are_flush_right(user: User) -> None:
@@ -91,19 +97,30 @@ def test_joins_say_what_jumps() -> None:
     design = edited(LIFT, "motion.segments[1].law", "constant-velocity")
     drive = design.drive.motion
     joins = Study(design).program.joins
-    assert join_text(joins[0], drive) == "Δv 207"
+    assert join_text(joins[0], drive) == "s Δv\u00a0207 a j"
     assert join_help(joins[0], drive).splitlines()[:2] == [
         "Continuous in displacement, acceleration, jerk",
         "Velocity jumps by \u2212207 mm/rad",
     ]
     design = edited(LIFT, "motion.segments[1].law", "simple-harmonic")
-    assert join_text(Study(design).program.joins[0], design.drive.motion).startswith("Δa ")
+    assert join_text(Study(design).program.joins[0], design.drive.motion).startswith("s v Δa\u00a01411")
     assert join_text(joins[4], drive) == "s v a j"
 
 
 def test_differences_are_reckoned_in_decimals() -> None:
     assert difference(76.5, 35.0) == 41.5
     assert difference(0.3, 0.1) == 0.2
+
+
+def test_numbers_are_as_short_as_a_narrow_column_asks() -> None:
+    for value, text in ((0.0, "0"), (-150.0, "-150"), (283.5, "283.5"), (18.846835393579, "18.847"), (1e-5, "0.00001"),
+                        (1.0 / 3.0, "0.33333"), (-1234.5678, "-1234.6")):  # fmt: skip
+        assert readable(value) == text
+
+
+def test_a_zero_has_no_digits_to_show() -> None:
+    for value, text in ((0.0, "0"), (-0.0, "0"), (1e-30, "0"), (-1e-30, "0"), (-1e-3, "\u22120.00100")):
+        assert digits(value, 3) == text
 
 
 # -- typing -----------------------------------------------------------------------------------------------
@@ -147,16 +164,11 @@ def test_a_law_is_chosen_from_the_list(user: User) -> None:
 
 
 def test_all_laws_are_offered(user: User) -> None:
-    view = user.motion()
-    view.choose(1, LAW)
-    view.table.setFocus()
-    user.press(Qt.Key.Key_F2)
-    words = view.table.findChild(WordBox)
-    assert words is not None
-    assert [words.itemData(i) for i in range(words.count())] == list(LAWS)
-    wait_for(lambda: QApplication.activePopupWidget() is not None)
-    words.hidePopup()
+    picker = open_picker(user, 1)
+    assert sorted(cell.slug for cell in picker.grid.cells) == sorted((*LAWS, *CURVES))
+    assert picker.grid.current == "modified-sine"
     user.press(Qt.Key.Key_Escape)
+    wait_for(lambda: user.motion().table.state() != EDITING)
     assert user.design == LIFT
 
 
@@ -211,6 +223,18 @@ def test_what_is_no_number_is_refused(user: User) -> None:
     user.enter_cell(1, RISE, "much")
     assert user.cell(1, RISE) == "much"
     assert user.motion().message.text() == "A number is wanted, such as 12.5"
+
+
+def test_a_refused_cell_is_forgotten_when_segments_come_or_go(user: User) -> None:
+    """Its number may be another segment's then."""
+    user.enter_cell(1, SPAN, "400")
+    view = user.motion()
+    assert view.message.isVisible()
+    view.choose(0)
+    user.choose("Make", "Insert segment")
+    assert column(user, SPAN) == ["17.5", "17.5", "41.5", "207", "41.5", "35"]
+    assert not any(view.model.refused(row, SPAN) for row in range(6))
+    assert (view.message.text(), view.message.isVisible()) == ("", False)
 
 
 def test_undo_takes_a_refused_cell_back(user: User) -> None:
@@ -277,8 +301,8 @@ def test_insert_and_delete_by_keys_and_buttons(user: User) -> None:
     assert len(spans(user)) == 6
     user.press(Qt.Key.Key_Delete)
     assert user.design == LIFT
-    QTest.mouseClick(view.insert_button, Qt.MouseButton.LeftButton)
-    QTest.mouseClick(view.delete_button, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(view.bar.buttons["insert"], Qt.MouseButton.LeftButton)
+    QTest.mouseClick(view.bar.buttons["delete"], Qt.MouseButton.LeftButton)
     assert user.design == LIFT
 
 
@@ -286,10 +310,10 @@ def test_the_last_segment_stays(user: User) -> None:
     user.window.session.stages_on_screen = tuple
     view = user.motion()
     for _ in range(10):
-        view.delete()
+        view.act("delete")
         settle()
     assert len(spans(user)) == 1
-    assert not view.delete_button.isEnabled()
+    assert not view.bar.buttons["delete"].isEnabled()
 
 
 # -- assumption -------------------------------------------------------------------------------------------
@@ -314,5 +338,5 @@ def test_a_cell_is_marked_as_assumed_by_its_menu(user: User) -> None:
 def test_the_motion_of_another_file_takes_the_place(user: User) -> None:
     user.motion()
     user.choose("File", "Examples", "Card picker")
-    assert column(user, LAW) == ["Dwell", "Cycloidal", "Cycloidal", "Dwell"]
-    assert user.motion().model.assumed(1, LAW)
+    assert column(user, LAW) == ["Dwell", *(LAWS[slug].label for slug in ("c1", "cv1", "h2", "p2")), "Dwell"]
+    assert not user.motion().model.assumed(1, LAW)

@@ -5,11 +5,14 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from mechanisms import with_follower
 
 from core.design import NO_UNIT, UNITS
+from core.errors import KindynaError, NoAnswer
 from core.project import load
+from core.study import Study
 from kindyna_gui.places import example
-from kindyna_gui.wording import name_of, parsed, shortest, step_text, value_text
+from kindyna_gui.wording import name_of, parsed, reason, shortest, step_text, value_text
 
 LIFT = load(example("transfer_lift"))
 MM = UNITS["mm"]
@@ -60,3 +63,15 @@ def test_values_and_steps() -> None:
     assert value_text(0.1, NO_UNIT) == "0.1"
     assert value_text("cw", NO_UNIT) == "clockwise"
     assert step_text("Rod L2", 850.0, MM) == "Change rod L2 to 850 mm"
+
+
+def test_an_error_names_fields_as_the_forms_do() -> None:
+    design = with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0)
+    with pytest.raises(NoAnswer) as caught:
+        _ = Study(design).linkage
+    assert "guide_height_mm" in str(caught.value)
+    told = reason(design, caught.value)
+    assert told.startswith("Rod L2: the rod does not reach the guide in the base position")
+    assert told.endswith("or change guide height H or fixed angle")
+    assert "_mm" not in told
+    assert reason(design, KindynaError("nothing there")) == "Nothing there"

@@ -1,0 +1,156 @@
+"""A planar linkage as typed: links with named points in their own frames, sliding pairs, one driver, branches.
+
+The same point name on several links is a revolute pair: n links on one pin are n - 1 pairs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from core.design.fields import choice, coordinate, length, number, whole
+from core.design.parts import FORMS, Motion
+
+FRAME_LINK = 1
+"""Number of the link that stands still; its frame is the global frame."""
+
+CRANK, MOTION = "crank", "motion"
+DRIVERS = (CRANK, MOTION)
+
+
+@dataclass(frozen=True)
+class Place:
+    """A named point of a link, in the link's own frame."""
+
+    name: str
+    x_mm: float = coordinate("x")
+    y_mm: float = coordinate("y")
+
+
+@dataclass(frozen=True)
+class Link:
+    """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
+
+    number: int = whole("Number", 1, 999, help="1 = frame")
+    points: tuple[Place, ...] = ()
+
+    @property
+    def places(self) -> Mapping[str, complex]:
+        """Name -> point in the link's frame [mm]."""
+        return MappingProxyType({p.name: complex(p.x_mm, p.y_mm) for p in self.points})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slider:
+    """``link`` slides on the link ``on`` along a line of that one's frame, without turning on it: the x axis of the
+    frame of ``link`` lies on the line and points along it."""
+
+    link: int = whole("Link", 1, 999, help="the link that slides")
+    on: int = whole("On", 1, 999, help="the link that carries the line")
+    through_x_mm: float = coordinate("Line through x", default=0.0)
+    through_y_mm: float = coordinate("Line through y", default=0.0)
+    angle_deg: float = number("Angle of the line", -360.0, 360.0, default=0.0)
+
+
+@dataclass(frozen=True)
+class Driver:
+    """The link that is moved: a ``crank`` pinned to the frame turns at speed; with ``motion`` the angle of a link
+    pinned to the frame, or the slide of a link on the frame, follows the design's motion."""
+
+    link: int = whole("Driving link", 2, 999)
+    kind: str = choice("Driven by", DRIVERS, default=CRANK)
+    speed_rpm: float = number(
+        "Speed", -1e5, 1e5, default=60.0, step=1.0,
+        help="of the crank, or of the shaft whose turn the motion takes; negative = clockwise",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Side:
+    """Which way a joint is assembled: +1 left, -1 right.
+
+    ``joint`` names the pin between the two links of a dyad, or, where these slide on each other, is the number of the
+    link that slides (as text). Of RRR the line runs from the known end of the lower-numbered link to that of the higher;
+    where the known end is a guide, +1 is forward along it; of a link that slides on another, +1 has its pin ahead of
+    the other's, along the line. Where the way leads through change points, the side holds before the first of them: from
+    the crank's angle 0, or from the driver's lowest position.
+    """
+
+    joint: str
+    side: int = whole("Side", -1, 1)
+
+
+@dataclass(frozen=True)
+class Linkage:
+    """Links, sliding pairs, driver and branches, in the order of the file."""
+
+    links: tuple[Link, ...]
+    sliders: tuple[Slider, ...] = ()
+    driver: Driver = Driver(2)
+    branch: tuple[Side, ...] = ()
+
+    @property
+    def by_number(self) -> Mapping[int, Link]:
+        return MappingProxyType({link.number: link for link in self.links})
+
+    @property
+    def sides(self) -> Mapping[str, int]:
+        """Joint -> +1 or -1, of those that are stated."""
+        return MappingProxyType({s.joint: s.side for s in self.branch})
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkageCam:
+    """Disk cam about the origin of the frame, under a roller at a point of a link: it makes the linkage follow the
+    motion. Its size follows from where the roller runs."""
+
+    link: int = whole("Roller on link", 2, 999)
+    point: str
+    roller_radius_mm: float = length("Roller radius Rr")
+    form: str = choice("Form", FORMS, default="open")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkMass:
+    """Mass of a link."""
+
+    link: int = whole("Link", 2, 999)
+    mass_kg: float = number("Mass", 0.0, default=0.0)
+    inertia_kg_m2: float = number("Inertia", 0.0, default=0.0, help="about its centre of mass")
+    centre_x_mm: float = coordinate("Centre of mass x", default=0.0, help="in the link's frame")
+    centre_y_mm: float = coordinate("Centre of mass y", default=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkForce:
+    """A constant force at a point of a link, in the frame's directions, and a torque on the link."""
+
+    link: int = whole("Link", 2, 999)
+    point: str
+    x_n: float = number("Force x", default=0.0)
+    y_n: float = number("Force y", default=0.0)
+    torque_nm: float = number("Torque", default=0.0, help="counter-clockwise")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkageLoads:
+    """Masses of the links and what pushes them; without friction."""
+
+    gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
+    gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
+    masses: tuple[LinkMass, ...] = ()
+    forces: tuple[LinkForce, ...] = ()
+
+
+@dataclass(frozen=True)
+class LinkageDesign:
+    """A linkage with its driver. ``motion`` where it drives a link, ``cam`` where a cam makes it; ``assumed`` lists the
+    field paths whose values are guesses."""
+
+    name: str
+    linkage: Linkage
+    motion: Motion | None = None
+    cam: LinkageCam | None = None
+    loads: LinkageLoads = LinkageLoads()
+    assumed: tuple[str, ...] = ()

@@ -1,0 +1,253 @@
+"""Rules of a linkage: what must hold of links, pairs, driver, branches, cam and loads together.
+
+Each is asked whatever the others say, so it must bear any number, nan included.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import combinations
+
+from core.design.fields import field_faults
+from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageDesign, LinkageLoads
+from core.design.rules import part_faults
+from core.design.topology import GROUP, driver_pair, is_pin, mobility, pair_count, pins, solving_order
+from core.errors import MISSING, Fault
+
+LONGEST_NAME = 40
+_WITH_SIDES = ("RRR", "RRP", "RPR")
+
+
+def linkage_faults(design: LinkageDesign) -> list[Fault]:
+    """Every fault of a linkage, in the order of the file."""
+    found = list(_part_ranges(design))
+    told = {fault.path for fault in found}
+    for rule in (_links, _sliders, _driver, _structure, _branches, _motion, _cam, _loads):
+        for fault in rule(design):
+            if fault.path not in told:
+                told.add(fault.path)
+                found.append(fault)
+    if design.motion is not None:
+        found += part_faults(design.motion, "motion")
+    return found
+
+
+def _part_ranges(design: LinkageDesign) -> Iterator[Fault]:
+    linkage = design.linkage
+    for i, link in enumerate(linkage.links):
+        at = f"linkage.links[{i}]"
+        yield from field_faults(link, at)
+        for place in link.points:
+            yield from field_faults(place, f"{at}.points.{place.name}")
+    for i, slider in enumerate(linkage.sliders):
+        yield from field_faults(slider, f"linkage.sliders[{i}]")
+    yield from field_faults(linkage.driver, "linkage.driver")
+    if design.cam is not None:
+        yield from field_faults(design.cam, "cam")
+    yield from field_faults(design.loads, "loads")
+    for name, rows in (("masses", design.loads.masses), ("forces", design.loads.forces)):
+        for i, row in enumerate(rows):
+            yield from field_faults(row, f"loads.{name}[{i}]")
+
+
+def _numbers(linkage: Linkage) -> list[int]:
+    return sorted(link.number for link in linkage.links)
+
+
+def _known_links(linkage: Linkage) -> str:
+    return " | ".join(str(n) for n in _numbers(linkage))
+
+
+def _links(design: LinkageDesign) -> Iterator[Fault]:
+    """Every link once, the frame among them, names that can head a column, pins that lie apart."""
+    links = design.linkage.links
+    if not any(link.number == FRAME_LINK for link in links):
+        yield Fault("linkage.links", MISSING, "no frame", f"a link with number = {FRAME_LINK}")
+    seen: set[int] = set()
+    for i, link in enumerate(links):
+        if link.number in seen:
+            yield Fault(f"linkage.links[{i}].number", link.number, "said twice", "each link once")
+        seen.add(link.number)
+        for place in link.points:
+            if not place.name.isidentifier() or len(place.name) > LONGEST_NAME:
+                yield Fault(
+                    f"linkage.links[{i}].points", place.name, "no name of a point",
+                    f"letters, digits and _, a letter first, at most {LONGEST_NAME}",
+                )  # fmt: skip
+    yield from _pins_apart(design.linkage)
+
+
+def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
+    pinned = {pin.name for pin in pins(linkage)}
+    for i, link in enumerate(linkage.links):
+        places = link.places
+        for a, b in combinations([name for name in places if name in pinned], 2):
+            if places[a] == places[b]:
+                yield Fault(
+                    f"linkage.links[{i}].points.{b}", [places[b].real, places[b].imag], f"lies on {a}",
+                    "pins of a link apart from each other; links on one pin share its name",
+                )  # fmt: skip
+    for one, other in combinations(linkage.links, 2):
+        shared = [name for name in one.places if name in other.places]
+        if len(shared) > 1 and one.number != other.number:
+            i = linkage.links.index(other)
+            told = f"{' and '.join(shared)} on links {one.number} and {other.number}"
+            yield Fault(f"linkage.links[{i}].points", told, "two pins make them one body", "one shared point")
+
+
+def _sliders(design: LinkageDesign) -> Iterator[Fault]:
+    linkage = design.linkage
+    numbers = set(_numbers(linkage))
+    sliding = Counter(s.link for s in linkage.sliders)
+    seen: set[int] = set()
+    for i, slider in enumerate(linkage.sliders):
+        at = f"linkage.sliders[{i}]"
+        for key, value in (("link", slider.link), ("on", slider.on)):
+            if value not in numbers:
+                yield Fault(f"{at}.{key}", value, "no such link", _known_links(linkage))
+        if slider.link == slider.on:
+            yield Fault(f"{at}.on", slider.on, "a link cannot slide on itself", "another link")
+        if slider.link == FRAME_LINK:
+            yield Fault(f"{at}.link", slider.link, "the frame does not slide", f"on = {FRAME_LINK}, link = the other")
+        if slider.link in seen and sliding[slider.link] > 1:
+            yield Fault(
+                f"{at}.link", slider.link, "slides twice: its frame lies on one line only",
+                f"link = {slider.on}, on = {slider.link}, with the line in link {slider.link}",
+            )  # fmt: skip
+        seen.add(slider.link)
+
+
+def _driver(design: LinkageDesign) -> Iterator[Fault]:
+    linkage = design.linkage
+    driver = linkage.driver
+    moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
+    if driver.speed_rpm == 0.0:
+        yield Fault("linkage.driver.speed_rpm", driver.speed_rpm, "stands still", "> 0, or < 0 for clockwise")
+    if driver.link not in _numbers(linkage) or driver.link == FRAME_LINK:
+        yield Fault("linkage.driver.link", driver.link, "no such moving link", moving)
+        return
+    if FRAME_LINK not in _numbers(linkage):
+        return
+    pair = driver_pair(linkage)
+    if pair is None:
+        yield Fault(
+            "linkage.driver.link", driver.link, "not held on the frame by one pair",
+            "a link pinned to the frame, or sliding on it",
+        )  # fmt: skip
+    elif driver.kind == CRANK and not is_pin(pair):
+        yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
+
+
+def _structure(design: LinkageDesign) -> Iterator[Fault]:
+    """One degree of freedom, and every link held by the others."""
+    linkage = design.linkage
+    numbers = _numbers(linkage)
+    if not _sound(linkage):
+        return
+    for i, link in enumerate(linkage.links):
+        joined = any(link.number in pin.links for pin in pins(linkage))
+        if not joined and not any(link.number in (s.link, s.on) for s in linkage.sliders):
+            yield Fault(f"linkage.links[{i}]", link.number, "is joined to no other link", "a shared point or a slider")
+            return
+    free = mobility(linkage)
+    if free != 1:
+        told = f"3·({len(numbers)} - 1) - 2·{pair_count(linkage)} = {free}"
+        problem = "mobility (Grübler) is not 1: " + ("it cannot move" if free < 1 else "the driver does not lead all")
+        yield Fault("linkage", told, problem, "3·(links - 1) - 2·pairs = 1")
+        return
+    order = solving_order(linkage)
+    wrong = order.overdetermined or order.undetermined
+    if wrong:
+        told = f"links {', '.join(map(str, wrong))}"
+        problem = "held by too many pairs" if order.overdetermined else "not led by the driver"
+        yield Fault("linkage", told, problem, "each part with one degree of freedom in all")
+
+
+def _sound(linkage: Linkage) -> bool:
+    """Whether the structure can be asked at all."""
+    numbers = _numbers(linkage)
+    ends = [n for s in linkage.sliders for n in (s.link, s.on)]
+    sliding = [s.link for s in linkage.sliders]
+    return (
+        len(set(numbers)) == len(numbers)
+        and FRAME_LINK in numbers
+        and linkage.driver.link in numbers
+        and linkage.driver.link != FRAME_LINK
+        and set(ends) <= set(numbers)
+        and len(set(sliding)) == len(sliding)
+        and all(s.link != s.on for s in linkage.sliders)
+        and _driven(linkage)
+    )
+
+
+def _driven(linkage: Linkage) -> bool:
+    """Whether the driver can be driven as it is said."""
+    pair = driver_pair(linkage)
+    return pair is not None and (is_pin(pair) or linkage.driver.kind != CRANK)
+
+
+def sided_joints(linkage: Linkage) -> tuple[str, ...]:
+    """The joints whose side a file may state, in the order of solution; of a group the pins within it, where the side
+    tells where to start."""
+    found: list[str] = []
+    for step in solving_order(linkage).steps:
+        if step.kind in _WITH_SIDES:
+            found.append(step.joint)
+        elif step.kind == GROUP:
+            found += [p.name for p in pins(linkage) if p.name in step.pairs and set(p.links) <= set(step.links)]
+    return tuple(found)
+
+
+def _branches(design: LinkageDesign) -> Iterator[Fault]:
+    linkage = design.linkage
+    for side in linkage.branch:
+        if side.side not in (-1, 1):
+            yield Fault(f"linkage.branch.{side.joint}", side.side, "no side", "1 | -1")
+    if not _sound(linkage) or mobility(linkage) != 1:
+        return
+    known = sided_joints(linkage)
+    for side in linkage.branch:
+        if side.joint not in known:
+            allowed = " | ".join(known) or "none: it can be assembled in one way only"
+            yield Fault(f"linkage.branch.{side.joint}", side.side, "no joint with two sides", allowed)
+
+
+def _motion(design: LinkageDesign) -> Iterator[Fault]:
+    driver = design.linkage.driver
+    if driver.kind == MOTION and design.motion is None:
+        yield Fault("motion", MISSING, "missing", "a table [motion] that the driver follows")
+    if driver.kind == CRANK and design.motion is not None:
+        yield Fault("motion", "[motion]", "nothing follows it", f'driver with kind = "{MOTION}"')
+
+
+def _cam(design: LinkageDesign) -> Iterator[Fault]:
+    if design.cam is None:
+        return
+    if design.linkage.driver.kind != MOTION:
+        yield Fault("cam", "[cam]", "a cam needs a motion to be made for", f'driver with kind = "{MOTION}"')
+    yield from _point_of(design.linkage, design.cam.link, design.cam.point, "cam")
+
+
+def _point_of(linkage: Linkage, link: int, point: str, path: str) -> Iterator[Fault]:
+    if link not in linkage.by_number or link == FRAME_LINK:
+        moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
+        yield Fault(f"{path}.link", link, "no such moving link", moving)
+    elif point not in linkage.by_number[link].places:
+        allowed = " | ".join(linkage.by_number[link].places)
+        yield Fault(f"{path}.point", point, f"link {link} has no such point", allowed)
+
+
+def _loads(design: LinkageDesign) -> Iterator[Fault]:
+    loads: LinkageLoads = design.loads
+    linkage = design.linkage
+    seen: set[int] = set()
+    for i, mass in enumerate(loads.masses):
+        if mass.link not in linkage.by_number or mass.link == FRAME_LINK:
+            moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
+            yield Fault(f"loads.masses[{i}].link", mass.link, "no such moving link", moving)
+        elif mass.link in seen:
+            yield Fault(f"loads.masses[{i}].link", mass.link, "said twice", "each link once")
+        seen.add(mass.link)
+    for i, force in enumerate(loads.forces):
+        yield from _point_of(linkage, force.link, force.point, f"loads.forces[{i}]")

@@ -1,0 +1,179 @@
+"""How the links of a linkage hang together: pins, mobility, and the order in which the links can be solved.
+
+Combinatorics only; the lengths do not matter here. A pair is named by its pin, or by the number of the link that slides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Set
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+
+from core.design.linkage import FRAME_LINK, Linkage, Slider
+
+GROUP = "group"
+_MOST_SEARCHED = 14  # links among which the smallest group is searched; the subsets double with each
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A revolute joint: its name and the links on it, lowest number first; n links make n - 1 pairs."""
+
+    name: str
+    links: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Step:
+    """Links that are solved together once those before them are.
+
+    kind    ``RRR`` RRP RPR PRP RPP: the pairs from the known end of the first link over the pair between the two to the
+            known end of the second; or ``group``: no dyads, solved as a whole
+    links   in the same order; of a group lowest number first
+    pairs   in the same order; of a group pins by name, then sliders by link
+    """
+
+    kind: str
+    links: tuple[int, ...]
+    pairs: tuple[str, ...]
+
+    @property
+    def joint(self) -> str:
+        """The pair between the two links of a dyad."""
+        return self.pairs[1]
+
+
+@dataclass(frozen=True)
+class Order:
+    """The steps; links that too many pairs hold; links that nothing determines."""
+
+    steps: tuple[Step, ...]
+    overdetermined: tuple[int, ...] = ()
+    undetermined: tuple[int, ...] = ()
+
+
+@lru_cache(maxsize=64)
+def pins(linkage: Linkage) -> tuple[Pin, ...]:
+    """Every point name that stands on two links or more, in the order of the file."""
+    on: dict[str, list[int]] = {}
+    for link in linkage.links:
+        for place in link.points:
+            on.setdefault(place.name, []).append(link.number)
+    return tuple(Pin(name, tuple(sorted(links))) for name, links in on.items() if len(links) > 1)
+
+
+def pair_count(linkage: Linkage) -> int:
+    """Revolute and sliding pairs."""
+    return sum(len(pin.links) - 1 for pin in pins(linkage)) + len(linkage.sliders)
+
+
+def mobility(linkage: Linkage) -> int:
+    """Grübler: 3(n - 1) - 2·pairs."""
+    return 3 * (len(linkage.links) - 1) - 2 * pair_count(linkage)
+
+
+def slider_of(linkage: Linkage, key: str) -> Slider:
+    """The sliding pair named by the number of the link that slides."""
+    return next(s for s in linkage.sliders if str(s.link) == key)
+
+
+def is_pin(key: str) -> bool:
+    """Whether a pair's name is that of a pin; else it is a sliding link's number."""
+    return not key.isdecimal()
+
+
+def driver_pair(linkage: Linkage) -> str | None:
+    """The one pair that holds the driving link on the frame; None where there is none, or several."""
+    found = list(_ends(linkage, linkage.driver.link, {FRAME_LINK}))
+    return found[0] if len(found) == 1 else None
+
+
+@lru_cache(maxsize=64)
+def solving_order(linkage: Linkage) -> Order:
+    """Dyads first, as long as there is one; else the smallest group of links that the known ones determine."""
+    known = {FRAME_LINK, linkage.driver.link}
+    unknown = sorted(link.number for link in linkage.links if link.number not in known)
+    steps: list[Step] = []
+    while unknown:
+        step = next(_dyads(linkage, unknown, known), None)
+        if step is None:
+            group, over = _smallest_group(linkage, unknown, known)
+            if over:
+                return Order(tuple(steps), overdetermined=group)
+            if not group:
+                return Order(tuple(steps), undetermined=tuple(unknown))
+            step = Step(GROUP, group, _pairs_of(linkage, set(group), known))
+        steps.append(step)
+        known |= set(step.links)
+        unknown = [n for n in unknown if n not in known]
+    return Order(tuple(steps))
+
+
+def _ends(linkage: Linkage, link: int, known: Set[int]) -> Iterator[str]:
+    """Pairs of a link with known ones."""
+    for pin in pins(linkage):
+        if link in pin.links and known & set(pin.links) - {link}:
+            yield pin.name
+    for slider in linkage.sliders:
+        if (slider.link == link and slider.on in known) or (slider.on == link and slider.link in known):
+            yield str(slider.link)
+
+
+def _between(linkage: Linkage, a: int, b: int, known: Set[int]) -> Iterator[str]:
+    """Pairs of two unknown links with each other."""
+    for pin in pins(linkage):
+        if {a, b} <= set(pin.links) and not known & set(pin.links):
+            yield pin.name
+    for slider in linkage.sliders:
+        if {slider.link, slider.on} == {a, b}:
+            yield str(slider.link)
+
+
+def _dyads(linkage: Linkage, unknown: list[int], known: Set[int]) -> Iterator[Step]:
+    ends = {n: list(_ends(linkage, n, known)) for n in unknown}
+    for a, b in combinations([n for n in unknown if len(ends[n]) == 1], 2):
+        inner = list(_between(linkage, a, b, known))
+        if len(inner) == 1:
+            step = _ordered(linkage, (a, b), (ends[a][0], inner[0], ends[b][0]))
+            if step.kind != "PPP":
+                yield step
+
+
+def _ordered(linkage: Linkage, links: tuple[int, int], pairs: tuple[str, str, str]) -> Step:
+    """Known pin before guide; of two links that slide on each other between pins, the one that slides first."""
+    kind = "".join("R" if is_pin(key) else "P" for key in pairs)
+    turned = kind in ("PRR", "PPR") or (kind == "RPR" and pairs[1] != str(links[0]))
+    if turned:
+        return Step(kind[::-1], links[::-1], pairs[::-1])
+    return Step(kind, links, pairs)
+
+
+def _pairs_of(linkage: Linkage, group: Set[int], known: Set[int]) -> tuple[str, ...]:
+    """Pairs within a group and with known links."""
+    held = group | known
+    names = [p.name for p in pins(linkage) if group & set(p.links) and len(held & set(p.links)) > 1]
+    slid = [str(s.link) for s in linkage.sliders if {s.link, s.on} <= held and {s.link, s.on} & group]
+    return (*names, *slid)
+
+
+def _count(linkage: Linkage, group: Set[int], known: Set[int]) -> int:
+    """Pairs that a group of links has within itself and with known ones."""
+    count = sum({s.link, s.on} <= group | known and bool({s.link, s.on} & group) for s in linkage.sliders)
+    for pin in pins(linkage):
+        own, held = len(group & set(pin.links)), bool(known & set(pin.links))
+        count += max(0, own + held - 1)
+    return count
+
+
+def _smallest_group(linkage: Linkage, unknown: list[int], known: Set[int]) -> tuple[tuple[int, ...], bool]:
+    """The smallest set of links with as many equations as coordinates, and whether it has more; empty: none has."""
+    if len(unknown) > _MOST_SEARCHED:
+        surplus = 2 * _count(linkage, set(unknown), known) - 3 * len(unknown)
+        return (tuple(unknown), surplus > 0) if surplus >= 0 else ((), False)
+    for size in range(1, len(unknown) + 1):
+        for group in combinations(unknown, size):
+            surplus = 2 * _count(linkage, set(group), known) - 3 * size
+            if surplus >= 0:
+                return group, surplus > 0
+    return (), False

@@ -1,0 +1,181 @@
+"""Edits that ask where a curve stands: a segment cut at a cam angle, followed by a copy of itself, or a spline that
+gets a point on its way.
+
+Two made of one share its span, so that no other join moves and the follower comes back as before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from core.curves import shape_of
+from core.design import (
+    Curve,
+    End,
+    Motion,
+    Point,
+    Polynomial,
+    Segment,
+    SingleCam,
+    Spline,
+    join_angles,
+    stretched,
+)
+from core.design.edits import rest, with_marks_of
+from core.design.paths import with_section
+from core.laws import LAWS, PieceTable, find_law
+
+LEAST_CUT = 1e-3
+"""Degrees that both parts of a cut segment must have; where one had less the segment is cut in its middle."""
+
+_SAME = 1e-9  # a point of a spline this close to the cut [deg] lies on it
+
+
+def cut_at(motion: Motion, index: int, angle: float | None = None) -> float:
+    """Where a segment is cut [deg of cam angle]: at ``angle`` where that lies inside of it, else in its middle."""
+    begin, span = join_angles(motion)[index], motion.segments[index].span_deg
+    if angle is not None and begin + LEAST_CUT < angle < begin + span - LEAST_CUT:
+        return angle
+    return rest(begin, (-span / 2.0,))
+
+
+def with_segment_split(motion: Motion, index: int, angle: float | None = None) -> Motion:
+    """A segment cut in two at a cam angle [deg]; None, or one outside of it: in its middle.
+
+    The follower stands at the cut where it stood before. A dwell, constant velocity, a polynomial and a spline go on
+    exactly as before; the parts of any other law are two segments of that law, each from rest to rest where the law
+    is, for a part of its curve is no law of the table. Raises NoSpline where the points of a spline contradict.
+    """
+    segment = motion.segments[index]
+    begin, whole_turn = join_angles(motion)[index], len(motion.segments) == 1
+    first = rest(cut_at(motion, index, angle), (begin,))
+    state = _state(motion, index, first)
+    rise = state[0] if _goes_on(segment) else rest(state[0], ())
+    if whole_turn and isinstance(segment.curve, Spline):
+        segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
+    curves = _cut_curves(segment, first, rise, state)
+    return _with_two(motion, index, (first, rise), curves)
+
+
+def with_segment_copied(motion: Motion, index: int) -> Motion:
+    """A copy behind a segment: both have half of its span and half of its rise, so the shape comes twice and the
+    follower stands at the end where it stood before. Where the segment ends at the level it began at, each copy has
+    its whole height. Raises NoSpline where the points of a spline contradict."""
+    segment = motion.segments[index]
+    if len(motion.segments) == 1 and isinstance(segment.curve, Spline):
+        segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
+    height = 0.5 if segment.rise else 1.0
+    curve = stretched(segment.curve, 0.5, height)
+    return _with_two(motion, index, (rest(segment.span_deg / 2.0, ()), segment.rise * height), (curve, curve))
+
+
+def split_segment(design: SingleCam, index: int, angle: float | None = None) -> SingleCam:
+    """``with_segment_split`` in a design: what is assumed of the segment is assumed of both parts."""
+    return _doubled(design, with_segment_split(design.drive.motion, index, angle), index)
+
+
+def copy_segment(design: SingleCam, index: int) -> SingleCam:
+    """``with_segment_copied`` in a design: what is assumed of the segment is assumed of its copy."""
+    return _doubled(design, with_segment_copied(design.drive.motion, index), index)
+
+
+def _doubled(design: SingleCam, motion: Motion, index: int) -> SingleCam:
+    old = range(len(design.drive.motion.segments))
+    return with_marks_of(with_section(design, "motion", motion), [*old[: index + 1], index, *old[index + 1 :]])
+
+
+def add_point(design: SingleCam, index: int, angle: float | None = None) -> SingleCam:
+    """A point more for the spline of a segment, where it runs already: nothing moves until the point is moved. At a
+    cam angle [deg] inside of the segment; None, or where a point stands already: in the middle of the longest stretch
+    without one. Raises NoSpline where its points contradict."""
+    motion = design.drive.motion
+    segment = motion.segments[index]
+    assert isinstance(segment.curve, Spline)
+    points = segment.curve.points
+    at = -1.0 if angle is None else rest(angle, (join_angles(motion)[index],))
+    taken = sorted({0.0, segment.span_deg, *(p.at_deg for p in points)})
+    if not 0.0 < at < segment.span_deg or min(abs(at - place) for place in taken) < LEAST_CUT:
+        begin, end = max(pairwise(taken), key=lambda gap: gap[1] - gap[0])
+        at = rest(begin, (-(end - begin) / 2.0,))
+    point = Point(at, rest(float(_state(motion, index, at)[0]), ()))
+    curve = Spline(tuple(sorted((*points, point), key=lambda p: p.at_deg)))
+    segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
+    return with_section(design, "motion", replace(motion, segments=segments))
+
+
+# -- parts ------------------------------------------------------------------------------------------------
+
+
+def _with_two(motion: Motion, index: int, first: tuple[float, float], curves: tuple[Curve, Curve]) -> Motion:
+    """A segment replaced by two; first: span and rise of the first one."""
+    whole = motion.segments[index]
+    parts = [Segment(*first, curves[0]), Segment(0.0, whole.rise - first[1], curves[1])]
+    segments = [*motion.segments[:index], *parts, *motion.segments[index + 1 :]]
+    span = rest(360.0, (s.span_deg for s in segments))
+    segments[index] = replace(parts[0], curve=_ending(curves[0], first[0], first[0]))
+    segments[index + 1] = replace(parts[1], span_deg=span, curve=_ending(curves[1], whole.span_deg - first[0], span))
+    return replace(motion, segments=tuple(segments))
+
+
+def _ending(curve: Curve, meant: float, span: float) -> Curve:
+    """The points on the end of a spline put where the end comes to lie by rounding."""
+    if not isinstance(curve, Spline):
+        return curve
+    return Spline(tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points))
+
+
+def _state(motion: Motion, index: int, at_deg: float) -> np.ndarray:
+    """s, v, a, j of a segment at an angle from its start (4,): the motion's unit, per degree; s from its start."""
+    segment = motion.segments[index]
+    shape = shape_of(segment, len(motion.segments) == 1, f"motion.segments[{index}]")
+    starts = np.array([piece.start for piece in shape.pieces])
+    u = np.array([at_deg / segment.span_deg])
+    piece = np.searchsorted(starts, u, side="right") - 1
+    y = PieceTable(shape.pieces).evaluate(piece, u - starts[piece])[:, 0]
+    return shape.gain * y / segment.span_deg ** np.arange(4)
+
+
+def _goes_on(segment: Segment) -> bool:
+    """A curve whose parts are curves of its own kind."""
+    law = find_law(segment.curve.law)
+    straight = law is not None and law.pieces == LAWS["constant-velocity"].pieces
+    return straight or isinstance(segment.curve, Polynomial | Spline)
+
+
+def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> tuple[Curve, Curve]:
+    """The curves of both parts of a segment cut ``at`` degrees from its start, where s, v, a, j are ``state``."""
+    curve = segment.curve
+    _, v, a, j = map(float, state)
+    if isinstance(curve, Polynomial):
+        # of degree 5 to 7: as many conditions as the whole had, and so the same polynomial again
+        return (
+            Polynomial(curve.start, End(v, a, None if curve.end.jerk is None else j)),
+            Polynomial(End(v, a, None if curve.start.jerk is None else j), curve.end),
+        )
+    if isinstance(curve, Spline):
+        # each part of a curve of least jerk is the curve of least jerk between its ends (Bellman)
+        before = [p for p in curve.points if p.at_deg < at - _SAME]
+        after = [p for p in curve.points if p.at_deg > at + _SAME]
+        moved = [
+            Point(rest(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration)
+            for p in after
+        ]
+        return Spline((*before, Point(at, None, v, a))), Spline((Point(0.0, None, v, a), *moved))
+    return curve, curve
+
+
+def _as_part_of_a_turn(segment: Segment, state: np.ndarray) -> Segment:
+    """A spline over the whole turn, which joins itself, with what it does at its join said at both ends: a part of a
+    turn would start and end at rest."""
+    assert isinstance(segment.curve, Spline)
+    s, v, a, _ = map(float, state)
+    inner = tuple(p for p in segment.curve.points if _SAME < p.at_deg < segment.span_deg - _SAME)
+    value = s or None  # at its start it stands at its start, where nothing else is said
+    ends = (Point(0.0, value, v, a), Point(segment.span_deg, value, v, a))
+    return replace(segment, curve=Spline((ends[0], *inner, ends[1])))
+
+
+__all__ = ["add_point", "copy_segment", "cut_at", "split_segment", "with_segment_copied", "with_segment_split"]

@@ -1,0 +1,68 @@
+"""The instant centre of a follower and its cam, by Kennedy's theorem from the pair that holds the follower."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from core.instant_centres.centre import Centres
+from core.instant_centres.construction import construction, kennedy
+from core.instant_centres.linkage import primary_pairs
+from core.train import FRAME, REVOLUTE, SLIDING, Train
+
+
+def _through_pivot(train: Train, sense: float) -> Centres:
+    """Kennedy: on the line cam centre - pivot P; q = Zxy φ'/(φ'-d) (Shin1995 (18) counts φ' against the cam)."""
+    pair = train.pairs[train.ground]
+    pivot, turn = train.bodies[pair.body].point(pair.point)[0], train.bodies[pair.body].angle[1]
+    return Centres(pivot * turn, turn - sense)
+
+
+def _across_guide(train: Train, sense: float) -> Centres:
+    """Kennedy: the follower turns about infinity across its guide e, so Q = -i d s' e."""
+    pair = train.pairs[train.ground]
+    speed = (train.bodies[pair.body].z[1] / pair.axis).real
+    return Centres(-1j * sense * speed * pair.axis, np.ones_like(speed))
+
+
+def _through_pole(train: Train, sense: float) -> Centres:
+    """Kennedy: on the line cam centre - pole I of the roller's link on the frame, which the circle diagram finds from
+    the pairs: Q = φ'I/(φ'-d). Where the link does not turn, or no two triangles reach the pole, by the velocity of the
+    roller's centre: Q = (φ'R + iR')/(φ'-d)."""
+    follower = train.follower
+    turn = follower.angle[1]
+    point, weight = turn * follower.z[0] + 1j * follower.z[1], turn - sense
+    pole = _pole(train)
+    if pole is not None:
+        near = np.abs(pole.weight) > _NEARLY
+        with np.errstate(divide="ignore", invalid="ignore"):
+            point = np.where(near, turn * pole.point / pole.weight, point)
+    return Centres(point, weight)
+
+
+_NEARLY = 1e-6
+
+
+def _pole(train: Train) -> Centres | None:
+    """The centre of the roller's link on the frame by construction, scaled; None where it is not reached."""
+    names = tuple(name for name in train.bodies if name != train.follower_body)
+    order = {name: i for i, name in enumerate(names)}
+    size = float(np.abs(train.follower.z[0]).max())
+    found = {key: centre.scaled(size) for key, centre in primary_pairs(train, order).items()}
+    for wanted in construction(names, frozenset(found)).steps:
+        found[wanted.key] = kennedy(found, wanted, size).scaled(size)
+    return found.get((FRAME, train.carrier))
+
+
+CAM_CENTRES: Mapping[str, Callable[[Train, float], Centres]] = MappingProxyType(
+    {REVOLUTE: _through_pivot, SLIDING: _across_guide, "": _through_pole}
+)
+
+
+def cam_follower_centre(train: Train, sense: float) -> Centres:
+    """Centre of the follower body relative to the cam (Shin1995 §3), by the three-centres theorem from the pair
+    that holds the follower on the frame, or from its link's pole; sense: d = +1 for a cam turning counter-clockwise,
+    -1 clockwise."""
+    return CAM_CENTRES[train.pairs[train.ground].kind if train.ground else ""](train, sense)

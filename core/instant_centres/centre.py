@@ -1,0 +1,44 @@
+"""An instant centre in homogeneous coordinates: at infinity is a value, not a division by zero."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FAR = 1e12  # sizes of the mechanism: beyond this a centre counts as at infinity
+
+
+@dataclass(frozen=True, eq=False)
+class Centres:
+    """point (n,) complex and weight (n,): the centre is point/weight; weight 0 = at infinity in direction point."""
+
+    point: np.ndarray
+    weight: np.ndarray
+
+    @property
+    def finite(self) -> np.ndarray:
+        """(n,) complex [m], inf where at infinity."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.weight == 0.0, complex(np.inf, np.inf), self.point / self.weight)
+
+    @property
+    def homogeneous(self) -> np.ndarray:
+        """(3, n): x, y [m] and weight."""
+        return np.array([self.point.real, self.point.imag, self.weight])
+
+    def far(self, size: float) -> np.ndarray:
+        """(n,) where the centre is at infinity, or so far away that rounding cannot tell."""
+        return np.abs(self.weight) * (FAR * size) <= np.abs(self.point)
+
+    @property
+    def direction(self) -> np.ndarray:
+        """(n,) [rad] of a centre at infinity, 0 ... π."""
+        angle = np.remainder(np.angle(self.point), np.pi)
+        return np.where(angle >= np.pi, 0.0, angle)
+
+    def scaled(self, size: float) -> Centres:
+        """The same centres with |point|/size and weight on the unit circle."""
+        length = np.hypot(np.abs(self.point) / size, self.weight)
+        length = np.where(length == 0.0, 1.0, length)
+        return Centres(self.point / length, self.weight / length)

@@ -1,0 +1,129 @@
+"""The circle diagram: in which order Kennedy's theorem finds the centres, each from its two triangles (Velocity, 6.3).
+
+Bodies stand on a circle, known centres are solid lines between them. A wanted one is found where it shares two triangles
+with known ones: the three centres of any three bodies lie on one line, so it is where two such lines cross.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import combinations
+
+import numpy as np
+
+from core.instant_centres.centre import Centres
+
+Key = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Triangle:
+    """A wanted centre's bodies and a third one: the line through ``first`` and ``second`` holds the wanted centre."""
+
+    third: str
+    first: Key
+    second: Key
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A centre and the triangles that give it when its turn comes; the first two are drawn."""
+
+    key: Key
+    triangles: tuple[Triangle, ...]
+
+
+@dataclass(frozen=True)
+class Construction:
+    """Centres known at sight, then the others in the order they are found; ``beyond``: those that no two triangles
+    reach (the linkage is indeterminate by this construction)."""
+
+    known: tuple[Key, ...]
+    steps: tuple[Wanted, ...]
+    beyond: tuple[Key, ...] = ()
+
+
+@lru_cache(maxsize=64)
+def construction(bodies: tuple[str, ...], known: frozenset[Key]) -> Construction:
+    """The order of the construction, lowest bodies first, round by round."""
+    order = {name: i for i, name in enumerate(bodies)}
+    all_keys = list(combinations(bodies, 2))
+    have = set(known)
+    steps: list[Wanted] = []
+    while True:
+        wanted = next((w for key in all_keys if key not in have and (w := _reached(key, bodies, have, order))), None)
+        if wanted is None:
+            break
+        steps.append(wanted)
+        have.add(wanted.key)
+    return Construction(
+        tuple(key for key in all_keys if key in known), tuple(steps), tuple(key for key in all_keys if key not in have)
+    )
+
+
+def _reached(key: Key, bodies: tuple[str, ...], have: set[Key], order: Mapping[str, int]) -> Wanted | None:
+    a, b = key
+    triangles = []
+    for third in bodies:
+        if third not in key:
+            first, second = _sorted(a, third, order), _sorted(b, third, order)
+            if first in have and second in have:
+                triangles.append(Triangle(third, first, second))
+    return Wanted(key, tuple(triangles)) if len(triangles) > 1 else None
+
+
+def _sorted(a: str, b: str, order: Mapping[str, int]) -> Key:
+    return (a, b) if order[a] < order[b] else (b, a)
+
+
+def line_of(centres: Mapping[Key, Centres], triangle: Triangle) -> np.ndarray:
+    """The line of a triangle's two known centres, (3, n): a x + b y + c = 0, (a, b) of length 1 where it is finite;
+    all 0 where they coincide."""
+    p, q = (centres[key].homogeneous for key in (triangle.first, triangle.second))
+    line = np.cross(p, q, axis=0)
+    length = np.hypot(line[0], line[1])
+    return np.where(length > 0.0, line / np.where(length > 0.0, length, 1.0), line)
+
+
+def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Centres:
+    """The wanted centre where the lines of two of its triangles cross; at each position of the two that cross at the
+    steepest angle (n,). size [m] of the mechanism: coordinates are compared in units of it."""
+    lines = _lines(centres, wanted, size)
+    best = np.cross(lines[0], lines[1], axis=0)
+    for one, other in list(combinations(lines, 2))[1:]:
+        cut = np.cross(one, other, axis=0)
+        best = np.where((cut * cut).sum(axis=0) > (best * best).sum(axis=0), cut, best)
+    return Centres(size * (best[0] + 1j * best[1]), best[2])
+
+
+def agreement(centres: Mapping[Key, Centres], wanted: Wanted, found: Centres, size: float) -> np.ndarray:
+    """How far a centre lies off the lines of its triangles at worst (n,), of unit vectors: 0 by Kennedy's theorem."""
+    at = _unit(found.homogeneous * _scale(size))
+    rows = [np.abs((line * at).sum(axis=0)) for line in _lines(centres, wanted, size)]
+    return np.asarray(np.max(rows, axis=0))
+
+
+def _scale(size: float) -> np.ndarray:
+    return np.array([[1.0 / size], [1.0 / size], [1.0]])
+
+
+def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[np.ndarray]:
+    """The lines of all triangles, of length 1 with coordinates in units of the size; 0 where two centres lie so near to
+    each other that rounding decides the line."""
+    lines = []
+    for triangle in wanted.triangles:
+        p, q = (centres[key].homogeneous * _scale(size) for key in (triangle.first, triangle.second))
+        line = np.cross(_unit(p), _unit(q), axis=0)
+        lines.append(_unit(np.where((line * line).sum(axis=0) > _TOLD * _TOLD, line, 0.0)))
+    return lines
+
+
+_TOLD = 1e-7  # of unit vectors
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """(3, n) of length 1; what is 0 stays so."""
+    length = np.sqrt((vectors * vectors).sum(axis=0))
+    return vectors / np.where(length > 0.0, length, 1.0)

@@ -1,0 +1,121 @@
+"""All n(n-1)/2 instant centres of a Train: those of the pairs from where the pairs are, the others from velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from core.instant_centres.centre import Centres
+from core.instant_centres.construction import Construction, agreement, construction, kennedy
+from core.train import FRAME, REVOLUTE, Pose, Train
+
+EPS = float(np.finfo(float).eps)
+_AT_REST = 1e3 * EPS  # relative velocity, against those of the driver, below which two bodies do not move on each other
+_AGREES = 1e-6  # of unit vectors: lines that miss a centre by more have none in common
+Key = tuple[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class CentreTable:
+    """The centres of all bodies of a train.
+
+    bodies        their names, the frame first
+    centres       pair of names, in the order of ``bodies`` -> Centres (n,), scaled to the size
+    primary       the pairs whose centre a pin or a guide shows at sight
+    construction  in which order Kennedy's theorem finds the others
+    size          [m] of the mechanism
+    """
+
+    bodies: tuple[str, ...]
+    centres: Mapping[Key, Centres]
+    primary: frozenset[Key]
+    construction: Construction
+    size: float
+
+    def of(self, a: str, b: str) -> Centres:
+        """The centre of two bodies, in either order."""
+        return self.centres[(a, b) if self.bodies.index(a) < self.bodies.index(b) else (b, a)]
+
+
+def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> CentreTable:
+    """The centres of the bodies named (all of the train, where none is), for all positions at once.
+
+    The train's driver must move (unit speed), for a mechanism at rest has no velocities. Where two bodies happen to have
+    none against each other, Kennedy's construction gives the limit; 0 (point and weight) where they never move against each
+    other, and every point is a centre.
+    """
+    names = tuple(bodies) or tuple(train.bodies)
+    order = {name: i for i, name in enumerate(names)}
+    primary = {key: centre.scaled(size) for key, centre in primary_pairs(train, order).items()}
+    plan = construction(names, frozenset(primary))
+    found = dict(primary)
+    resting: dict[Key, np.ndarray] = {}
+    speed = max(
+        (float(np.abs(p.angle[1]).max()) * size + float(np.abs(p.z[1]).max()) for p in train.bodies.values()),
+        default=0.0,
+    )
+    for key in combinations(names, 2):
+        if key not in primary:
+            centre = _by_velocity(train.bodies[key[0]], train.bodies[key[1]])
+            length = np.hypot(np.abs(centre.point), centre.weight * size)
+            rest = length <= _AT_REST * speed
+            found[key] = centre.scaled(size)
+            if rest.any():
+                resting[key] = rest
+    for wanted in plan.steps:
+        if wanted.key in resting:
+            limit, now = kennedy(found, wanted, size).scaled(size), found[wanted.key]
+            told = agreement(found, wanted, limit, size) < _AGREES
+            rest, limit = (
+                resting[wanted.key],
+                Centres(np.where(told, limit.point, 0.0), np.where(told, limit.weight, 0.0)),
+            )
+            found[wanted.key] = Centres(
+                np.where(rest, limit.point, now.point), np.where(rest, limit.weight, now.weight)
+            )
+    ordered = {key: found[key] for key in combinations(names, 2)}
+    return CentreTable(names, MappingProxyType(ordered), frozenset(primary), plan, size)
+
+
+def _by_velocity(a: Pose, b: Pose) -> Centres:
+    """Where both have the same velocity: z_a' + iω_a(P - z_a) = z_b' + iω_b(P - z_b)."""
+    wa, wb = a.angle[1], b.angle[1]
+    return Centres(wb * b.z[0] - wa * a.z[0] + 1j * (b.z[1] - a.z[1]), wb - wa)
+
+
+def primary_pairs(train: Train, order: Mapping[str, int]) -> dict[Key, Centres]:
+    """The centres that pins (at the pin, for every two links on it) and guides (at infinity across them) show."""
+    found: dict[Key, Centres] = {}
+    pins: dict[str, set[str]] = {}
+    for pair in train.pairs.values():
+        if pair.kind == REVOLUTE:
+            pins.setdefault(pair.point, set()).update((pair.on, pair.body))
+        elif pair.on in order and pair.body in order:
+            across = 1j * pair.axis * train.bodies[pair.on].unit
+            found[_key(pair.on, pair.body, order)] = Centres(across, np.zeros(across.size))
+    for name, links in pins.items():
+        for a, b in combinations([n for n in links if n in order], 2):
+            key = _key(a, b, order)
+            at = train.bodies[key[0] if key[0] != FRAME else key[1]].point(name)[0]
+            found[key] = Centres(at, np.ones(at.size))
+    return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
+
+
+def _key(a: str, b: str, order: Mapping[str, int]) -> Key:
+    return (a, b) if order[a] < order[b] else (b, a)
+
+
+def collinearity(table: CentreTable) -> np.ndarray:
+    """How far the three centres of any three bodies are from one line (n,): the largest determinant of their scaled
+    coordinates, 0 by Kennedy's theorem."""
+    worst = np.zeros(1)
+    for a, b, c in combinations(table.bodies, 3):
+        rows = [table.of(*pair).homogeneous for pair in ((a, b), (b, c), (a, c))]
+        m = np.array(rows)
+        m[:, :2] /= table.size
+        worst = np.maximum(worst, np.abs(np.einsum("in,in->n", m[0], np.cross(m[1], m[2], axis=0))))
+    return worst

@@ -1,0 +1,132 @@
+"""Splines of least jerk over one turn with given knots, in the coordinates in which smoothing is a division.
+
+The natural spline to knots t is the curve of least ∫ s'''² that has given s there (given s' for a table of
+velocities): quintics between the knots. All of them, and a constant c that the table adds to s⁽ᵏ⁾ (for a displacement
+the level, for a velocity or an acceleration its offset), are what a table of n rows of s⁽ᵏ⁾ is fitted with:
+
+    minimise  (1/n) Σ (y_i - c - s⁽ᵏ⁾(x_i))² + λ ∫ s'''².
+
+Both terms become diagonal together (Demmler, Reinsch 1975), so that each λ costs one division per knot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from core.laws.ring import STATES, jerk_rows, quintics, states
+from core.measured.table import Table, distinct
+
+CLOSE = 0.05  # of the usual distance: knots closer together than this are one
+
+
+def choose_knots(angles: np.ndarray, most: int) -> np.ndarray:
+    """At most so many cam angles [deg] of a table's own, as dense as its rows, none very close to the next."""
+    x, _ = distinct(angles)
+    if x.size > most:
+        x = x[(np.arange(most) * x.size) // most]
+    width = np.diff(np.append(x, x[0] + 360.0))
+    return x[np.append(True, width[:-1] > CLOSE * float(np.median(width)))]
+
+
+def given_order(order: int) -> int:
+    """Of the derivative that the knots of a spline for a table of s⁽ᵏ⁾ are given. Accelerations are left to splines
+    through positions: the curve of least jerk through accelerations has broken lines for them."""
+    return order if order < 2 else 0
+
+
+def natural(knots: np.ndarray, order: int, given: np.ndarray) -> np.ndarray:
+    """States s, s', s'' by u = angle/360 (m, 3, r) at the knots [deg] of the natural splines for s⁽ᵏ⁾ with these values
+    (m, r) given there; the first knot is at s = 0, so where s is given it must be 0 there."""
+    order = given_order(order)
+    known = np.zeros((knots.size, STATES, given.shape[1]))
+    fixed = np.zeros((knots.size, STATES), dtype=bool)
+    known[:, order], fixed[:, order], fixed[0, 0] = given, True, True
+    nothing = np.zeros(fixed.shape)
+    return states(distances(knots), known, fixed, nothing, np.zeros_like(known))
+
+
+def distances(knots: np.ndarray) -> np.ndarray:
+    """From each knot [deg] to the next around the turn, as parts of the turn (m,)."""
+    return np.diff(np.append(knots, knots[0] + 360.0)) / 360.0
+
+
+def derivative(knots: np.ndarray, at: np.ndarray, order: int, angles: np.ndarray) -> np.ndarray:
+    """s⁽ᵏ⁾ by u (n, r) at cam angles [deg] of the curves with the states ``at`` (m, 3, r) at the knots [deg]."""
+    piece = np.searchsorted(knots, angles, side="right") - 1
+    w = np.mod(angles - knots[piece], 360.0) / 360.0
+    rows = quintics(distances(knots), at, np.roll(at, -1, axis=0))
+    out = np.zeros((angles.size, at.shape[2]))
+    for power in range(5, order - 1, -1):  # Horner
+        falling = float(np.prod(np.arange(power - order + 1, power + 1)))
+        out = out * w[:, None] + falling * rows[piece, power]
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """A table's rows in the diagonal coordinates of its splines.
+
+    at        (m, 3, r) states at the knots of each coordinate's curve
+    seen      (r,) how much of a coordinate the rows see, 0 ... 1; the rest, 1 - seen, is its jerk times ``scale``
+    answer    (r,) what the rows say of it
+    mean      (r,) its mean over the rows
+    scale     λ at which rows and jerk weigh the same in the mean
+    least     mean square of what no curve of these knots can follow
+    """
+
+    knots: np.ndarray
+    order: int
+    values: np.ndarray
+    at: np.ndarray
+    seen: np.ndarray
+    answer: np.ndarray
+    mean: np.ndarray
+    scale: float
+    least: float
+
+    def weights(self, smoothing: float | np.ndarray) -> np.ndarray:
+        """Coordinates (..., r) of the curve for λ."""
+        stiff = np.asarray(smoothing)[..., None] / self.scale
+        return self.answer / (self.seen + stiff * (1.0 - self.seen))
+
+    def mean_square(self, smoothing: float | np.ndarray) -> np.ndarray:
+        """Mean square of the residuals for λ; rises with it."""
+        stiff = np.asarray(smoothing)[..., None] / self.scale * (1.0 - self.seen)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = self.answer**2 / self.seen * (stiff / (self.seen + stiff)) ** 2
+        return self.least + np.where(self.seen > 0.0, part, 0.0).sum(axis=-1)
+
+    def freedom(self, smoothing: float | np.ndarray) -> np.ndarray:
+        """How many values the curve is free to choose for λ: the trace of what takes rows to the curve, c included."""
+        stiff = np.asarray(smoothing)[..., None] / self.scale * (1.0 - self.seen)
+        return 1.0 + (self.seen / (self.seen + stiff)).sum(axis=-1)
+
+
+@lru_cache(maxsize=8)
+def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
+    """Of the rows of a table but those left out, with at most so many knots. Values by u = angle/360."""
+    used = np.setdiff1d(np.arange(table.angles.size), left_out)
+    angles, order = table.angles[used], table.layout.order
+    y = table.values[used] * 360.0**order
+    knots = choose_knots(angles, most)
+    given = np.eye(knots.size)[:, 1 - given_order(order) :]
+    at = natural(knots, order, given)
+    rows = derivative(knots, at, order, angles)
+    mean = rows.mean(axis=0)
+    rows -= mean  # c takes it
+    jerk = jerk_rows(distances(knots), at, np.roll(at, -1, axis=0)).reshape(-1, given.shape[1])
+    normal, stiff = rows.T @ rows / used.size, jerk.T @ jerk
+    scale = float(np.trace(normal) / np.trace(stiff))
+    half = np.linalg.inv(np.linalg.cholesky(normal + scale * stiff))
+    unseen, turn = np.linalg.eigh(half @ (scale * stiff) @ half.T)
+    turn = half.T @ turn
+    rows = rows @ turn
+    seen = np.clip(1.0 - unseen, 0.0, 1.0)
+    seen[seen < 1e-13] = 0.0
+    answer = np.where(seen > 0.0, rows.T @ (y - y.mean()) / used.size, 0.0)
+    exact = rows @ np.divide(answer, seen, out=np.zeros_like(answer), where=seen > 0.0)
+    least = float(np.mean((y - y.mean() - exact) ** 2))
+    return Basis(knots, order, y, at @ turn, seen, answer, mean @ turn, scale, least)

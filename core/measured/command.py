@@ -1,0 +1,82 @@
+"""The command ``measured``: a table read, a motion fitted to it, printed and perhaps written into a design."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from math import isfinite
+from pathlib import Path
+
+from core.design import require_single_cam
+from core.files import read_bytes
+from core.measured.columns import Wish, layout
+from core.measured.fitting import fit
+from core.measured.sheet import DECIMALS, DELIMITERS, read_sheet
+from core.measured.table import read_table
+from core.measured.telling import fit_data, fit_text, into_design
+from core.measured.words import ANGLE_UNITS, QUANTITIES, TIME_UNITS
+from core.project import load, save
+from core.summary import to_json
+
+
+def _number(allowed: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = float("nan")
+        if not (isfinite(value) and fits(value)):
+            raise argparse.ArgumentTypeError(f"{text!r}: allowed: {allowed}")
+        return value
+
+    return read
+
+
+def measured_words(parser: argparse.ArgumentParser) -> None:
+    """The words of the command."""
+    parser.add_argument("table", metavar="TABLE", type=Path, help="CSV or text file with a row for each cam angle")
+    parser.add_argument(
+        "--error",
+        type=_number("0 or more", lambda v: v >= 0.0),
+        metavar="E",
+        help="measuring error of a value, in the table's unit; 0 = through all rows (what the rows tell)",
+    )
+    parser.add_argument("--column", default="", metavar="NAME", help="of the values: its name, or number from 1")
+    parser.add_argument("--angle-column", default="", metavar="NAME", help="of the angles or times")
+    parser.add_argument(
+        "--angle-unit", default="", choices=(*ANGLE_UNITS, *TIME_UNITS), help="where the header does not say"
+    )
+    parser.add_argument("--value-unit", default="", metavar="UNIT", help="mm, in, mm/s, mm/deg2, g, ...")
+    parser.add_argument("--quantity", default="", choices=QUANTITIES, help="what was measured")
+    parser.add_argument("--delimiter", choices=tuple(DELIMITERS), help="between cells (detected)")
+    parser.add_argument("--decimal", choices=tuple(DECIMALS), help="decimal mark (detected)")
+    parser.add_argument(
+        "--speed",
+        type=_number("above 0", lambda v: v > 0.0),
+        metavar="RPM",
+        help="of the shaft, for times and values per second (that of the design)",
+    )
+    parser.add_argument(
+        "--lowest",
+        type=_number("a number", lambda v: True),
+        metavar="Y",
+        help="lowest position of the motion (as measured)",
+    )
+    parser.add_argument("--keep-all", action="store_true", help="also rows that look like typing errors")
+    parser.add_argument("--into", type=Path, metavar="DESIGN", help="write the motion into a design file")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def measured_motion(words: argparse.Namespace, painter: object) -> int:
+    """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
+    design = require_single_cam(load(words.into)) if words.into is not None else None
+    unit = "mm" if design is None else design.drive.motion.unit
+    speed = words.speed if words.speed is not None or design is None else design.shaft.speed_rpm
+    wish = Wish(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
+    sheet = read_sheet(read_bytes(words.table), words.table.name, words.delimiter, words.decimal)
+    table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
+    found = fit(table, words.error, words.lowest, words.keep_all)
+    if design is not None:
+        save(into_design(design, found), words.into)
+    print(to_json(fit_data(sheet, found)) if words.json else fit_text(sheet, found), end="")
+    return 0

@@ -1,0 +1,285 @@
+"""A motion through measured rows: the least jerk that the measuring error allows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import floor, log10, sqrt
+
+import numpy as np
+
+from core.design import Motion, Point, Segment, Spline
+from core.errors import KindynaError
+from core.laws.ring import jerk_rows
+from core.measured.basis import Basis, basis, derivative, distances, natural
+from core.measured.scatter import LARGE, strays
+from core.measured.table import LEAST_ANGLES, Table, distinct
+from core.motion import Angles, Program, program
+
+KNOTS = (45, 90, 180, 360, 720)
+"""How many knots are tried; 180 where they suffice, more only where the error is finer than they can follow."""
+USUAL, MOST = 180, 720
+LEAST_FREE = 0.2  # of the rows must be left over to judge a scatter by
+EXACT = 1e-9  # of the range of the values: rows that scatter less are exact
+_LAMBDAS = np.logspace(-14.0, 18.0, 257)  # of the scale; beyond either end nothing changes
+
+
+class FitError(KindynaError):
+    """No motion can be made of the table with this measuring error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A motion fitted to a table.
+
+    motion      over the whole turn: one spline segment, which needs the table no longer
+    error       the measuring error; guessed: it was not stated
+    residuals   (n,) measured minus curve, for every row
+    left_out    rows the curve ignores, most likely typing errors
+    suspects    these, and other rows that stand alone more than four errors off the curve
+    offset      constant that the table adds to a velocity or acceleration; 0 for a displacement
+    smoothing   λ of  mean square residual + λ ∫ (d³s/dθ³)² dθ  [deg^(5 - 2k)] for derivative k
+    freedom     how many values the curve was free to choose
+    stroke      highest minus lowest position [mm or deg]; lowest: the lowest
+
+    error, residuals, rms and offset are in the unit of the table; rms is that of the rows used.
+    """
+
+    table: Table
+    motion: Motion
+    error: float
+    guessed: bool
+    residuals: np.ndarray
+    left_out: tuple[int, ...]
+    suspects: tuple[int, ...]
+    offset: float
+    smoothing: float
+    freedom: float
+    rms: float
+    stroke: float
+    lowest: float
+
+    @property
+    def points(self) -> tuple[Point, ...]:
+        """Of the spline."""
+        curve = self.motion.segments[0].curve
+        assert isinstance(curve, Spline)
+        return curve.points
+
+    @property
+    def largest(self) -> int:
+        """The row of the largest residual."""
+        return int(np.argmax(np.abs(self.residuals)))
+
+    @property
+    def waves(self) -> float:
+        """How much the residuals of rows beside each other differ: 2 where they are at random, near 0 where they go in
+        waves (Durbin, Watson 1950)."""
+        used = np.setdiff1d(np.arange(self.residuals.size), self.left_out)
+        left = self.residuals[used[np.argsort(self.table.angles[used], kind="stable")]]
+        square = float(left @ left)
+        return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
+
+    def curve(self, angles: np.ndarray) -> np.ndarray:
+        """What the table would hold at these cam angles [deg] without measuring errors, in its unit."""
+        return _measured(self.motion, self.table.layout.order, angles) / self.table.size + self.offset
+
+
+def fit(table: Table, error: float | None = None, lowest: float | None = None, keep_all: bool = False) -> Fit:
+    """The motion of least ∫ jerk² whose rows are missed by the measuring error in the root mean square.
+
+    That is Reinsch's discrepancy principle (1967): a curve closer to the rows than their error follows the error, and
+    one further away loses what was measured, so λ is where the two are equal.
+
+    error     of one value, one standard deviation in the unit of the table; 0: the curve goes through all rows; None:
+              estimated by generalised cross-validation (Craven, Wahba 1979), at least the rounding of the last digit
+    lowest    lowest position of the motion [mm or deg]; None: as measured, 0 for velocities and accelerations
+    keep_all  also rows that stand far away from their neighbours, which else are left out
+
+    Raises FitError where the error is none, or swallows the whole motion.
+    """
+    if error is not None and not 0.0 <= error < np.inf:
+        raise FitError(f"measuring error {error:g}: allowed: 0 or more {table.unit}")
+    out = _left_out(table, error or 0.0, keep_all or error == 0.0)
+    stated = guess_error(table, out) if error is None else error
+    solved = _solved(table, stated, out)
+    motion = _motion(table, solved)
+    compiled = program(motion)
+    ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).y[0] / motion.scale
+    low, high = float(ends.min()), float(ends.max())
+    wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
+    moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
+    missed = table.values - _measured(motion, table.layout.order, table.angles)
+    residuals = (missed - (solved.offset if table.layout.order else 0.0)) / table.size
+    used = np.setdiff1d(np.arange(residuals.size), out)
+    return Fit(
+        table=table,
+        motion=moved,
+        error=stated,
+        guessed=error is None,
+        residuals=residuals,
+        left_out=out,
+        suspects=_suspects(table, residuals, stated, out),
+        offset=solved.offset / table.size if table.layout.order else 0.0,
+        smoothing=solved.smoothing,
+        freedom=solved.freedom,
+        rms=sqrt(float(np.mean(residuals[used] ** 2))),
+        stroke=high - low,
+        lowest=wanted,
+    )
+
+
+def _suspects(table: Table, residuals: np.ndarray, error: float, out: tuple[int, ...]) -> tuple[int, ...]:
+    """Rows off by more than four errors that stand alone: rows beside are not off by as much the same way. Those left
+    out; and where the curve goes through all rows, those far from their neighbours."""
+    if error == 0.0:
+        return tuple(np.flatnonzero(strays(table, 0.0)).tolist())
+    order = np.argsort(table.angles, kind="stable")
+    beside = np.median([np.roll(residuals[order], k) for k in (-2, -1, 1, 2)], axis=0)
+    usual = np.empty_like(residuals)
+    usual[order] = beside
+    alone = (np.abs(residuals) > LARGE * error) & (np.abs(residuals - usual) > LARGE * error)
+    alone[list(out)] = True
+    return tuple(np.flatnonzero(alone).tolist())
+
+
+def _left_out(table: Table, error: float, keep_all: bool) -> tuple[int, ...]:
+    return () if keep_all else tuple(np.flatnonzero(strays(table, error * abs(table.size))).tolist())
+
+
+def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
+    """The measuring error that the scatter of the rows tells, at least that of rounding to the last digit; two digits
+    of it, in the unit of the table, and 0 where the rows are exact.
+
+    Where the best curve would be free to choose as many values as there are rows, their scatter cannot be told from
+    motion, and rounding alone counts.
+    """
+    rows = basis(table, USUAL, left_out)
+    grid = _LAMBDAS * rows.scale
+    free = 1.0 - rows.freedom(grid) / rows.values.size
+    judged = np.flatnonzero(free >= LEAST_FREE)
+    best = judged[np.argmin(rows.mean_square(grid[judged]) / free[judged] ** 2)]
+    told = best > judged[0] or best == 0
+    variance = float(rows.mean_square(grid[best])) / free[best] if told else 0.0
+    scatter = sqrt(variance) / 360.0**rows.order / abs(table.size)
+    found = max(scatter, 10.0**-table.decimals / sqrt(12.0))
+    if found <= EXACT * float(np.ptp(table.values)) / abs(table.size):
+        return 0.0
+    power = 10.0 ** (floor(log10(found)) - 1)
+    return float(f"{np.ceil(found / power) * power:.2g}")
+
+
+# -- solving ----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """knots [deg] and the states s, s', s'' there by u (m, 3); offset: what the table adds, by degrees."""
+
+    knots: np.ndarray
+    at: np.ndarray
+    offset: float
+    smoothing: float
+    freedom: float
+
+
+def _solved(table: Table, error: float, out: tuple[int, ...]) -> _Solved:
+    used = np.setdiff1d(np.arange(table.angles.size), out)
+    x, place = distinct(table.angles[used])
+    mean = np.bincount(place, table.values[used]) / np.bincount(place)
+    if not np.ptp(mean):  # nothing moves
+        few = slice(None, None, -(-x.size // LEAST_ANGLES))
+        return _through(table, x[few], mean[few])
+    if error == 0.0 and x.size <= MOST:
+        return _through(table, x, mean)
+    wanted = (error * table.size * 360.0**table.layout.order) ** 2
+    whole = float(np.var(table.values[used])) * 360.0 ** (2 * table.layout.order)
+    if wanted >= whole:
+        most = sqrt(whole) / 360.0**table.layout.order / abs(table.size)
+        raise FitError(
+            f"measuring error {error:g} {table.unit}: no smaller than the motion itself; allowed: 0 ... {most:.6g} {table.unit}"
+        )
+    rows = _knotted(table, wanted, x.size, out)
+    return _smoothed(rows, _lambda(rows, wanted))
+
+
+def _knotted(table: Table, wanted: float, angles: int, out: tuple[int, ...]) -> Basis:
+    """With twice the knots that could just follow the rows within the error, so that it is the jerk which decides; all
+    rows where they are few."""
+    if angles <= USUAL:
+        return basis(table, USUAL, out)
+    for i, count in enumerate(KNOTS):
+        rows = basis(table, count, out)
+        if rows.least < wanted:
+            return basis(table, KNOTS[i + 1], out) if count < USUAL else rows
+        if count >= angles:
+            break
+    return rows
+
+
+def _lambda(rows: Basis, wanted: float) -> float:
+    """λ at which the mean square of the residuals is as wanted; the least where they stay above it."""
+    low, high = -14.0, 18.0
+    for _ in range(64):
+        middle = 0.5 * (low + high)
+        if float(rows.mean_square(rows.scale * 10.0**middle)) < wanted:
+            low = middle
+        else:
+            high = middle
+    return rows.scale * 10.0**low
+
+
+def _smoothed(rows: Basis, smoothing: float) -> _Solved:
+    weights = rows.weights(smoothing)
+    at = rows.at @ weights
+    constant = float(np.mean(rows.values) - rows.mean @ weights)
+    freedom = float(rows.freedom(smoothing))
+    if rows.order == 0:
+        at[:, 0] += constant
+    by_degree = 360.0 ** (5 - 2 * rows.order)
+    offset = constant / 360.0**rows.order if rows.order else 0.0
+    return _Solved(rows.knots, at, offset, smoothing * by_degree, freedom)
+
+
+def _through(table: Table, knots: np.ndarray, values: np.ndarray) -> _Solved:
+    """The curve of least jerk through all values; the offset of velocities is that which costs least jerk."""
+    order = table.layout.order
+    given = values * 360.0**order
+    if order == 0:
+        at = natural(knots, 0, (given - given[0])[:, None])[:, :, 0]
+        at[:, 0] += given[0]
+        return _Solved(knots, at, 0.0, 0.0, float(knots.size))
+    if order == 2:
+        each = natural(knots, 2, np.eye(knots.size)[:, 1:])
+        rows = derivative(knots, each, 2, knots)
+        found = np.linalg.solve(np.column_stack((rows, np.ones(knots.size))), given)
+        at = each @ found[:-1]
+        at[:, 2] = given - found[-1]
+        return _Solved(knots, at, float(found[-1]) / 360.0**2, 0.0, float(knots.size))
+    both = natural(knots, order, np.stack((given, np.ones(knots.size)), axis=1))
+    jerk = jerk_rows(distances(knots), both, np.roll(both, -1, axis=0))
+    own, one = jerk[:, :, 0].ravel(), jerk[:, :, 1].ravel()
+    offset = float(own @ one / (one @ one))
+    return _Solved(knots, both[:, :, 0] - offset * both[:, :, 1], offset / 360.0**order, 0.0, float(knots.size))
+
+
+# -- the motion -------------------------------------------------------------------------------------------
+
+
+def _motion(table: Table, solved: _Solved) -> Motion:
+    """One spline over the turn: its points are positions at the knots, and there too what was measured, so that no
+    velocity or acceleration hangs on differences of positions."""
+    start = float(derivative(solved.knots, solved.at[:, :, None], 0, np.zeros(1))[0, 0])
+    order, by_degree = table.layout.order, 360.0**table.layout.order
+    names = ("", "velocity", "acceleration")
+    points = tuple(
+        Point(place, state[0] - start, **({names[order]: state[order] / by_degree} if order else {}))
+        for place, state in zip(solved.knots.tolist(), solved.at.tolist(), strict=True)
+    )
+    return Motion(start, (Segment(360.0, 0.0, Spline(points)),), table.motion_unit)
+
+
+def _measured(motion: Motion, order: int, angles: np.ndarray) -> np.ndarray:
+    """s⁽ᵏ⁾ of the motion (n,) by degrees at cam angles [deg], in its own unit."""
+    compiled: Program = program(motion)
+    y = compiled.state(compiled.angles(np.deg2rad(angles))).y[order]
+    return y * (np.pi / 180.0) ** order / motion.scale

@@ -1,0 +1,263 @@
+"""A text file of numbers as cells: encoding, delimiter, decimal mark, header lines and rows, each with its line number."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from types import MappingProxyType
+
+from core.errors import KindynaError
+from core.measured.words import unit_of
+
+DELIMITERS: Mapping[str, str] = MappingProxyType({"tab": "\t", "semicolon": ";", "comma": ",", "spaces": " "})
+DECIMALS: Mapping[str, str] = MappingProxyType({"point": ".", "comma": ","})
+DIALECTS = (
+    *((delimiter, "point") for delimiter in DELIMITERS),
+    *((delimiter, "comma") for delimiter in DELIMITERS if delimiter != "comma"),
+)
+"""Delimiter and decimal mark, in the order they are tried."""
+
+SAMPLE = 400  # lines that delimiter and columns are told from
+_COMMENT = re.compile(r"\s*(#|%|//)\s?")
+_TOLD = re.compile(r"sep=(.)$")  # a spreadsheet's own word for its delimiter
+_PLAIN = r"(?:\d+\.?\d*|\.\d+)"
+_EXPONENT = r"(?:[eEdD][+-]?\d+)?"
+_THIN = "\u00a0\u202f\u2009'’"  # what may stand between thousands anywhere
+_NUMBER = re.compile(rf"[+-]?{_PLAIN}{_EXPONENT}")
+_GROUPED = re.compile(rf"[+-]?\d{{1,3}}(?:([,{_THIN}])\d{{3}})(?:\1\d{{3}})*(?:\.\d+)?")
+
+
+class TableError(KindynaError):
+    """A measured table that cannot be read; one line for each wrong row.
+
+    faults   (line of the file or 0, what is wrong there)
+    """
+
+    def __init__(self, name: str, faults: Iterable[tuple[int, str]]) -> None:
+        self.name, self.faults = name, tuple(faults)
+        shown = name if name.isprintable() else repr(name)
+        super().__init__(
+            "\n".join(f"{shown}, line {n}: {text}" if n else f"{shown}: {text}" for n, text in self.faults)
+        )
+
+
+@dataclass(frozen=True)
+class Row:
+    """One row: the line of the file it stands in, counted from 1, and its cells."""
+
+    line: int
+    cells: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The cells of a file.
+
+    name       of the file
+    encoding   as it was read
+    delimiter  key of ``DELIMITERS``; decimal: key of ``DECIMALS``
+    header     lines above the first row of numbers that are no comments
+    names      what stands above each column; empty where nothing does
+    rows       all that follows, right and wrong
+    """
+
+    name: str
+    encoding: str
+    delimiter: str
+    decimal: str
+    header: int
+    names: tuple[str, ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def columns(self) -> int:
+        return len(self.names)
+
+
+# -- text -------------------------------------------------------------------------------------------------
+
+
+def decoded(data: bytes, name: str = "table") -> tuple[str, str]:
+    """The text and its encoding: by its byte order mark, else UTF-8, else Korean (CP949), else Latin-1."""
+    if data.startswith(b"PK\x03\x04") or data.startswith(b"\xd0\xcf\x11\xe0"):
+        raise TableError(name, [(0, "a workbook, no text; save it as CSV or text")])
+    for mark, codec in ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16")):
+        if data.startswith(mark):
+            try:
+                return data.decode(codec).removeprefix("\ufeff"), codec.upper()
+            except UnicodeDecodeError:
+                raise TableError(name, [(0, f"not the {codec.upper()} text that it says it is")]) from None
+    if b"\0" in data:
+        raise TableError(name, [(0, "no text: it holds null bytes; save it as CSV or text")])
+    for codec in ("utf-8", "cp949"):
+        try:
+            text = data.decode(codec)
+        except UnicodeDecodeError:
+            continue
+        if codec == "utf-8" or _is_korean(text):
+            return text, codec.upper()
+    return data.decode("latin-1"), "Latin-1"
+
+
+def _is_korean(text: str) -> bool:
+    """Whether text read as CP949 is that: syllables beyond the standard KS X 1001 are rare in Korean, and usual where
+    Latin letters with accents are misread."""
+    beyond = sum(1 for c in text if ord(c) > 127 and not _standard(c))
+    return 2 * beyond <= sum(1 for c in text if ord(c) > 127)
+
+
+def _standard(letter: str) -> bool:
+    try:
+        letter.encode("euc_kr")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+# -- numbers ----------------------------------------------------------------------------------------------
+
+
+def number(cell: str, decimal: str) -> float | None:
+    """The number in a cell, None where it is none; decimal: key of ``DECIMALS``.
+
+    Thousands may be grouped where no doubt is left: by thin spaces or apostrophes, or by the mark that is not the
+    decimal one, twice or together with decimals.
+    """
+    text = cell.strip().strip('"').strip().replace("\u2212", "-")
+    if decimal == "comma":
+        if "." in text and "," not in text and text.count(".") < 2:
+            return None  # a thousand, or a point for the comma?
+        text = text.translate({ord(","): ".", ord("."): ","})
+    if _NUMBER.fullmatch(text):
+        return float(text.replace("d", "e").replace("D", "e"))
+    match = _GROUPED.fullmatch(text)
+    if match is None or (match[1] == "," and "." not in text and text.count(",") < 2):
+        return None
+    return float(text.replace(match[1], ""))
+
+
+def split(line: str, delimiter: str) -> tuple[str, ...]:
+    """A line's cells; empty ones at its end are dropped."""
+    mark = DELIMITERS[delimiter]
+    if delimiter == "spaces":
+        cells = line.split()
+    elif '"' in line:
+        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark, skipinitialspace=True))]
+    else:
+        cells = [cell.strip() for cell in line.split(mark)]
+    while cells and not cells[-1]:
+        cells.pop()
+    return tuple(cells)
+
+
+def _numbers(cells: Sequence[str], decimal: str) -> int:
+    return sum(number(cell, decimal) is not None for cell in cells)
+
+
+def dialect(lines: Sequence[str], delimiter: str | None = None, decimal: str | None = None) -> tuple[str, str]:
+    """Delimiter and decimal mark by which most lines are two numbers or more and nothing else; those given are kept."""
+    rows = [d for d in DIALECTS if delimiter in (None, d[0]) and decimal in (None, d[1])] or [("comma", "comma")]
+
+    def score(row: tuple[str, str]) -> int:
+        split_lines = (split(line, row[0]) for line in lines)
+        return sum(len(cells) > 1 and _numbers(cells, row[1]) == len(cells) for cells in split_lines)
+
+    def partly(row: tuple[str, str]) -> int:
+        return sum(_numbers(split(line, row[0]), row[1]) > 1 for line in lines)
+
+    best = max(rows, key=score)
+    return best if score(best) else max(rows, key=partly)
+
+
+# -- the whole --------------------------------------------------------------------------------------------
+
+
+def read_sheet(data: bytes, name: str, delimiter: str | None = None, decimal: str | None = None) -> Sheet:
+    """The cells of a file's bytes. delimiter, decimal: None = detected.
+
+    Blank lines are skipped, and comments, which begin with #, % or //. Raises TableError where no row holds two
+    numbers.
+    """
+    text, encoding = decoded(data, name)
+    lines = re.split(r"\r\n|\r|\n", text)
+    told = _TOLD.match(lines[0])
+    if told is not None:
+        lines[0] = ""
+        delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == told[1]), None)
+    comments = {i for i, line in enumerate(lines) if _COMMENT.match(line)}
+    plain = [i for i, line in enumerate(lines) if line.strip() and i not in comments]
+    delimiter, decimal = dialect([_uncommented(lines[i]) for i in plain[:SAMPLE]], delimiter, decimal)
+    cells = {i: split(lines[i], delimiter) for i in plain}
+    first = _first_row(plain, cells, lines, delimiter, decimal)
+    if first is None:
+        raise TableError(name, [(0, "no row holds two numbers; wanted: an angle and a value in each")])
+    start = plain.index(first)
+    rows = tuple(Row(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
+    counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)
+    columns = Counter(counts).most_common(1)[0][0]
+    above = [_COMMENT.sub("", lines[i], count=1) for i in range(first) if lines[i].strip()]
+    return Sheet(name, encoding, delimiter, decimal, start, _names(above, columns, delimiter), rows)
+
+
+def _uncommented(line: str) -> str:
+    """A row of numbers without the remark behind it."""
+    return re.split(r"#|%|//", line, maxsplit=1)[0] if re.match(r"\s*[-+.\d]", line) else line
+
+
+def _first_row(
+    plain: Sequence[int], cells: Mapping[int, Sequence[str]], lines: Sequence[str], delimiter: str, decimal: str
+) -> int | None:
+    """The first line of the table: the first of two numbers and nothing else, or of two numbers at all; those right
+    above it that begin with a number are wrong rows, not headers."""
+
+    def found(whole: bool) -> int | None:
+        for place, i in enumerate(plain):
+            row = split(_uncommented(lines[i]), delimiter)
+            if _numbers(row, decimal) >= (max(len(row), 2) if whole else 2):
+                return place
+        return None
+
+    place = found(whole=True)
+    if place is None:
+        place = found(whole=False)
+    if place is None:
+        return None
+    width = len(cells[plain[place]])
+    while place > 0:
+        above = cells[plain[place - 1]]
+        if not above or number(above[0], decimal) is None or len(above) != width:
+            break
+        place -= 1
+    return plain[place]
+
+
+def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...]:
+    """What stands above each column: the last line above the rows that has as many cells; where it holds only units,
+    the line above it too."""
+    found: list[tuple[str, ...]] = []
+    for line in reversed(above):
+        cells = _header_cells(line, columns, delimiter)
+        if cells is None:
+            continue
+        found.insert(0, cells)
+        if len(found) == 2 or not all(unit_of(cell.strip("[]() ")) for cell in cells if cell):
+            break
+    if not found:
+        return ("",) * columns
+    return tuple(" ".join(filter(None, parts)) for parts in zip(*found, strict=True))
+
+
+def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:
+    """A header line in as many cells as there are columns, however it is divided."""
+    ways = [split(line, delimiter), *(split(line, other) for other in DELIMITERS if other not in (delimiter, "spaces"))]
+    ways.append(tuple(re.split(r"\s{2,}", line.strip())))
+    ways.append(tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line)))
+    ways.append(tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line)))
+    ways.append(tuple(line.split()))
+    whole = next((way for way in ways if len(way) == columns), None)
+    return whole if whole is None or all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell) else None

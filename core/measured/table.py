@@ -1,0 +1,215 @@
+"""The numbers of a measured table by cam angle; every wrong row is named by its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.measured.columns import Layout, column_name
+from core.measured.sheet import DECIMALS, DELIMITERS, Row, Sheet, TableError, number
+from core.measured.words import ANGLE_UNITS, TIME_UNITS
+
+LEAST_ANGLES = 4  # different cam angles a curve can be laid through
+SAME = 1e-6  # deg: angles this close are one
+LARGEST = 1e12  # of any number, so that squares of it stay numbers
+ASTRAY = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Measured values by cam angle, in the order of the file.
+
+    motion_unit  mm or deg
+    lines        (n,) line of the file
+    angles       (n,) cam angle [deg], 0 ... 360
+    values       (n,) in motion_unit per degree^order
+    size         how many of that one unit of the table is
+    decimals     after the point in the file, at most
+    closing      the row a whole turn after the first, and the first; None where no row closes the turn so
+    notes        what was found and how it was taken
+    """
+
+    name: str
+    layout: Layout
+    motion_unit: str
+    lines: np.ndarray
+    angles: np.ndarray
+    values: np.ndarray
+    size: float
+    decimals: int
+    closing: tuple[int, int] | None
+    notes: tuple[str, ...]
+
+    @property
+    def unit(self) -> str:
+        """The unit of the values as the file has them."""
+        return self.layout.unit.name
+
+
+def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Table:
+    """The numbers of the two columns that ``how`` names; rows in the order of the file.
+
+    Raises TableError with every wrong row: a cell that is no number, a row too short, an angle astray.
+    """
+    faults: list[tuple[int, str]] = []
+    lines, places, values, decimals = [], [], [], 0
+    for row in sheet.rows:
+        wrong = _columns_wrong(sheet, row, max(how.angle_column, how.value_column))
+        pair = (
+            []
+            if wrong
+            else [number(row.cells[column], sheet.decimal) for column in (how.angle_column, how.value_column)]
+        )
+        words = [wrong] if wrong else list(_cells_wrong(sheet, row, (how.angle_column, how.value_column), pair))
+        if words:
+            faults.append((row.line, "; ".join(words)))
+            continue
+        lines.append(row.line)
+        places.append(pair[0])
+        values.append(pair[1])
+        decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
+    raw = np.array(places)
+    faults += _astray(raw, np.array(lines))
+    if faults:
+        raise TableError(sheet.name, sorted(faults))
+    seconds = TIME_UNITS.get(how.angle_unit)
+    by = ANGLE_UNITS[how.angle_unit] if seconds is None else seconds * 6.0 * (speed_rpm or 1.0)
+    turned = raw * by
+    angles = np.mod(turned, 360.0)
+    angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
+    if distinct(angles)[0].size < LEAST_ANGLES:
+        told = f"{distinct(angles)[0].size} different cam angles; at least {LEAST_ANGLES} are wanted"
+        raise TableError(sheet.name, [(0, told)])
+    size = how.unit.by_degree(speed_rpm)
+    closing = _closing(turned, angles)
+    return Table(
+        sheet.name,
+        how,
+        how.unit.motion,
+        np.array(lines),
+        angles,
+        np.array(values) * size,
+        size,
+        decimals,
+        closing,
+        tuple(_notes(np.array(lines), turned, angles, closing)),
+    )
+
+
+def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:
+    """What is wrong with the number of a row's cells; remarks behind the columns are not."""
+    count = len(row.cells)
+    more = any(number(cell, sheet.decimal) is not None for cell in row.cells[sheet.columns :])
+    if last < count and not more:
+        return ""
+    shown = _shown(DELIMITERS[sheet.delimiter].join(row.cells))
+    return f"{shown} has {count} {'column' if count == 1 else 'columns'}; {max(sheet.columns, last + 1)} are wanted"
+
+
+def _cells_wrong(sheet: Sheet, row: Row, columns: Sequence[int], values: Sequence[float | None]) -> Iterator[str]:
+    """What is wrong with each of these cells; values: the numbers they are taken for."""
+    for column, value in zip(columns, values, strict=True):
+        cell = row.cells[column]
+        if value is None or abs(value) > LARGEST:
+            there = column_name(sheet, column)
+            yield f"{_shown(cell)} in {there}: {_wanted(cell, sheet, value)}" if cell else f"nothing stands in {there}"
+
+
+def _shown(text: str) -> str:
+    return repr(text if len(text) <= 40 else text[:37] + "...")
+
+
+def _wanted(cell: str, sheet: Sheet, value: float | None) -> str:
+    mark = DECIMALS[sheet.decimal]
+    other = "." if mark == "," else ","
+    if value is not None:
+        return f"too large; wanted: at most {LARGEST:g}"
+    if other in cell and number(cell.replace(other, ""), sheet.decimal) is not None:
+        return f"a thousand, or a decimal {mark!r} meant? wanted: a number without {other!r}"
+    return f"wanted: a number with a decimal {mark!r}"
+
+
+def _decimals(cell: str, decimal: str) -> int:
+    """Digits behind the decimal mark, those that an exponent moves there counted too."""
+    mantissa, _, exponent = cell.lower().replace("d", "e").partition("e")
+    behind = len(mantissa.strip().partition(DECIMALS[decimal])[2].strip('"'))
+    return behind - int(exponent) if exponent.lstrip("+-").isdecimal() else behind
+
+
+def _astray(raw: np.ndarray, lines: np.ndarray) -> list[tuple[int, str]]:
+    """Single rows that stand out of an order which the rows around them keep; none where the table has no order."""
+    steps = np.diff(raw)
+    if raw.size < LEAST_ANGLES or not steps.any():
+        return []
+    way = 1.0 if (steps > 0.0).sum() >= (steps < 0.0).sum() else -1.0
+    on = way * raw
+    found: set[int] = set()
+    for i in np.flatnonzero(way * steps < 0.0).tolist():
+        goes_on = i + 2 >= raw.size or on[i + 2] > on[i + 1]
+        if i + 2 < raw.size and on[i + 2] > on[i]:
+            found.add(i + 1)  # too small
+        elif i > 0 and on[i + 1] > on[i - 1] and goes_on:
+            found.add(i)  # too large
+    if len(found) > max(2.0, ASTRAY * raw.size):
+        return []
+    order = "rise" if way > 0.0 else "fall"
+    wanted = f"where the angles {order}; wanted: the rows in order, or this angle mended"
+    return [
+        (int(lines[i]), f"angle {raw[i]:g} behind {raw[i - 1]:g} and before {raw[i + 1]:g}, {wanted}")
+        for i in sorted(found)
+    ]
+
+
+# -- what is found ----------------------------------------------------------------------------------------
+
+
+def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The different cam angles [deg] in order (m,), and for each row (n,) which of them it stands at."""
+    order = np.argsort(angles, kind="stable")
+    ordered = angles[order]
+    new = np.concatenate(([True], np.diff(ordered) > SAME))
+    place = np.empty(angles.size, dtype=int)
+    place[order] = np.cumsum(new) - 1
+    return ordered[new], place
+
+
+def gaps(angles: np.ndarray) -> list[tuple[float, float]]:
+    """Stretches (from, to) [deg] without a row: wider than 10 deg and thrice the usual distance; the last may pass 360."""
+    apart, _ = distinct(angles)
+    width = np.diff(np.append(apart, apart[0] + 360.0))
+    wide = width > max(10.0, 3.0 * float(np.median(width)))
+    return [(float(apart[i]), float(apart[i] + width[i])) for i in np.flatnonzero(wide)]
+
+
+def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: tuple[int, int] | None) -> Iterator[str]:
+    """What is said of the rows as a whole; turned: the angles before they are laid into one turn [deg]."""
+    steps = np.diff(turned)
+    rising, falling = int((steps > 0.0).sum()), int((steps < 0.0).sum())
+    if rising and falling and min(rising, falling) > 1:
+        yield "the angles rise and fall; the rows are sorted"
+    elif falling > rising:
+        yield "the angles fall; the rows are sorted"
+    reach = float(turned.max() - turned.min())
+    if reach > 360.0 + SAME:
+        yield f"the angles cover {reach / 360.0:.4g} turns, which are laid over one another"
+    _, place = distinct(angles)
+    if closing is not None:
+        last, first = closing
+        yield f"line {lines[last]} is a whole turn after line {lines[first]}: the same cam angle again"
+    others = place if closing is None else np.delete(place, closing[0])
+    again = others.size - np.unique(others).size
+    if again and reach <= 360.0 + SAME:
+        rows = lines[place == int(np.bincount(others).argmax())]
+        where = ", ".join(map(str, rows[:4]))
+        yield f"{again} {'row repeats' if again == 1 else 'rows repeat'} a cam angle (as lines {where}): their mean counts"
+    for start, end in gaps(angles):
+        yield f"no rows from {start:.6g} to {np.mod(end, 360.0) or 360.0:.6g} deg; the spline bridges the gap"
+
+
+def _closing(turned: np.ndarray, angles: np.ndarray) -> tuple[int, int] | None:
+    """The row a turn after the first, and the first; turned: the angles before they are laid into one turn [deg]."""
+    first, last = int(np.argmin(turned)), int(np.argmax(turned))
+    closed = abs(turned[last] - turned[first] - 360.0) <= SAME and abs(angles[last] - angles[first]) <= SAME
+    return (last, first) if closed else None

@@ -1,0 +1,184 @@
+"""What is told of a measured table and the motion fitted to it: as text, as data, and written into a design."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from core.design import SingleCam
+from core.design.paths import with_section
+from core.errors import DesignError, Fault
+from core.measured.columns import column_name
+from core.measured.fitting import EXACT, MOST, Fit
+from core.measured.scatter import LARGE
+from core.measured.sheet import Sheet
+from core.report import columns, printable
+
+PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
+WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to tell
+MOST_LINES = 12  # of suspects before the rest is counted only
+
+
+def into_design(design: SingleCam, fit: Fit) -> SingleCam:
+    """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
+    unit = design.drive.motion.unit
+    if fit.motion.unit != unit:
+        told = f"measured in {fit.motion.unit}"
+        raise DesignError([Fault("motion", told, "the follower of this design does not move so", f"a table in {unit}")])
+    assumed = tuple(p for p in design.assumed if not p.startswith("motion."))
+    return replace(with_section(design, "motion", fit.motion), assumed=assumed)
+
+
+def digits(value: float, most: int = 6) -> str:
+    """So many significant digits, without needless zeros."""
+    return f"{value + 0.0:.{most}g}"
+
+
+def notes(fit: Fit) -> tuple[str, ...]:
+    """What was found in the table, what was guessed, and what the fit made of it; a sentence each."""
+    return (*fit.table.layout.guesses, *fit.table.notes, *_of_the_fit(fit))
+
+
+def _of_the_fit(fit: Fit) -> Iterator[str]:
+    table, unit = fit.table, fit.table.unit
+    if fit.guessed:
+        yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
+    if fit.left_out:
+        yield f"{_lines(fit, fit.left_out)} left out of the fit: far away from the rows beside, most likely typing errors"
+    if table.closing is not None:
+        last, first = table.closing
+        apart = (table.values[last] - table.values[first]) / table.size
+        if abs(apart) > LARGE * sqrt(2.0) * fit.error:
+            yield f"the table does not close: a turn later, line {table.lines[last]} is {digits(apart, 4)} {unit} off"
+    if fit.error and fit.rms > 1.001 * fit.error:
+        why = f"{MOST} points" if len(fit.points) >= MOST else "rows that repeat a cam angle"
+        yield f"{why} leave {digits(fit.rms, 4)} {unit}, more than the measuring error"
+    if fit.error == 0.0 and fit.smoothing:
+        yield f"more rows than {MOST} points can go through; the curve is the nearest one"
+    if fit.waves < WAVES and fit.error and fit.residuals.size >= LEAST_WAVES:
+        yield "residuals beside each other are alike: the curve leaves out some of the motion; a smaller error would keep it"
+    order, motion_unit = table.layout.order, fit.motion.unit
+    if order:
+        stands = f"its lowest position is {digits(fit.lowest)} {motion_unit}"
+        yield f"a table of {PLURALS[table.layout.quantity]} does not tell where the follower stands; {stands}"
+        if abs(fit.offset) > EXACT * float(np.ptp(table.values)) / abs(table.size):
+            gained = f"{digits(fit.offset * table.size * 360.0, 4)} {motion_unit}{'' if order == 1 else '/deg'}"
+            taken = f"{digits(fit.offset, 4)} {unit} is taken off every row"
+            yield f"over a turn the table gains {gained}, which no cam can; {taken}"
+
+
+def _lines(fit: Fit, rows: tuple[int, ...]) -> str:
+    told = ", ".join(str(fit.table.lines[i]) for i in rows[:MOST_LINES])
+    rest = len(rows) - MOST_LINES
+    word = "line" if len(rows) == 1 else "lines"
+    verb = "is" if len(rows) == 1 else "are"
+    return f"{word} {told}{f' and {rest} more' if rest > 0 else ''} {verb}"
+
+
+def suspicions(fit: Fit) -> list[str]:
+    """A line for each row that is off by more than four measuring errors, the worst first."""
+    rows = sorted(fit.suspects, key=lambda i: -abs(fit.residuals[i]))
+    return [row_line(fit, i) for i in rows]
+
+
+def row_line(fit: Fit, row: int) -> str:
+    """A row with its residual: ``line 57 (54.5 deg): 12.34 mm, 4.98 mm off the curve``."""
+    table = fit.table
+    there = f"line {table.lines[row]} ({digits(float(table.angles[row]))} deg)"
+    value = digits(float(table.values[row] / table.size))
+    return f"{there}: {value} {table.unit}, {digits(float(fit.residuals[row]), 4)} {table.unit} off the curve"
+
+
+def detected(sheet: Sheet, fit: Fit) -> list[tuple[str, str]]:
+    """How the file was read: what, and how."""
+    layout = fit.table.layout
+    headers = {0: "no header", 1: "1 header line"}.get(sheet.header, f"{sheet.header} header lines")
+    return [
+        ("rows", f"{len(sheet.rows)}, {headers}, {sheet.encoding}"),
+        ("delimiter", f"{sheet.delimiter}, decimal {sheet.decimal}"),
+        ("cam angle", f"{printable(column_name(sheet, layout.angle_column))}, in {layout.angle_unit}"),
+        (layout.quantity, f"{printable(column_name(sheet, layout.value_column))}, in {layout.unit.name}"),
+    ]
+
+
+def figures(fit: Fit) -> list[tuple[str, str]]:
+    """The figures of the fit: name, value with unit."""
+    unit, motion_unit = fit.table.unit, fit.motion.unit
+    power = 5 - 2 * fit.table.layout.order
+    through = float(np.abs(fit.residuals).max()) <= EXACT * float(np.abs(fit.table.values / fit.table.size).max())
+    return [
+        ("measuring error", f"{digits(fit.error, 4)} {unit}"),
+        ("rms residual", f"{digits(0.0 if through else fit.rms, 4)} {unit}"),
+        ("largest residual", "none; the curve goes through all rows" if through else row_line(fit, fit.largest)),
+        ("points", f"{len(fit.points)} of {len(fit.residuals)} rows, free to choose {digits(fit.freedom, 3)} values"),
+        (
+            "smoothing",
+            f"{digits(fit.smoothing, 4)} deg{'' if power == 1 else f'^{power}'}" if fit.smoothing else "none",
+        ),
+        ("stroke", f"{digits(fit.stroke)} {motion_unit}, from {digits(fit.lowest)} {motion_unit} on"),
+    ]
+
+
+def fit_text(sheet: Sheet, fit: Fit) -> str:
+    """All of it to read."""
+    lines = [printable(sheet.name), *columns(_padded(detected(sheet, fit)), left=2), ""]
+    lines += columns(_padded(figures(fit)), left=2)
+    for heading, told in (("Notes", notes(fit)), ("Suspicious rows", suspicions(fit))):
+        if told:
+            lines += ["", heading, *(f"  {line}" for line in told[:MOST_LINES])]
+            lines += [f"  and {len(told) - MOST_LINES} more"] if len(told) > MOST_LINES else []
+    return "\n".join(lines) + "\n"
+
+
+def _padded(rows: list[tuple[str, str]]) -> list[tuple[str, str]]:
+    return [(f"  {name}", value) for name, value in rows]
+
+
+def fit_data(sheet: Sheet, fit: Fit) -> dict[str, Any]:
+    """The same as data; every residual with its line."""
+    table, layout = fit.table, fit.table.layout
+    return {
+        "table": {
+            "name": sheet.name,
+            "encoding": sheet.encoding,
+            "delimiter": sheet.delimiter,
+            "decimal": sheet.decimal,
+            "header_lines": sheet.header,
+            "rows": len(sheet.rows),
+            "angle": {
+                "column": layout.angle_column + 1,
+                "name": sheet.names[layout.angle_column],
+                "unit": layout.angle_unit,
+            },
+            "value": {
+                "column": layout.value_column + 1,
+                "name": sheet.names[layout.value_column],
+                "unit": layout.unit.name,
+                "quantity": layout.quantity,
+            },
+        },
+        "fit": {
+            "error": fit.error,
+            "error_guessed": fit.guessed,
+            "rms_residual": fit.rms,
+            "largest_residual": {"line": int(table.lines[fit.largest]), "value": float(fit.residuals[fit.largest])},
+            "points": len(fit.points),
+            "free_values": fit.freedom,
+            "smoothing": fit.smoothing,
+            "offset": fit.offset,
+            f"stroke_{fit.motion.unit}": fit.stroke,
+            f"lowest_{fit.motion.unit}": fit.lowest,
+            f"start_{fit.motion.unit}": fit.motion.start,
+        },
+        "notes": list(notes(fit)),
+        "left_out": [int(table.lines[i]) for i in fit.left_out],
+        "suspects": [int(table.lines[i]) for i in fit.suspects],
+        "residuals": [
+            {"line": int(n), "cam_angle_deg": float(a), "value": float(v / table.size), "residual": float(r)}
+            for n, a, v, r in zip(table.lines, table.angles, table.values, fit.residuals, strict=True)
+        ],
+    }

@@ -1,0 +1,158 @@
+"""What the words above a column say: which quantity stands below, and in which unit."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from math import pi
+from types import MappingProxyType
+
+ANGLE, TIME = "angle", "time"
+QUANTITIES = ("displacement", "velocity", "acceleration")
+"""What can be measured; the place in the row is the order of the derivative by cam angle."""
+
+ANGLE_UNITS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi, "turns": 360.0})
+"""Degrees of cam angle in one."""
+TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3})
+"""Seconds in one; a cam angle by the shaft's speed."""
+LENGTHS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4})
+SWINGS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi})
+BASES: Mapping[str, Mapping[str, float]] = MappingProxyType({"mm": LENGTHS, "deg": SWINGS})
+"""Unit of a motion -> the units that it can be measured in, and how many of it they are."""
+PER = ("deg", "rad", "s")
+GRAVITY = 9806.65  # mm/s² in one g
+
+
+@dataclass(frozen=True)
+class ValueUnit:
+    """The unit of a measured value: mm, mm/s, mm/deg², g.
+
+    motion  unit of the motion it belongs to, ``mm`` or ``deg``
+    size    how many of that it is
+    per     key of ``PER``; empty for a displacement
+    order   of the derivative
+    """
+
+    name: str
+    motion: str
+    size: float
+    per: str = ""
+    order: int = 0
+
+    def by_degree(self, speed_rpm: float | None) -> float:
+        """How many of the motion's unit per degree^order of cam angle it is; a speed is needed where ``per`` is s."""
+        each = {"": 1.0, "deg": 1.0, "rad": ANGLE_UNITS["rad"], "s": 6.0 * (speed_rpm or 1.0)}[self.per]
+        return self.size / each**self.order
+
+
+@cache
+def value_unit(name: str, motion: str) -> ValueUnit | None:
+    """A unit by its name, ``mm/s2``, for a motion in mm or deg; None where it is none."""
+    if name == "g" and motion == "mm":
+        return ValueUnit("g", "mm", GRAVITY, "s", 2)
+    match = re.fullmatch(r"([a-z]+)(?:/(deg|rad|s)([23]?))?", name)
+    if match is None or match[1] not in BASES[motion] or match[3] == "3":
+        return None
+    order = 0 if match[2] is None else int(match[3] or 1)
+    return ValueUnit(name, motion, BASES[motion][match[1]], match[2] or "", order)
+
+
+def value_units(quantity: str, motion: str) -> tuple[str, ...]:
+    """The units that a quantity can be measured in."""
+    order = QUANTITIES.index(quantity)
+    if order == 0:
+        return tuple(BASES[motion])
+    power = "" if order == 1 else str(order)
+    told = tuple(f"{base}/{per}{power}" for per in ("s", "deg", "rad") for base in BASES[motion])
+    return (*told, "g") if (order, motion) == (2, "mm") else told
+
+
+# -- reading units ----------------------------------------------------------------------------------------
+
+_SPELLINGS = (
+    (r"[\^*·⋅∙×_~ ]+", ""),
+    (r"per", "/"),
+    (r"micro?met(?:er|re)s?|microns?|mic\b|μm", "um"),
+    (r"millimet(?:er|re)s?", "mm"),
+    (r"centimet(?:er|re)s?", "cm"),
+    (r"met(?:er|re)s?", "m"),
+    (r"inch(?:es)?|zoll|''", "in"),
+    (r"degrees?|degs?|grad|°|도", "deg"),
+    (r"radians?|rads", "rad"),
+    (r"seconds?|secs?|sek|초", "s"),
+    (r"revolutions?|revs?|turns?|cycles?|umdr?|회전", "turns"),
+    (r"(?<=[a-z])s-1$", "/s"),
+    (r"(?<=[a-z])s-2$", "/s2"),
+    (r"(?<=[a-z])(deg|rad)-([12])$", r"/\1\2"),
+    (r"/(s|deg|rad)/\1$", r"/\g<1>2"),
+    (r"/(s|deg|rad)1$", r"/\1"),
+)
+
+
+@cache
+def unit_of(text: str) -> str:
+    """The unit that a text spells, by its name here: ``mm``, ``deg``, ``mm/s2``, ``turns``; empty where it spells none."""
+    for sign, plain in (("º", "°"), ("˚", "°"), ("″", "in"), ('"', "in")):
+        text = text.replace(sign, plain)
+    parts = text.strip().lower().split("_")
+    if len(parts) > 1:  # mm_s2, as in our own tables
+        text = parts[0] + "/" + "".join(p for p in parts[1:] if p != "per")
+    plain = unicodedata.normalize("NFKC", text).lower().replace("\u2044", "/").replace("\u2215", "/").replace("−", "-")
+    for spelled, meant in _SPELLINGS:
+        plain = re.sub(spelled, meant, plain)
+    known = plain in ANGLE_UNITS or plain in TIME_UNITS or any(value_unit(plain, motion) for motion in BASES)
+    return plain if known else ""
+
+
+def unit_in(text: str) -> str:
+    """The unit that a column's name ends in: in brackets, behind a comma, slash or ``in``, after an underscore or
+    space; empty where there is none."""
+    for inside in re.findall(r"[\[({<]([^\])}>]*)[\])}>]", text):
+        if unit_of(inside):
+            return unit_of(inside)
+    tried = [part.strip() for part in re.split(r",|\s/\s|\s/(?=\S+$)|\bin\b(?=\s*\S)", text)[1:]]
+    words = re.split(r"\s+", text.strip())
+    if len(words) > 1:
+        tried.append(words[-1])
+    pieces = words[-1].split("_")
+    tried += ["_".join(pieces[i:]) for i in range(1, len(pieces))]
+    if len(text.strip()) > 1:  # a letter alone is a name: s, m, g
+        tried.append(text)
+    return next((unit_of(part) for part in tried if unit_of(part)), "")
+
+
+# -- reading quantities -----------------------------------------------------------------------------------
+
+_WORDS: tuple[tuple[str, str], ...] = (
+    # the first row that fits counts; Korean words stand without spaces around them
+    ("other", r"jerk|snap|force|torque|pressure|curvature|temperature|rpm"),
+    ("acceleration", r"accelerations?|accel|acc|a|d2s|beschleunigung|가속도"),
+    ("velocity", r"velocity|velocities|vel|v|speed|ds|geschwindigkeit|속도"),
+    (TIME, r"time|t|zeit|시간"),
+    (ANGLE, r"angles?|theta|θ|ϑ|ang|winkel|\w*winkel|각도?|\w*각도?"),
+    ("displacement", r"displacements?|disp|displ|lift|strokes?|rise|travel|positions?|pos|weg|hub|\w*hub|\w*weg|y|s|h|x|변위|\w*변위"
+                     r"|양정|리프트|행정|follower|output"),
+    (ANGLE, r"cam|phi|φ|deg|degrees?|rotation|crank|nocken"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column's name says: quantity and unit, empty where it does not."""
+
+    quantity: str
+    unit: str
+
+
+@cache
+def meaning(name: str) -> Meaning:
+    """What a column's name says of it; a unit such as mm/s² tells the quantity too."""
+    unit = unit_in(name)
+    order = max((found.order for motion in BASES if (found := value_unit(unit, motion))), default=0)
+    plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()
+    tokens = [t for t in re.split(r"[^\w]+|_|\d+", plain) if t]
+    named = next((q for q, words in _WORDS if any(re.fullmatch(words, token) for token in tokens)), "")
+    return Meaning(QUANTITIES[order] if order and named != "other" else named, unit)

@@ -1,0 +1,23 @@
+"""Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
+
+from core.mechanism.assembly import (
+    ROLLER,
+    body_name,
+    link_number,
+    linkage_train,
+    pair_names,
+    unit_speed_train,
+)
+from core.mechanism.course import Change, Course, Range, course_of
+from core.mechanism.dragging import movable, other_side, with_point_at
+from core.mechanism.driving import CrankProgram, swept
+from core.mechanism.grashof import FourBar, four_bar
+from core.mechanism.limits import findings
+from core.mechanism.plan import Plan, plan_of
+from core.mechanism.solving import Solved, at_driver, solve
+
+__all__ = [
+    "ROLLER", "Change", "Course", "CrankProgram", "FourBar", "Plan", "Range", "Solved", "at_driver", "body_name", "course_of",
+    "findings", "four_bar", "link_number", "linkage_train", "movable", "other_side", "pair_names", "plan_of", "solve",
+    "swept", "unit_speed_train", "with_point_at",
+]  # fmt: skip

@@ -1,0 +1,237 @@
+"""The course of a linkage: in which ranges its driver can move, and how its links turn there, without a jump."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from math import pi
+from types import MappingProxyType
+
+import numpy as np
+
+from core.design import FRAME_LINK, Linkage
+from core.design.topology import GROUP
+from core.mechanism.dyads import Closed
+from core.mechanism.following import follow, merged
+from core.mechanism.plan import Plan, plan_of
+from core.mechanism.ranges import minima, ranges_where
+from core.mechanism.solving import Solved, at_driver, solve
+from core.mechanism.way import HALF, Way, bridge
+
+TURN = 2.0 * pi
+SAMPLES = 721
+_LEAST = 33
+
+
+@dataclass(frozen=True)
+class Range:
+    """The driver's positions low ... high [rad or m] between two dead centres, or between the ends of what was asked.
+
+    low_joint, high_joint  where it locks: the joint of the dyad, or the links of a group; empty where it does not
+    """
+
+    low: float
+    high: float
+    low_joint: str = ""
+    high_joint: str = ""
+
+    @property
+    def free(self) -> bool:
+        """No dead centre ends it."""
+        return not self.low_joint and not self.high_joint
+
+
+@dataclass(frozen=True, eq=False)
+class Turning:
+    """How a link's angle goes on without jumps: samples (m,) of driver position and angle; ``middle`` of its swing where
+    that is less than a turn in a single range; turns: it goes round while the driver goes once round."""
+
+    at: np.ndarray
+    angle: np.ndarray
+    middle: float | None
+    turns: bool
+
+    def continued(self, q: np.ndarray, angle: np.ndarray) -> np.ndarray:
+        """The angles (n,) of -π ... π at q with the whole turns they lack."""
+        if self.middle is not None:
+            over = angle - self.middle
+            if (np.abs(over) <= pi).all():
+                return angle
+            return angle - TURN * np.rint(over / TURN)
+        return angle + TURN * np.rint((np.interp(q, self.at, self.angle) - angle) / TURN)
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change point: at this position of the driver a dyad's links lie in line and both its assemblies meet; the
+    linkage goes on smoothly into the other."""
+
+    at: float
+    joint: str
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Ranges and change points in rising order, cut where the driver's turn begins; the way; turning by link;
+    closes: after one turn of the driver every link stands as before."""
+
+    plan: Plan
+    low: float
+    high: float
+    ranges: tuple[Range, ...]
+    changes: tuple[Change, ...]
+    way: Way
+    turning: Mapping[int, Turning]
+    closes: bool = True
+
+    def solve(self, q: np.ndarray) -> Solved:
+        """Poses for the driver at q (4, n), angles without jumps; NaN outside the ranges."""
+        solved = solve(self.plan, q, self.way)
+        for link, turning in self.turning.items():
+            angle = solved.poses[link].angle
+            angle[0] = turning.continued(q[0], angle[0])
+        return solved
+
+
+@lru_cache(maxsize=64)
+def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
+    """The course for driver positions low ... high [rad or m]; kept."""
+    plan = plan_of(linkage)
+    whole = high - low == TURN
+    way = Way(low)
+    ranges, changes = [Range(low, high)], []
+    for i, (step, _) in enumerate(plan.steps):
+        if step.kind == GROUP:
+            ranges = _followed(plan, i, way, ranges)
+        else:
+            if step.kind in _SIDED:
+                changes += _changes(plan, i, way, ranges, whole)
+            gap = _gap(plan, i, way)
+            ranges = [
+                _within(r, a, b, step.joint)
+                for r in ranges
+                for a, b in ranges_where(gap, r.low, r.high, _samples(r.high - r.low, high - low))
+            ]
+        if not ranges:
+            return Course(plan, low, high, (), (), way, MappingProxyType({}))
+    turning, closes = _turning(plan, ranges, way, high - low, whole)
+    told = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
+    return Course(plan, low, high, tuple(ranges), told, way, MappingProxyType(turning), closes)
+
+
+_SIDED = ("RRR", "RRP", "RPR")
+_SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
+_BESIDE = 2e-6  # so far from a change point the dyad is open on both sides
+_TOUCH = 1e-12  # of the size: a gap this small at its least is a change point
+
+
+def _samples(length: float, whole: float) -> int:
+    return max(_LEAST, int(SAMPLES * length / max(whole, 1e-300)))
+
+
+def _gap(plan: Plan, index: int, way: Way) -> Callable[[np.ndarray], np.ndarray]:
+    """What a dyad has left at driver positions (n,); at a change point rounding must not open it."""
+
+    def gap(q: np.ndarray) -> np.ndarray:
+        closed = solve(plan, at_driver(q), way, index + 1).steps[index]
+        assert isinstance(closed, Closed)
+        value = closed.gap
+        for over in way.bridges.get(index, ()):
+            value = np.where(over.within(q), np.abs(value), value)
+        return value
+
+    return gap
+
+
+def _changes(plan: Plan, index: int, way: Way, ranges: list[Range], whole: bool) -> list[Change]:
+    """Find the change points of a dyad and lay bridges over them."""
+    step, _ = plan.steps[index]
+    gap = _gap(plan, index, way)
+    length = ranges[-1].high - ranges[0].low
+    found: list[float] = []
+    scale = 1.0 if plan.driver.revolute else plan.size
+    for r in ranges:
+        over = 3.0 * (r.high - r.low) / SAMPLES if whole and r.free and len(ranges) == 1 else 0.0
+        places, values = minima(lambda q: np.abs(gap(q)), r.low - over, r.high + over, _samples(r.high - r.low, length))
+        for place in places[values <= _TOUCH * plan.size].tolist():
+            if (gap(place + scale * np.array([-_BESIDE, _BESIDE])) > 0.0).all():  # touched, not crossed
+                found.append(next((end for end in (r.low, r.high) if abs(place - end) < _SAME), place))
+    if not found:
+        return []
+    way.changes[index] = np.array(sorted(found))
+    bridges = []
+    for at in found:
+        half = HALF * scale
+        ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), way, index + 1), step.links)
+        while not np.isfinite(ends).all() and half > _BESIDE * scale:  # a dead centre is near
+            half *= 0.25
+            ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), way, index + 1), step.links)
+        bridges.append(bridge(at, half, (step.links[0], step.links[1]), ends))
+    way.bridges[index] = tuple(bridges)
+    return [Change(at, step.joint) for at in found]
+
+
+def _end_states(solved: Solved, links: tuple[int, ...]) -> np.ndarray:
+    """(2, 4, 6): x, y, angle of both links with three derivatives at both ends of a bridge."""
+    columns = []
+    for link in links:
+        pose = solved.poses[link]
+        angle = pose.angle.copy()
+        angle[0] = np.unwrap(angle[0])
+        columns += [pose.z.real, pose.z.imag, angle]
+    return np.moveaxis(np.array(columns), 0, 2).swapaxes(0, 1)
+
+
+def _followed(plan: Plan, index: int, way: Way, ranges: list[Range]) -> list[Range]:
+    """The parts of the ranges through which a group can be followed."""
+    step, _ = plan.steps[index]
+    kept = []
+    for r in ranges:
+        track = follow(plan, index, way, r.low, r.high)
+        if track is not None:
+            kept.append((_within(r, track.low, track.high, "-".join(map(str, step.links))), track))
+    if kept:
+        way.tracks[index] = merged([track for _, track in kept])
+    return [r for r, _ in kept]
+
+
+def _within(r: Range, low: float, high: float, joint: str) -> Range:
+    """The part low ... high of a range; where it is shorter, the joint locks."""
+    return Range(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
+
+
+def _turning(plan: Plan, ranges: list[Range], way: Way, length: float, whole: bool) -> tuple[dict[int, Turning], bool]:
+    parts = [np.linspace(r.low, r.high, _samples(r.high - r.low, length)) for r in ranges]
+    q = np.concatenate(parts)
+    cuts = np.cumsum([part.size for part in parts])[:-1]
+    solved = solve(plan, at_driver(q), way)
+    full = whole and len(ranges) == 1 and ranges[0].free
+    found: dict[int, Turning] = {}
+    closes = True
+    for link, pose in solved.poses.items():
+        if link in (FRAME_LINK, plan.linkage.driver.link):
+            continue
+        angle = np.concatenate([_based(np.unwrap(_known(part))) for part in np.split(pose.angle[0], cuts)])
+        turns = full and bool(abs(angle[-1] - angle[0]) > pi)
+        middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN and not turns else None
+        found[link] = Turning(q, angle, middle, turns)
+        if full:
+            lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
+            closes &= bool(lost < 1e-6 and abs(pose.z[0, -1] - pose.z[0, 0]) < 1e-6 * plan.size)
+    return found, closes
+
+
+def _known(angle: np.ndarray) -> np.ndarray:
+    """The angles, of which rounding may have lost one at a dead centre: there as its neighbour's."""
+    lost = ~np.isfinite(angle)
+    if lost.any() and not lost.all():
+        places = np.arange(angle.size)
+        angle[lost] = angle[~lost][np.abs(places[lost][:, None] - places[~lost]).argmin(axis=1)]
+    return angle
+
+
+def _based(angle: np.ndarray) -> np.ndarray:
+    """A swing moved by whole turns so that its middle lies in -π ... π, or where it goes round, its start."""
+    at = angle[0] if np.ptp(angle) >= 0.9 * TURN else 0.5 * (angle.max() + angle.min())
+    return np.asarray(angle - TURN * np.rint(at / TURN))

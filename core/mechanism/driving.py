@@ -1,0 +1,58 @@
+"""How the driver runs through its course: a crank at speed, piece by piece of its ranges."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from core.mechanism.course import TURN, Course
+from core.motion import SNAP, Angles, Join, MotionState, Program, degrees
+
+
+class CrankProgram:
+    """A crank's turn: one piece for each range in which the linkage can be assembled, the whole turn where it can
+    everywhere. Looks like the program of a motion whose value is the angle itself.
+
+    starts, ends  (m,) driver angles [rad]
+    """
+
+    joins: tuple[Join, ...] = ()
+
+    def __init__(self, course: Course) -> None:
+        self.starts = np.array([r.low for r in course.ranges])
+        self.ends = np.array([r.high for r in course.ranges])
+
+    def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
+        """Any driver angles (n,) [rad], each with its piece."""
+        theta = np.mod(np.asarray(theta, dtype=float), TURN)
+        theta = np.where(theta >= TURN - SNAP, 0.0, theta)
+        piece = np.clip(np.searchsorted(self.starts, theta, side="right") - 1, 0, None)
+        return Angles(theta, piece, kept)
+
+    def within(self, theta: np.ndarray) -> np.ndarray:
+        """(n,) where the linkage can be assembled and is not locked."""
+        if self.starts.size == 1 and self.starts[0] == 0.0 and self.ends[0] == TURN:
+            return np.ones(theta.shape, dtype=bool)
+        inside = [(theta > a) & (theta < b) for a, b in zip(self.starts, self.ends, strict=True)]
+        inside += [(theta == 0.0) & (a == 0.0) for a in self.starts[:1]]
+        return np.any(inside, axis=0)
+
+    def degrees(self, samples: int) -> np.ndarray:
+        """Of 0 ... 360(N-1)/N those driver angles [deg] at which the linkage stands somewhere."""
+        all_of = degrees(samples)
+        return all_of[self.within(np.deg2rad(all_of))]
+
+    def state(self, angles: Angles) -> MotionState:
+        """The crank's angle and its derivatives by itself."""
+        y = np.zeros((4, angles.theta.size))
+        y[0], y[1] = angles.theta, 1.0
+        return MotionState(angles, y, np.ones(angles.theta.size))
+
+
+def swept(program: Program) -> tuple[float, float]:
+    """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
+    still is given a little room."""
+    from core.extremes import piecewise_angles
+
+    y = program.state(piecewise_angles(program)).y[0]
+    room = 1e-9 * float(np.ptp(y)) or 1e-6
+    return float(y.min()) - room, float(y.max()) + room

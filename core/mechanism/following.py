@@ -1,0 +1,164 @@
+"""A group of links followed from one position of the driver to the next: where Newton starts anywhere between."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from core.mechanism.closing import Bodies
+from core.mechanism.groups import NEAR, Group, Settled, newton, settled
+from core.mechanism.plan import Plan
+from core.mechanism.solving import at_driver, solve
+from core.mechanism.way import Track, Way
+from core.train import Pose
+from core.vectors import cross
+
+STEPS = 72  # over the whole course, at least
+FINEST = 1e-9  # of the course: a step this short stands before a dead centre
+STARTS = 120
+TRIES = 24  # positions of the driver at which a first assembly is searched
+_TRUST = 0.05  # of what a step may miss its prediction by: radians, and parts of the size
+
+
+def merged(tracks: Sequence[Track]) -> Track:
+    """Tracks of several ranges as one."""
+    return Track(np.concatenate([t.at for t in tracks]), np.concatenate([t.states for t in tracks]))
+
+
+def follow(plan: Plan, index: int, way: Way, low: float, high: float) -> Track | None:
+    """The track of a group through low ... high, as far as it goes from its first assembly; None where there is none.
+
+    The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there.
+    """
+    step, joints = plan.steps[index]
+    group = Group(step.links, joints, plan.size)
+    first = None
+    for q in np.linspace(low, high, TRIES + 1)[:-1]:
+        first = _assembled(plan, index, group, way, float(q))
+        if first is not None:
+            break
+    if first is None:
+        return None
+    forward = _walk(plan, index, group, way, float(q), first, high, (high - low) / STEPS)
+    backward = _walk(plan, index, group, way, float(q), first, low, -(high - low) / STEPS)
+    nodes = [*backward[:0:-1], *forward]
+    return Track(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
+
+
+def _known(plan: Plan, index: int, way: Way, q: float) -> dict[int, Pose]:
+    return solve(plan, at_driver(np.array([q])), way, index).poses
+
+
+def _state(group: Group, result: Settled) -> np.ndarray:
+    """Coordinates with three derivatives (4, 3k) of one position."""
+    rows = []
+    for order in range(4):
+        row: list[float] = []
+        for link in group.links:
+            z, angle = result.poses[link].z[order, 0] / group.size, result.poses[link].angle[order, 0]
+            row += [z.real, z.imag, angle]
+        rows.append(row)
+    return np.array(rows)
+
+
+def _walk(
+    plan: Plan, index: int, group: Group, way: Way, q: float, first: np.ndarray, end: float, step: float
+) -> list[tuple[float, np.ndarray]]:
+    """Nodes from q towards ``end``; steps shorten where the way bends, and end before a dead centre."""
+    known = _known(plan, index, way, q)
+    here = settled(group, known, first[:, None])
+    nodes = [(q, _state(group, here))]
+    sign = np.sign(here.determinant[0])
+    longest = step
+    while q != end:
+        target = end if abs(end - q) <= abs(step) * 1.001 else q + step
+        move = target - q
+        x, v, a, j = nodes[-1][1]
+        guess = x + move * (v + move * (a / 2.0 + move * j / 6.0))
+        known = _known(plan, index, way, target)
+        found, last = newton(group, known, guess[:, None], steps=6)
+        there = settled(group, known, found) if last[0] <= NEAR else None
+        kept = (
+            there is not None and np.sign(there.determinant[0]) == sign and np.abs(found[:, 0] - guess).max() < _TRUST
+        )
+        if there is not None and kept:
+            q = target
+            nodes.append((q, _state(group, there)))
+            step = float(np.copysign(min(abs(longest), 1.6 * abs(step)), step))
+        else:
+            step = 0.5 * move
+            if abs(step) < FINEST * abs(longest):
+                break
+    return nodes
+
+
+def _assembled(plan: Plan, index: int, group: Group, way: Way, q: float) -> np.ndarray | None:
+    """The first of all assemblies found at q (3k,), in the order of the links' angles; None where there is none."""
+    known = _known(plan, index, way, q)
+    many = {link: _repeated(pose, STARTS) for link, pose in known.items()}
+    x, last = newton(group, many, _spread(group, known), steps=40)
+    good = x[:, last <= NEAR]
+    good[2::3] = np.remainder(good[2::3] + np.pi, 2.0 * np.pi) - np.pi
+    keep = _distinct(good)
+    keep = keep[:, _kept_sides(plan, group, {link: _repeated(p, keep.shape[1]) for link, p in known.items()}, keep)]
+    return keep[:, 0] if keep.size else None
+
+
+def _repeated(pose: Pose, n: int) -> Pose:
+    return Pose(
+        np.broadcast_to(pose.z[:, :1], (4, n)), np.broadcast_to(pose.angle[:, :1], (4, n)),
+        unit=np.broadcast_to(pose.unit[:1], n),
+    )  # fmt: skip
+
+
+def _spread(group: Group, known: Bodies) -> np.ndarray:
+    """Starts (3k, STARTS) spread evenly, the same every time (additive recurrence of Roberts)."""
+    k = 3 * len(group.links)
+    ratio = 2.0
+    for _ in range(40):
+        ratio = (1.0 + ratio) ** (1.0 / (k + 1))
+    share = np.mod(0.5 + np.outer(ratio ** -np.arange(1.0, k + 1), np.arange(1.0, STARTS + 1)), 1.0)
+    centre = np.mean([pose.z[0, 0] for pose in known.values()]) / group.size
+    x = 4.0 * (share - 0.5)
+    x[0::3] += centre.real
+    x[1::3] += centre.imag
+    x[2::3] *= 0.5 * np.pi
+    return x
+
+
+def _distinct(x: np.ndarray) -> np.ndarray:
+    """Each position once, ordered by the links' angles, lowest number first."""
+    if not x.shape[1]:
+        return x
+    rounded = np.round(x[2::3], 6)
+    order = np.lexsort(rounded[::-1])
+    x, rounded = x[:, order], rounded[:, order]
+    new = np.append(True, (np.abs(np.diff(rounded, axis=1)) > 2e-6).any(axis=0))
+    return x[:, new]
+
+
+def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.ndarray:
+    """Which positions have the stated sides: a pin left (+1) or right of the line from the next pin of its
+    lower-numbered link to that of the higher."""
+    kept = np.ones(x.shape[1], dtype=bool)
+    if not x.size:
+        return kept
+    poses = settled(group, known, x).poses
+    for name, side in plan.sides.items():
+        links = [n for n in group.links if name in plan.points[n]]
+        if len(links) < 2:
+            continue
+        pin = poses[links[0]].at(plan.points[links[0]][name])[0]
+        ends = [poses[n].at(_other_pin(plan, n, name))[0] for n in links[:2]]
+        kept &= np.sign(cross(ends[1] - ends[0], pin - ends[0])) == side
+    return kept
+
+
+def _other_pin(plan: Plan, link: int, name: str) -> complex:
+    """The first other pin of a link; its own origin where it has none."""
+    pinned = (
+        at for other, at in plan.points[link].items()
+        if other != name and any(other in places for n, places in plan.points.items() if n != link)
+    )  # fmt: skip
+    return next(pinned, 0j)

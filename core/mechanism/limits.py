@@ -1,0 +1,46 @@
+"""Limits of a linkage: cranks that cannot turn, dead centres, flat transmission angles."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees
+
+from core.errors import angle_list
+from core.extremes import Range as Extremes
+from core.findings import ERROR, WARNING, Finding
+from core.mechanism.course import Course
+
+LEAST_TRANSMISSION = 40.0  # [deg] usual in machine shops: Norton ch. 2
+AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven
+
+
+def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool) -> list[Finding]:
+    """What the course and the lowest transmission angles [rad], by joint, exceed; turns_fully: the crank is to."""
+    found = []
+    locked = {joint for r in course.ranges for joint in (r.low_joint, r.high_joint) if joint}
+    if turns_fully and locked:
+        ranges = angle_list([(degrees(r.low), degrees(r.high)) for r in course.ranges])
+        ends = [
+            degrees(end)
+            for r in course.ranges
+            for end, joint in ((r.low, r.low_joint), (r.high, r.high_joint))
+            if joint
+        ]
+        values: dict[str, float | str] = {"ranges": ranges, "joints": ", ".join(sorted(locked))}
+        found.append(Finding("crank-cannot-turn", ERROR, "linkage.driver.link", ends[0], values))
+    if turns_fully and not course.closes:
+        found.append(Finding("not-periodic", ERROR, "linkage.branch", None))
+    for change in course.changes:
+        at = degrees(change.at) if turns_fully else None
+        found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
+    passed = locked | {change.joint for change in course.changes}
+    for joint, extreme in extremes.items():
+        lowest = degrees(extreme.low.value)
+        if joint in passed or lowest >= LEAST_TRANSMISSION:
+            continue
+        at, values = degrees(extreme.low.theta), {"joint": joint, "value": lowest, "limit": LEAST_TRANSMISSION}
+        if lowest < degrees(AT_DEAD_CENTRE):
+            found.append(Finding("linkage-dead-centre", ERROR, "linkage.links", at, values))
+        else:
+            found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
+    return found

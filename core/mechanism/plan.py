@@ -1,0 +1,142 @@
+"""A linkage made ready for solving: lengths in metres, and for each step what it needs of the links."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
+from core.design.topology import Step, driver_pair, is_pin, pins, slider_of, solving_order
+from core.errors import DesignError, Fault
+
+_MM = UNITS["mm"].factor
+
+
+@dataclass(frozen=True)
+class Held:
+    """A link in a pair: a point of it [m] and, of a sliding pair, the direction of the line in its frame."""
+
+    link: int
+    point: complex
+    along: complex = 1.0 + 0j
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A pair of two links; ``first`` is the known or the outer one."""
+
+    name: str
+    revolute: bool
+    first: Held
+    second: Held
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What solving a linkage needs.
+
+    points    link -> name -> point in its frame [m]
+    driver    the pair that holds the driving link (second) on the frame (first)
+    steps     in the order of solution, with the joints of each in the order of ``Step.pairs``
+    sides     joint -> +1 or -1, stated or not
+    size      the largest extent of a link [m]
+    """
+
+    linkage: Linkage
+    points: Mapping[int, Mapping[str, complex]]
+    driver: Joint
+    steps: tuple[tuple[Step, tuple[Joint, ...]], ...]
+    sides: Mapping[str, int]
+    size: float
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Every pair of the linkage, in the order of solution."""
+        return (self.driver, *(joint for _, joints in self.steps for joint in joints))
+
+    def side(self, joint: str) -> float:
+        """+1 where the file does not state another."""
+        return float(self.sides.get(joint, 1))
+
+
+@lru_cache(maxsize=64)
+def plan_of(linkage: Linkage) -> Plan:
+    """The plan of a linkage without faults. Raises DesignError where its links do not determine each other."""
+    order = solving_order(linkage)
+    pair = driver_pair(linkage)
+    if pair is None or order.overdetermined or order.undetermined:
+        raise DesignError([Fault("linkage", linkage.driver.link, "the driver does not lead every link")])
+    points = MappingProxyType({
+        link.number: MappingProxyType({name: at * _MM for name, at in link.places.items()}) for link in linkage.links
+    })  # fmt: skip
+    known = {FRAME_LINK}
+    driver = _joint(linkage, points, pair, known, linkage.driver.link)
+    known.add(linkage.driver.link)
+    steps = []
+    for step in order.steps:
+        steps.append((step, _joints(linkage, points, step, known)))
+        known |= set(step.links)
+    return Plan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)), _size(linkage, points))
+
+
+def _joints(
+    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], step: Step, known: set[int]
+) -> tuple[Joint, ...]:
+    if step.kind == "group":
+        return tuple(_group_joints(linkage, points, step, known))
+    a, b = step.links
+    outer_a, inner, outer_b = step.pairs
+    return (
+        _joint(linkage, points, outer_a, known, a),
+        _joint(linkage, points, inner, {a}, b),
+        _joint(linkage, points, outer_b, known, b),
+    )
+
+
+def _joint(
+    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], key: str, known: set[int], link: int
+) -> Joint:
+    """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
+    if is_pin(key):
+        pin = next(p for p in pins(linkage) if p.name == key)
+        other = min(n for n in pin.links if n in known and n != link)
+        return Joint(key, True, Held(other, points[other][key]), Held(link, points[link][key]))
+    slider = slider_of(linkage, key)
+    other = slider.on if slider.link == link else slider.link
+    return Joint(key, False, _on_line(slider, other), _on_line(slider, link))
+
+
+def _on_line(slider: Slider, link: int) -> Held:
+    """A link on the line of a sliding pair: the one that slides has it as its own x axis."""
+    if link == slider.link:
+        return Held(link, 0j)
+    s = si(slider)
+    return Held(link, complex(s.through_x, s.through_y), cmath.rect(1.0, s.angle))
+
+
+def _group_joints(
+    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], step: Step, known: set[int]
+) -> list[Joint]:
+    """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
+    joints = []
+    for key in step.pairs:
+        if is_pin(key):
+            pin = next(p for p in pins(linkage) if p.name == key)
+            own = [n for n in pin.links if n in step.links]
+            held = [n for n in pin.links if n in known]
+            hub, others = (held[0], own) if held else (own[0], own[1:])
+            joints += [_joint(linkage, points, key, {hub}, n) for n in others]
+        else:
+            slider = slider_of(linkage, key)
+            link = slider.link if slider.link in step.links else slider.on
+            joints.append(_joint(linkage, points, key, {slider.on, slider.link} - {link}, link))
+    return joints
+
+
+def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:
+    extents = [abs(a - b) for at in points.values() for a in at.values() for b in at.values()]
+    lines = [abs(complex(s.through_x_mm, s.through_y_mm)) * _MM for s in linkage.sliders]
+    return max([*extents, *lines, 1e-9])

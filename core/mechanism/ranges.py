@@ -1,0 +1,87 @@
+"""Where a function of the driver's position is not negative: ranges refined to the last digit, narrow gaps included."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+Function = Callable[[np.ndarray], np.ndarray]
+
+_CUTS = 9  # points a bracket of a minimum is looked at by
+_ROUNDS = 13  # each makes it four times narrower; what is lowest is flat there
+
+
+def ranges_where(function: Function, low: float, high: float, samples: int) -> list[tuple[float, float]]:
+    """Ranges of low ... high in which ``function`` (n,) -> (n,) is >= 0; NaN counts as negative.
+
+    A gap or an island that falls between samples is found where its slopes point at it.
+    """
+    at = np.linspace(low, high, samples)
+    value = _known(function(at))
+    for sign in (1.0, -1.0):  # gaps, then islands
+        at, value = _with_hidden(function, at, value, sign)
+    good = value >= 0.0
+    edge = np.flatnonzero(good[1:] != good[:-1])
+    inside = _bisected(function, at[edge], at[edge + 1], good[edge])
+    ends = {int(i): float(x) for i, x in zip(edge, inside, strict=True)}
+    found, begin = [], float(at[0]) if good[0] else None
+    for i in edge.tolist():
+        if good[i] and begin is not None:
+            found.append((begin, ends[i]))
+            begin = None
+        else:
+            begin = ends[i]
+    if begin is not None:
+        found.append((begin, float(at[-1])))
+    return found
+
+
+def minima(function: Function, low: float, high: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Where the function (n,) -> (n,) is lowest between its neighbours and may come near to zero: places and values."""
+    at = np.linspace(low, high, samples)
+    value = _known(function(at))
+    return _lowest(function, at, value, 1.0)
+
+
+def _known(value: np.ndarray) -> np.ndarray:
+    return np.where(np.isnan(value), -np.inf, value)
+
+
+def _with_hidden(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
+    """The samples and, between them, minima (of sign times the function) that may lie on the other side of zero."""
+    places, values = _lowest(function, at, value, sign)
+    order = np.argsort(np.concatenate((at, places)), kind="stable")
+    return np.concatenate((at, places))[order], np.concatenate((value, values))[order]
+
+
+def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
+    v = sign * value
+    left, middle, right = v[:-2], v[1:-1], v[2:]
+    with np.errstate(invalid="ignore"):
+        steepest = np.maximum(left - middle, right - middle)
+        may = (middle >= 0.0) & (middle <= left) & (middle <= right) & (middle <= steepest) & np.isfinite(middle)
+    spots = np.flatnonzero(may)
+    low, high = at[spots], at[spots + 2]
+    if not spots.size:
+        return low, low
+    share = np.linspace(0.0, 1.0, _CUTS)[:, None]
+    rows = np.arange(spots.size)
+    for _ in range(_ROUNDS):
+        x = low + (high - low) * share
+        y = sign * _known(function(x.ravel())).reshape(x.shape)
+        best = y.argmin(axis=0)
+        low, high = x[np.maximum(best - 1, 0), rows], x[np.minimum(best + 1, _CUTS - 1), rows]
+    return x[best, rows], sign * y[best, rows]
+
+
+def _bisected(function: Function, a: np.ndarray, b: np.ndarray, a_good: np.ndarray) -> np.ndarray:
+    """At each change of sign the last number where the function is >= 0."""
+    good, bad = np.where(a_good, a, b), np.where(a_good, b, a)
+    while True:
+        middle = 0.5 * (good + bad)
+        moving = (middle != good) & (middle != bad)
+        if not moving.any():
+            return good
+        keeps = _known(function(middle)) >= 0.0
+        good, bad = np.where(moving & keeps, middle, good), np.where(moving & ~keeps, middle, bad)

@@ -1,0 +1,102 @@
+"""What rounding leaves of each link's pose, carried from the frame outwards: the condition of a linkage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.design import FRAME_LINK
+from core.design.topology import Step
+from core.mechanism.dyads import Closed
+from core.mechanism.groups import Settled
+from core.mechanism.plan import Held, Joint, Plan
+from core.mechanism.solving import Solved
+from core.train import Pose
+from core.vectors import cross
+
+
+@dataclass(frozen=True, eq=False)
+class Doubt:
+    """Bounds of the errors of a link's origin [m] and angle [rad], in units of eps."""
+
+    origin: np.ndarray
+    angle: np.ndarray
+
+
+def doubts(plan: Plan, solved: Solved) -> dict[int, Doubt]:
+    """The bounds (n,) for every link.
+
+    A dyad's coordinates x answer an error δ of its loop by |δ||c_other|/|c1 × c2|; the loop's own rounding is relative
+    to the size of its terms.
+    """
+    poses = solved.poses
+    zero = np.zeros(1)
+    driver = plan.driver
+    turned = np.ones(1) if driver.revolute else zero
+    found = {FRAME_LINK: Doubt(zero, zero)}
+    found[plan.linkage.driver.link] = Doubt(
+        abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
+    )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
+            if isinstance(result, Settled):
+                _group(step, joints, result, poses, found)
+            else:
+                _dyad(step, joints, result, poses, found)
+    return found
+
+
+def condition(plan: Plan, solved: Solved) -> np.ndarray:
+    """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
+    rows = [d.origin / plan.size + d.angle for d in doubts(plan, solved).values()]
+    return np.asarray(4.0 * np.max(np.broadcast_arrays(*rows), axis=0) + 4.0)
+
+
+def _at(held: Held, poses: dict[int, Pose], found: dict[int, Doubt]) -> np.ndarray:
+    """Of a point of a known link."""
+    doubt = found[held.link]
+    return np.asarray(doubt.origin + abs(held.point) * doubt.angle + np.abs(poses[held.link].z[0]) + abs(held.point))
+
+
+def _dyad(
+    step: Step, joints: tuple[Joint, ...], closed: Closed, poses: dict[int, Pose], found: dict[int, Doubt]
+) -> None:
+    a, b = step.links
+    outer_a, inner, outer_b = joints
+    c1, c2 = closed.columns
+    det = np.abs(cross(c1, c2))
+    at_a, at_b = (_at(outer.first, poses, found) for outer in (outer_a, outer_b))
+    turned = [0.0 if outer.revolute else found[outer.first.link].angle for outer in (outer_a, outer_b)]
+    miss = at_a + at_b + closed.reach * (2.0 + turned[0] + turned[1])
+    x1, x2 = 2.0 + np.abs(c2) * miss / det, 2.0 + np.abs(c1) * miss / det
+    own_a, own_b = abs(outer_a.second.point), abs(outer_b.second.point)
+    if step.kind == "RRR":
+        found[a], found[b] = Doubt(at_a + own_a * x1, x1), Doubt(at_b + own_b * x2, x2)
+    elif step.kind == "RPR":
+        found[a], found[b] = Doubt(at_a + own_a * x1, x1), Doubt(at_b + own_b * x1, x1)
+    elif step.kind == "RRP":
+        along = found[outer_b.first.link].angle + 1.0
+        found[a], found[b] = (
+            Doubt(at_a + own_a * x1, x1),
+            Doubt(at_b + x2 + miss + abs(inner.second.point) * along, along),
+        )
+    else:  # slides only: angles are those of the known links
+        angle_b = found[outer_b.first.link].angle + 1.0
+        angle_a = angle_b if step.kind == "RPP" else found[outer_a.first.link].angle + 1.0
+        found[a] = Doubt(at_a + (x1 if step.kind == "PRP" else 0.0) + miss + own_a * angle_a, angle_a)
+        found[b] = Doubt(at_b + x2 + miss + own_b * angle_b, angle_b)
+
+
+def _group(
+    step: Step, joints: tuple[Joint, ...], result: Settled, poses: dict[int, Pose], found: dict[int, Doubt]
+) -> None:
+    """By the size of J's inverse; lengths there are in units of the size."""
+    known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]
+    size = max(abs(h.point) for j in joints for h in (j.first, j.second)) or 1.0
+    inverse = np.full(result.determinant.shape, np.inf)
+    fine = np.isfinite(result.determinant) & (result.determinant != 0.0)
+    inverse[fine] = np.abs(np.linalg.inv(result.matrix[fine])).sum(axis=2).max(axis=1)
+    miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
+    for link in step.links:
+        found[link] = Doubt(size * inverse * miss + np.abs(poses[link].z[0]), inverse * miss + 1.0)

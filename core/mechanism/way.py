@@ -1,0 +1,114 @@
+"""How a linkage gets along its course: which side of a dyad holds where, over change points, and where Newton starts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import perm
+
+import numpy as np
+
+from core.train import Pose
+from core.vectors import unit
+
+HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """A group's way: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
+
+    at: np.ndarray
+    states: np.ndarray
+
+    @property
+    def low(self) -> float:
+        return float(self.at[0])
+
+    @property
+    def high(self) -> float:
+        return float(self.at[-1])
+
+    def start(self, q: np.ndarray) -> np.ndarray:
+        """Coordinates near those at q (3k, n), by Taylor from the nearest node."""
+        nearest = np.searchsorted(0.5 * (self.at[1:] + self.at[:-1]), q)
+        step = q - self.at[nearest]
+        x, v, a, j = (self.states[nearest, k].T for k in range(4))
+        return np.asarray(x + step * (v + step * (a / 2.0 + step * j / 6.0)))
+
+
+@dataclass(frozen=True, eq=False)
+class Bridge:
+    """A dyad's two links over a change point, where its equations are 0/0 although the links move on smoothly.
+
+    at, half   the change point and half the width [rad or m]
+    links      their numbers
+    power      (8, 6) coefficients, by (q - at)/half, of x, y, angle of the first link, then of the second: they agree
+               with the closed form and its three derivatives at both ends
+    """
+
+    at: float
+    half: float
+    links: tuple[int, int]
+    power: np.ndarray
+
+    def within(self, q: np.ndarray) -> np.ndarray:
+        return np.abs(q - self.at) < self.half
+
+    def lay(self, q: np.ndarray, there: np.ndarray, poses: dict[int, Pose]) -> None:
+        """Put the links' poses, whose arrays must be their own, at q (4, n) where ``there`` (n,) says so."""
+        u = (q[0, there] - self.at) / self.half
+        by_q = [_derivative(self.power, u, order) / self.half**order for order in range(4)]
+        _, v, a, j = q[:, there, None]
+        rows = (
+            by_q[0],
+            by_q[1] * v,
+            by_q[2] * v * v + by_q[1] * a,
+            by_q[3] * v * v * v + 3.0 * by_q[2] * v * a + by_q[1] * j,
+        )
+        for i, link in enumerate(self.links):
+            pose = poses[link]
+            for order, row in enumerate(rows):
+                pose.z[order, there] = row[:, 3 * i] + 1j * row[:, 3 * i + 1]
+                pose.angle[order, there] = row[:, 3 * i + 2]
+            pose.unit[there] = unit(pose.angle[0, there])
+
+
+def _derivative(power: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:
+    """The polynomials' derivative at u (n,) -> (n, 6), by Horner."""
+    value = np.zeros((u.size, power.shape[1]))
+    for k in range(power.shape[0] - 1, order - 1, -1):
+        value = value * u[:, None] + power[k] * perm(k, order)
+    return value
+
+
+def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
+    """The bridge through states (2, 4, 6): at both ends x, y, angle of both links and three derivatives by q."""
+    rows, right = [], []
+    powers = np.arange(8)
+    for end, u in enumerate((-1.0, 1.0)):
+        for order in range(4):
+            falling = np.ones(8)
+            for k in range(order):
+                falling = falling * (powers - k)
+            rows.append(falling * np.where(powers >= order, u ** np.maximum(powers - order, 0.0), 0.0))
+            right.append(states[end, order] * half**order)
+    return Bridge(at, half, links, np.linalg.solve(np.array(rows), np.array(right)))
+
+
+@dataclass
+class Way:
+    """What is known of the way so far, by step: tracks of groups; change points of dyads (rising, (m,)), the start of
+    the course from which sides count, and the bridges over them."""
+
+    start: float = 0.0
+    tracks: dict[int, Track] = field(default_factory=dict)
+    changes: dict[int, np.ndarray] = field(default_factory=dict)
+    bridges: dict[int, tuple[Bridge, ...]] = field(default_factory=dict)
+
+    def side(self, step: int, stated: float, q: np.ndarray) -> float | np.ndarray:
+        """The stated side at the start of the course, the other one beyond each change point."""
+        changes = self.changes.get(step)
+        if changes is None or not changes.size:
+            return stated
+        passed = np.searchsorted(changes, q) - np.searchsorted(changes, self.start + 1e-9)
+        return np.where(passed % 2 == 0, stated, -stated)

@@ -1,0 +1,153 @@
+"""The periodic coefficients of a flexible camshaft, from the energies of the whole train in closed form (Kim1990 §3).
+
+Lagrange's equation of the cam, whose train has the kinetic energy J θ̇²/2 and the potential energy V, both functions of
+its angle: (I_c + J) θ̈ + J' θ̇²/2 + V' = K_s (θ_i - θ). Divided by I_c ω² and with Q = max J / I_c it is Kim1990 (13),
+whose single mass M_v is the case J = M_v X'²:
+
+    D = 1 + Q d,  d = J / max J,    C = d'/2 (X'X''/X'm²),    κ = C',    Q U = V' / (I_c ω²),    ψ = U'.
+
+Friction is left out: it would not be analytic, and Kim1990 has none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.dynamics import Loading
+from core.errors import NoStability
+from core.extremes import find_extremes
+from core.motion import Angles, Program
+from core.stability.panels import Panels, fit
+from core.train import Train
+
+FIXED, RETUNED = "fixed", "retuned"
+INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the panels: d, C, U, κ, ψ
+
+TrainAt = Callable[[Angles], Train]
+
+
+def inertia(train: Train, loading: Loading) -> np.ndarray:
+    """J = Σ m |z'|² + I α'², what the moved bodies are worth at the camshaft, and its derivatives J', J'' by cam angle
+    (3, n) [kg m²]."""
+    out = np.zeros((3, train.theta.size))
+    for name, part in loading.inertias.items():
+        pose = train.bodies[name]
+        _, z1, z2, z3 = pose.at(part.centre)
+        _, a1, a2, a3 = pose.angle
+        m, i = part.mass, part.about_centre
+        out[0] += m * (z1 * z1.conjugate()).real + i * a1 * a1
+        out[1] += 2.0 * (m * (z1.conjugate() * z2).real + i * a1 * a2)
+        out[2] += 2.0 * (m * ((z2 * z2.conjugate()).real + (z1.conjugate() * z3).real) + i * (a2 * a2 + a1 * a3))
+    return out
+
+
+def load(train: Train, loading: Loading) -> np.ndarray:
+    """V' = -F y' - Σ m g·z', the torque that springs, external force and weight ask of the cam, and V'' (2, n) [N m]."""
+    y0, y1, y2, _ = train.motion.y
+    force = loading.along_guide(y0)
+    out = np.array([-force * y1, loading.rate * y1 * y1 - force * y2])
+    for name, part in loading.inertias.items():
+        z = train.bodies[name].at(part.centre)
+        out -= part.mass * (z[1:3] * np.conjugate(loading.gravity)).real
+    return out
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What the coefficients are measured in.
+
+    inertia       max J [kg m²] over the turn
+    stroke, slope, curvature   X_m, X'_m, X''_m: stroke and largest |y'|, |y''| [m or rad]
+    lowest        least y: where Kim1990's valve spring is at rest
+    """
+
+    inertia: float
+    stroke: float
+    slope: float
+    curvature: float
+    lowest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """d, C, U, κ, ψ over one turn (rows of ``panels``) for the machine's own Q.
+
+    spring  ``retuned``: U of Kim1990's valve spring, which is made anew for each speed, K_v = a M_v X''m ω²/X_m;
+            ``fixed``: the design's own loads; then U and ψ are to be multiplied by η² (U = V'/(K_s Q))
+    q       Q of the machine, max J / I_c; for another Q all that the cam moves, masses and loads, is made so much heavier
+    """
+
+    panels: Panels
+    sizes: Sizes
+    spring: str
+    q: float
+
+    @property
+    def fixed(self) -> bool:
+        return self.spring == FIXED
+
+
+def still(panels: Panels) -> np.ndarray:
+    """True (m,) where the train does not move: D = 1 and C = ψ = 0 on the whole panel."""
+    return np.asarray(~panels.values.any(axis=(0, 2)))
+
+
+def sizes(train_at: TrainAt, loading: Loading, program: Program) -> Sizes:
+    """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
+
+    def quantities(angles: Angles) -> dict[str, np.ndarray]:
+        train = train_at(angles)
+        y = train.motion.y
+        return {"inertia": inertia(train, loading)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
+
+    found = find_extremes(quantities, program)
+    top = found["inertia"].high.value
+    stroke = found["y"].high.value - found["y"].low.value
+    if not stroke > 0.0:
+        raise NoStability("nothing moves, so nothing excites the shaft", "motion.segments", "give a segment that rises")
+    if not top > 0.0:
+        raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
+    return Sizes(top, stroke, found["slope"].high.value, found["curvature"].high.value, found["y"].low.value)
+
+
+def coefficients(
+    train_at: TrainAt,
+    loading: Loading,
+    program: Program,
+    camshaft_inertia: float,
+    stiffness: float,
+    spring: str,
+    spring_factor: float,
+) -> Coefficients:
+    """The coefficients of a machine; I_c [kg m²], K_s [N m/rad].
+
+    Raises NoStability where nothing with mass moves, or where the velocity jumps: a blow that no shaft survives.
+    """
+    for i, join in enumerate(program.joins):
+        if join.jumps[0] or join.jumps[1]:
+            field = f"motion.segments[{(i + 1) % len(program.joins)}]"
+            at = float(np.rad2deg(join.theta))
+            raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
+    size = sizes(train_at, loading, program)
+    q = size.inertia / camshaft_inertia
+    heaviest, retuned = max(1.0, 2.0 * q), spring == RETUNED
+
+    def functions(angles: Angles) -> np.ndarray:
+        train = train_at(angles)
+        d, d1, d2 = inertia(train, loading) / size.inertia
+        u = _valve_spring(train.motion.y, size, spring_factor) if retuned else load(train, loading) / (stiffness * q)
+        # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
+        big = 1.0 + heaviest * d
+        return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])
+
+    return Coefficients(fit(functions, program, 5), size, spring, q)
+
+
+def _valve_spring(y: np.ndarray, size: Sizes, factor: float) -> np.ndarray:
+    """U = a X''m X X'/(X_m X'm²) and ψ = U' (2, n), X counted from its lowest place (Kim1990 (7), (13))."""
+    x = y[0] - size.lowest
+    gain = factor * size.curvature / (size.stroke * size.slope**2)
+    return gain * np.array([x * y[1], y[1] * y[1] + x * y[2]])

@@ -1,0 +1,95 @@
+"""The contact force of a cam that does not turn evenly: what loads, speed and acceleration of the cam each add to it.
+
+F_c = F_0(θ) + F_v(θ) θ̇² + F_a(θ) θ̈, linear in θ̇² and θ̈, so three solutions of the same inverse dynamics give it. In Kim1990
+(3) it is K_v X + M_v X'' θ̇² + M_v X' θ̈. A cam on one side only loses its follower where F_c falls below zero; in a dwell
+nothing depends on the wind-up, so dwells are left out of that test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from core.cam import CamShape
+from core.dynamics import Loading, newton_euler
+from core.motion import Angles, Program
+from core.stability.coefficients import RETUNED, Sizes
+from core.stability.panels import Panels, fit
+from core.train import Pose, Train
+
+TrainAndShapeAt = Callable[[Angles], tuple[Train, CamShape]]
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Contact forces by cam angle, as multiples of M X''m ω², M = max J / X'm².
+
+    panels  rows f_0 (to be multiplied by η² where the loads are fixed), f_v, f_a
+    fixed   as in ``Coefficients``
+    moves   (m,) False on panels where the follower dwells
+    unit    M X''m [N s²]: times ω² it is the force 1
+    """
+
+    panels: Panels
+    fixed: bool
+    moves: np.ndarray
+    unit: float
+
+    def force(self, values: np.ndarray, eta: float, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+        """f from the rows ``values`` (3, ...) at the cam angles, speed θ̇/ω and acceleration θ̈/ω²."""
+        still = values[0] * (eta * eta if self.fixed else 1.0)
+        return still + values[1] * speed * speed + values[2] * acceleration
+
+
+def contact(
+    at: TrainAndShapeAt,
+    loading: Loading,
+    program: Program,
+    sizes: Sizes,
+    spring: str,
+    factor: float,
+    q: float,
+    stiffness: float,
+) -> Contact:
+    """The contact forces of a machine: Q, K_s [N m/rad]. Raises NoAnswer where there is no cam."""
+    mass = sizes.inertia / sizes.slope**2
+    unit = mass * sizes.curvature
+    inertia = replace(loading, force=0.0, rate=0.0, friction=0.0, gravity=0j)
+    if spring == RETUNED:
+        rate = factor * unit / sizes.stroke
+        held, scale = replace(inertia, force=rate * sizes.lowest, rate=rate), unit
+    else:
+        # F_0 / (M X''m ω²) = η² F_0 I_c / (K_s M X''m)
+        held, scale = replace(loading, friction=0.0), unit * q * stiffness / sizes.inertia
+
+    def functions(angles: Angles) -> np.ndarray:
+        train, shape = at(angles)
+        rows = (
+            (_with_rates(train, _standing), held, scale),
+            (train, inertia, unit),
+            (_with_rates(train, _speeding_up), inertia, unit),
+        )
+        return np.array([newton_euler(t, shape, loads, 1.0).contact / by for t, loads, by in rows])
+
+    panels = fit(functions, program, 3)
+    return Contact(panels, spring != RETUNED, program.way_of[panels.piece] != 0.0, unit)
+
+
+def _with_rates(train: Train, change: Callable[[np.ndarray], np.ndarray]) -> Train:
+    """The train with other derivatives: accelerations are read from the second ones."""
+    bodies: Mapping[str, Pose] = {
+        name: replace(pose, z=change(pose.z), angle=change(pose.angle)) for name, pose in train.bodies.items()
+    }
+    return replace(train, bodies=bodies)
+
+
+def _standing(rows: np.ndarray) -> np.ndarray:
+    """Nothing moves: loads only."""
+    return np.concatenate((rows[:1], np.zeros_like(rows[1:])))
+
+
+def _speeding_up(rows: np.ndarray) -> np.ndarray:
+    """θ̈ = 1 from rest: every second derivative by time is the first by cam angle."""
+    return np.stack((rows[0], np.zeros_like(rows[1]), rows[1], np.zeros_like(rows[1])))

@@ -1,0 +1,159 @@
+"""Tongue edges from monodromy matrices: the last digits where harmonics converge slowly, and tongues with damping.
+
+At an edge the matrix M(η) has the multiplier s = +1 (n even) or -1 (n odd): det(M - s) = 0. The trace only touches 2 at the
+tip of a tongue, so that its zero is lost in rounding. But M(η + δ) - s = E + δ K, K = dM/dη, is singular at both edges of a
+tongue at once, and det(E + δK) = det E + δ tr(adj(E) K) + δ² det K has both as its roots: a pencil of 2 x 2 matrices, well
+conditioned at the tip too; Newton's method for two zeros that may be one.
+
+Damping closes a tongue from its tip: where the roots are complex there is none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from core.stability.coefficients import Coefficients
+from core.stability.equations import EXACT
+from core.stability.monodromy import determinant, monodromy, size
+from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues
+
+STEPS = 40
+CLOSE = 1e-9  # a step of η no larger is the last: the next would be its square
+FARTHEST = 0.2  # a step must not reach the next tongue
+CLEARLY = 0.1  # of the imaginary part of complex roots: a step no larger proves them
+ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that is left
+NARROW = 0.2  # half width over ζη, below which damping has surely closed a tongue; at 1 it closes it for small Q
+BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
+
+
+def tongues(
+    coefficients: Coefficients,
+    q: np.ndarray,
+    count: int,
+    equation: str = EXACT,
+    damping: float = 0.0,
+    error: float = ERROR,
+    most_order: int = MOST_ORDER,
+) -> Tongues:
+    """Tongues 1 ... count of the rows q (rows,) to the wanted error of η, with damping or without.
+
+    By harmonic balance where that reaches it with ``most_order`` harmonics; else, and always with damping, refined by
+    monodromy matrices from there.
+    """
+    found = harmonic_tongues(coefficients, q, count, equation, error, most_order)
+    if damping == 0.0 and float(found.error.max(initial=0.0)) <= error:
+        return found
+    return refined(coefficients, found, damping)
+
+
+def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) -> Tongues:
+    """The same tongues to the accuracy of the monodromy matrices; with damping nan where it has closed them."""
+    rows, count = found.edges.shape[:2]
+    tasks = _Lanes(
+        found.edges.reshape(-1, 2).mean(axis=1),
+        np.repeat(found.q, count),
+        np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows),
+    )
+    edges = found.edges.reshape(-1, 2).copy()
+    wrong = np.zeros((edges.shape[0], 2))
+    if damping:
+        half = 0.5 * (edges[:, 1] - edges[:, 0])
+        open_ones = np.flatnonzero(half > NARROW * damping * tasks.eta)
+        start = _open_roots(coefficients, tasks.only(open_ones), found.equation, damping)
+        edges[:] = np.nan
+        edges[open_ones] = np.maximum(start, 0.0)  # nan stays
+    for side in (0, 1):
+        at = np.flatnonzero(edges[:, side] > 0.0)
+        lanes = replace(tasks.only(at), eta=edges[at, side])
+        edges[at, side], wrong[at, side] = _newton(coefficients, lanes, 2.0 * side - 1.0, found.equation, damping)
+    closed = np.isnan(edges).any(axis=1)
+    edges[closed] = wrong[closed] = np.nan
+    shape = (rows, count, 2)
+    return replace(
+        found,
+        edges=edges.reshape(shape),
+        error=wrong.reshape(shape).max(axis=2),
+        damping=damping,
+        method=BY_MONODROMY,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Lanes:
+    """Points that are worked on side by side: η, Q and the multiplier that is looked for (L,)."""
+
+    eta: np.ndarray
+    q: np.ndarray
+    sign: np.ndarray
+
+    def only(self, at: np.ndarray) -> _Lanes:
+        return _Lanes(self.eta[at], self.q[at], self.sign[at])
+
+
+@dataclass(frozen=True, eq=False)
+class _Pencil:
+    """The two roots δ = middle ± √room (L,) of det(E + δK) = 0, and what rounding makes of them."""
+
+    middle: np.ndarray
+    room: np.ndarray
+    wrong: np.ndarray
+
+
+def _pencil(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: float) -> _Pencil:
+    turn = monodromy(coefficients, lanes.eta, lanes.q, equation, damping)
+    e, k = turn.matrix - lanes.sign[:, None, None] * np.eye(2), turn.slope
+    across = e[:, 0, 0] * k[:, 1, 1] - e[:, 0, 1] * k[:, 1, 0] - e[:, 1, 0] * k[:, 0, 1] + e[:, 1, 1] * k[:, 0, 0]
+    square = determinant(k)
+    middle = -0.5 * across / square
+    room = middle * middle - determinant(e) / square
+    # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
+    wrong = turn.error * size(k, lanes.eta) / np.abs(square)
+    if damping:  # two roots that meet give way like a square root
+        apart = np.sqrt(np.abs(room))
+        reach = np.abs(middle) + apart
+        wrong = wrong * np.maximum(1.0, reach / np.maximum(apart, np.sqrt(wrong * reach + wrong**2)))
+    return _Pencil(middle, room, wrong)
+
+
+def _open_roots(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: float) -> np.ndarray:
+    """First guesses (L, 2) of the edges with damping, starting in the middle of each tongue; nan where it is closed."""
+    out = np.full((lanes.eta.size, 2), np.nan)
+    eta, at = lanes.eta.copy(), np.arange(lanes.eta.size)
+    for _ in range(STEPS):
+        if at.size == 0:
+            break
+        found = _pencil(coefficients, replace(lanes.only(at), eta=eta[at]), equation, damping)
+        there = found.room >= 0.0
+        centre, half = eta[at] + found.middle, np.sqrt(np.abs(found.room))
+        out[at[there]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[there]
+        clearly = ~there & (np.abs(found.middle) <= CLEARLY * half + CLOSE)
+        eta[at] += np.clip(found.middle, -FARTHEST, FARTHEST)
+        at = at[~there & ~clearly]
+    return out
+
+
+def _newton(
+    coefficients: Coefficients, lanes: _Lanes, side: float, equation: str, damping: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The lower (side -1) or upper (+1) edge near each lane's η (L,), 0 where η² would be negative, nan where there is
+    none; and what it may be wrong by."""
+    eta, wrong = lanes.eta.copy(), np.zeros(lanes.eta.size)
+    last, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
+    at = np.arange(eta.size)
+    for _ in range(STEPS):
+        if at.size == 0:
+            break
+        found = _pencil(coefficients, replace(lanes.only(at), eta=eta[at]), equation, damping)
+        step = found.middle + side * np.sqrt(np.maximum(found.room, 0.0))
+        eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
+        wrong[at] = found.wrong + step * step
+        length = np.abs(step)
+        stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
+        last[at] = length
+        done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
+        if damping:
+            eta[at[done & (found.room < -found.wrong * (np.abs(found.middle) + np.sqrt(found.wrong)))]] = np.nan
+        at = at[~done]
+    return eta, wrong

@@ -1,0 +1,300 @@
+"""The nonlinear equation of the wind-up marched in time.
+
+Steps are Gauss-Legendre collocations of order 24; one that would cross a join of the motion lands on it instead, whichever
+way the cam turns. Many points of the chart go side by side.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from math import pi
+
+import numpy as np
+
+from core.motion import EPS, TURN
+from core.stability.coefficients import Coefficients, still
+from core.stability.nonlinear import Equation, Points
+from core.stability.panels import gauss, integrals, integration, powers
+
+STAGES = 12
+PHASE = 2.0  # [rad] of the shaft's own wave per step
+PANELS = 1.5  # of the coefficients per step, about
+SWEEPS = 40
+SETTLED = 32.0 * EPS
+ATTEMPTS = 60
+LANDED = 1e-12  # [rad] from a join
+LEAST = 1e-12  # of a turn: what is no farther from a join is on it ...
+OUTSIDE = 1e-10  # [rad] ... and what goes on beyond it no farther than that has not passed it
+ARRIVED = 16.0 * EPS  # of the time: so near its end nothing happens any more
+FASTEST = 30.0  # momentum in that of an even turn: a lane beyond is lost, it only spins
+
+_NODES, _WEIGHTS = gauss(STAGES)
+_WITH_END = np.append(_NODES, 1.0)
+_WITHIN = integration(STAGES)
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One step of some lanes.
+
+    lane         (n,) which
+    y, h         (n,) where it starts and how long it is [turns of the input]
+    x            (n, 2) β and Π at its start
+    rate         (n, STAGES, 2) their derivatives at the nodes of the step
+    piece, turn  (n,) of the motion, and of the cam
+    """
+
+    lane: np.ndarray
+    y: np.ndarray
+    h: np.ndarray
+    x: np.ndarray
+    rate: np.ndarray
+    piece: np.ndarray
+    turn: np.ndarray
+
+    def only(self, at: np.ndarray) -> Step:
+        return Step(*(getattr(self, f.name)[at] for f in fields(self)))
+
+    def within(self, part: np.ndarray) -> np.ndarray:
+        """β and Π (n, k, 2) at parts (n, k) of the step, 0 ... 1: the polynomial through its nodes."""
+        power = powers(2.0 * part - 1.0, STAGES + 1)
+        return self.x[:, None] + self.h[:, None, None] * (power @ integrals(self.rate.swapaxes(1, 2)).swapaxes(1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """Where the lanes have come to.
+
+    y, x    (L,), (L, 2): β and Π there; nan where a lane was lost
+    change  (L, 2, 3) their derivatives by β and Π at the start and by η, where asked for
+    steps   all steps, where kept
+    """
+
+    y: np.ndarray
+    x: np.ndarray
+    change: np.ndarray | None
+    steps: tuple[Step, ...]
+
+
+@dataclass(eq=False)
+class _State:
+    """Where the lanes are now; see ``Marched`` and ``Step``."""
+
+    y: np.ndarray
+    x: np.ndarray
+    piece: np.ndarray
+    turn: np.ndarray
+    change: np.ndarray | None
+
+
+class March(Equation):
+    """The equation of some points, ready to be marched."""
+
+    def __init__(self, coefficients: Coefficients, points: Points) -> None:
+        super().__init__(coefficients, points)
+        panels = coefficients.panels
+        width = np.where(still(panels), TURN, panels.width)
+        self._widest = PANELS * np.minimum.reduceat(width, self.first) / TURN  # by piece
+        self._waves = PHASE / (2.0 * pi * np.maximum(self.eta, 1e-3))
+
+    def _longest(self, state: _State, lane: np.ndarray) -> np.ndarray:
+        """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
+        return np.minimum(self._widest[state.piece[lane]], self._waves[lane])
+
+    def run(self, start: np.ndarray, y0: float, y1: float, *, change: bool = False, keep: bool = False) -> Marched:
+        """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input]; change: with their derivatives; keep: with all
+        steps."""
+        lanes = self.eta.size
+        state = _State(
+            np.full(lanes, float(y0)),
+            np.array(start, dtype=float).reshape(lanes, 2),
+            np.zeros(lanes, dtype=int),
+            np.zeros(lanes, dtype=int),
+            np.tile(np.eye(2, 3), (lanes, 1, 1)) if change else None,
+        )
+        self._place(state)
+        steps: list[Step] = []
+        done_at = y1 - ARRIVED * (1.0 + abs(y1))
+        going = np.flatnonzero(state.y < done_at)
+        while going.size:
+            done = self._advance(state, going, y1)
+            if keep:
+                steps += done
+            state.y[np.abs(state.x[:, 1]) > FASTEST] = np.nan
+            going = going[state.y[going] < done_at]  # nan is not
+        state.x[np.isnan(state.y)] = np.nan
+        state.y[state.y >= done_at] = y1
+        return Marched(state.y, state.x, state.change, tuple(steps))
+
+    def _place(self, state: _State) -> None:
+        """Find the piece of each lane; where it stands on a join, that on the side it goes to."""
+        theta = TURN * (state.y - state.x[:, 0])
+        state.turn[:] = np.floor((theta + OUTSIDE) / TURN)
+        rest = theta - TURN * state.turn
+        state.piece[:] = np.clip(np.searchsorted(self.begins - OUTSIDE, rest, side="right") - 1, 0, None)
+        back = np.flatnonzero((np.abs(rest - self.begins[state.piece]) <= OUTSIDE) & (state.x[:, 1] < 0.0))
+        self._leave(state, back, np.full(back.size, -1))
+
+    def _ends(self, state: _State, lane: np.ndarray) -> np.ndarray:
+        """Cam angles (n, 2) where the lanes' pieces begin and end."""
+        piece, full = state.piece[lane], TURN * state.turn[lane]
+        return np.stack((self.begins[piece] + full, self.ends[piece] + full), axis=1)
+
+    def _advance(self, state: _State, lane: np.ndarray, y1: float) -> list[Step]:
+        """One step of each lane named. A lane that does not get on is lost: nan."""
+        h, aim = self._first_guess(state, lane, y1)
+        done: list[Step] = []
+        for _ in range(ATTEMPTS):
+            ends = self._ends(state, lane)
+            trial, h, settled = self._collocate(state, lane, h, aim, ends)
+            theta = TURN * (state.y[lane, None] + h[:, None] * _WITH_END - trial.within(_WITH_END[None])[..., 0])
+            outside = np.where(theta > ends[:, 1:] + OUTSIDE, 1, np.where(theta < ends[:, :1] - OUTSIDE, -1, 0))
+            outside[aim != 0, -1] = 0  # a landing ends on the join, whatever rounding says
+            left = outside.any(axis=1)
+            inside_time = (h > 0.0) & (h <= (y1 - state.y[lane]) * (1.0 + 4.0 * EPS))
+            good = settled & ~left & inside_time
+            if good.all():
+                self._accept(state, trial, aim, ends, y1)
+                return [*done, trial]
+            if good.any():
+                done.append(trial.only(good))
+                self._accept(state, done[-1], aim[good], ends[good], y1)
+            h, aim = _next_guess(trial, h, aim, settled & left & inside_time, theta, outside, ends)
+            lane, h, aim = lane[~good], h[~good], aim[~good]
+            crossing = np.flatnonzero(h < LEAST)
+            if crossing.size:  # on a join and on its way to the other side
+                at = lane[crossing]
+                theta_now = TURN * (state.y[at] - state.x[at, 0])
+                near = np.abs(theta_now[:, None] - self._ends(state, at)).argmin(axis=1)
+                self._leave(state, at, 2 * near - 1)
+                h[crossing], aim[crossing] = self._first_guess(state, at, y1)
+        state.y[lane], state.x[lane] = np.nan, np.nan
+        return done
+
+    def _first_guess(self, state: _State, lane: np.ndarray, y1: float) -> tuple[np.ndarray, np.ndarray]:
+        """Length of the step, and whether it is to land on the end (+1) or beginning (-1) of the piece, or nowhere (0)."""
+        h = np.minimum(self._longest(state, lane), y1 - state.y[lane])
+        theta = TURN * (state.y[lane] - state.x[lane, 0])
+        low, high = self._ends(state, lane).T
+        d = self.local(1, state.piece[lane], state.turn[lane], theta[:, None])[0, :, 0]
+        speed = TURN * state.x[lane, 1] / (1.0 + self.q[lane] * d)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            needed = np.where(speed > 0.0, high - theta, low - theta) / speed
+        soon = (needed > LEAST) & (needed <= 1.05 * h)
+        return np.where(soon, needed, h), np.where(soon, np.where(speed > 0.0, 1, -1), 0)
+
+    def _collocate(
+        self, state: _State, lane: np.ndarray, h: np.ndarray, aim: np.ndarray, ends: np.ndarray
+    ) -> tuple[Step, np.ndarray, np.ndarray]:
+        """Steps of length h, or such that they land; whether each has settled (n,).
+
+        Newton's method, simplified: the matrix is that of a shaft without a train.
+        """
+        piece, turn = state.piece[lane], state.turn[lane]
+        y, x, n = state.y[lane], state.x[lane], lane.size
+        goal = np.where(aim > 0, ends[:, 1], ends[:, 0])
+        lands, any_lands = aim != 0, bool(aim.any())
+        limit = 1.5 * self._longest(state, lane)
+        h = np.clip(h, -limit, limit)
+        solve = self._free_shaft(lane, h)
+        rate = self.rate(lane, piece, turn, y[:, None], x[:, None]).repeat(STAGES, axis=1)
+        for _ in range(SWEEPS):
+            values = x[:, None] + h[:, None, None] * (_WITHIN @ rate)
+            residual = self.rate(lane, piece, turn, y[:, None] + h[:, None] * _NODES, values) - rate
+            rate = rate + (solve @ residual.reshape(n, -1, 1)).reshape(rate.shape)
+            settled = np.abs(residual).max(axis=(1, 2)) <= SETTLED * (1.0 + np.abs(rate).max(axis=(1, 2)))
+            if any_lands:
+                miss = goal - TURN * (y + h - x[:, 0] - h * (rate[:, :, 0] @ _WEIGHTS))
+                speed = TURN * (1.0 - rate[:, -1, 0])
+                step = np.where(lands & (speed != 0.0), miss / np.where(speed == 0.0, 1.0, speed), 0.0)
+                most = 0.5 * np.abs(h) + LEAST
+                h = np.clip(h + np.clip(step, -most, most), -limit, limit)
+                settled &= ~lands | (np.abs(miss) <= LANDED)
+            if settled.all():
+                break
+        return Step(lane, y, h, x, rate, piece, turn), h, settled
+
+    def _free_shaft(self, lane: np.ndarray, h: np.ndarray) -> np.ndarray:
+        """(1 - h A ⊗ L)⁻¹ (n, 2s, 2s), L the matrix of β' = 1 - Π, Π' = 4π²η² β + 4πζη β'."""
+        matrix = np.zeros((lane.size, STAGES, 2, STAGES, 2))
+        along = h[:, None, None] * _WITHIN
+        matrix[:, :, 0, :, 1] = along
+        matrix[:, :, 1, :, 0] = -self.stiff[lane, None, None] * along
+        if self.damping:
+            matrix[:, :, 1, :, 1] = self.damp[lane, None, None] * along
+        size = 2 * STAGES
+        return np.linalg.inv(np.eye(size) + matrix.reshape(lane.size, size, size))
+
+    def _accept(self, state: _State, step: Step, aim: np.ndarray, ends: np.ndarray, y1: float) -> None:
+        """The lanes are at the ends of their steps."""
+        lane = step.lane
+        if state.change is not None:
+            state.change[lane] = self._changed(step, state.change[lane])
+        x = step.x + step.h[:, None] * np.einsum("s,nsk->nk", _WEIGHTS, step.rate)
+        y = step.y + step.h
+        landed = aim != 0
+        goal = np.where(aim > 0, ends[:, 1], ends[:, 0])
+        x[landed, 0] = y[landed] - goal[landed] / TURN  # the cam angle is known there
+        y = np.where(~landed & (y >= y1 * (1.0 - 4.0 * EPS)), y1, y)
+        state.y[lane], state.x[lane] = y, x
+        self._leave(state, lane[landed], aim[landed])
+
+    def _changed(self, step: Step, before: np.ndarray) -> np.ndarray:
+        """The derivatives (n, 2, 3) at the end of a step: the same collocation for the linear equation they obey."""
+        y = step.y[:, None] + step.h[:, None] * _NODES
+        x = step.x[:, None] + step.h[:, None, None] * (_WITHIN @ step.rate)
+        full = self.jacobian(step.lane, step.piece, step.turn, y, x)
+        n = step.lane.size
+        jacobian, by_eta = full[..., :2], full[..., 2]
+        # (1 - h A ⊗ J) rates = J before + by_eta
+        inner = np.einsum("ij,nikl->nikjl", _WITHIN, jacobian) * step.h[:, None, None, None, None]
+        system = np.eye(2 * STAGES) - inner.reshape(n, 2 * STAGES, 2 * STAGES)
+        right = jacobian @ before[:, None]
+        right[..., 2] += by_eta
+        rates = np.linalg.solve(system, right.reshape(n, 2 * STAGES, 3)).reshape(n, STAGES, 2, 3)
+        return before + step.h[:, None, None] * np.einsum("s,nskl->nkl", _WEIGHTS, rates)
+
+    def _leave(self, state: _State, lane: np.ndarray, way: np.ndarray) -> None:
+        """Put lanes into the piece after (way +1) or before (-1) theirs; where C jumps there, so do the derivatives.
+
+        A state that is off by δx passes the join by δτ = δβ/(1-β') later, and δx jumps by (f⁻ - f⁺) δτ.
+        """
+        if lane.size == 0:
+            return
+        old, turn, count = state.piece[lane], state.turn[lane], self.begins.size
+        new, new_turn = (old + way) % count, turn + (old + way) // count
+        if state.change is not None:
+            y, x = state.y[lane, None], state.x[lane, None]
+            here, there = self.rate(lane, old, turn, y, x)[:, 0], self.rate(lane, new, new_turn, y, x)[:, 0]
+            speed = 1.0 - here[:, 0]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                jump = np.where(speed != 0.0, (here[:, 1] - there[:, 1]) / speed, 0.0)
+            state.change[lane, 1] += jump[:, None] * state.change[lane, 0]
+        state.piece[lane], state.turn[lane] = new, new_turn
+
+
+def _next_guess(
+    trial: Step,
+    h: np.ndarray,
+    aim: np.ndarray,
+    crossed: np.ndarray,
+    theta: np.ndarray,
+    outside: np.ndarray,
+    ends: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Length and aim (n,) of the next attempt: a step that left its piece is to land where it did; any other is tried
+    free and half as long."""
+    first = (outside != 0).argmax(axis=1)
+    at = np.arange(h.size)
+    side = outside[at, first]
+    before_part = np.where(first > 0, _WITH_END[first - 1], 0.0)
+    start = TURN * (trial.y - trial.x[:, 0])
+    before = np.where(first > 0, theta[at, first - 1], start)
+    goal = np.where(side > 0, ends[:, 1], ends[:, 0])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        part = np.clip((goal - before) / (theta[at, first] - before), 0.0, 1.0)
+    part = before_part + np.nan_to_num(part) * (_WITH_END[first] - before_part)
+    # a piece is left at once where the cam turns back on its very end: then look closer
+    at_once = crossed & (first == 0) & (part <= 1e-6)
+    new = np.where(crossed, np.where(at_once, _NODES[0] * h, part * h), 0.5 * np.abs(h))
+    return new, np.where(crossed & ~at_once, side, 0)

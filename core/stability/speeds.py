@@ -1,0 +1,188 @@
+"""The chart in the words of a machine: revolutions per minute, forbidden bands of speed, the shaft that a speed needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import pi, sqrt
+
+import numpy as np
+
+from core.stability.coefficients import LOAD, LOAD_SLOPE, RETUNED, Coefficients
+from core.stability.edges import tongues
+from core.stability.equations import EXACT
+from core.stability.monodromy import monodromy
+from core.stability.tongues import Tongues
+
+RPM = 30.0 / pi
+LOOKS = 9  # η looked at in each tongue, again and again closer
+ROUNDS = 4
+NOTICEABLE = 1e-3  # growth per turn below which a band is left to the smallest damping of any real shaft
+CLEAR = 0.02  # relative distance from a band within which a speed is near it
+
+
+@dataclass(frozen=True)
+class Machine:
+    """The numbers of a machine beside its coefficients.
+
+    camshaft_inertia I_c [kg m²], stiffness K_s [N m/rad], omega [rad/s], damping ratio, q, largest J [kg m²]
+    """
+
+    camshaft_inertia: float
+    stiffness: float
+    omega: float
+    damping: float
+    q: float
+    inertia: float
+
+    @property
+    def natural(self) -> float:
+        """√(K_s/I_c) [rad/s]."""
+        return sqrt(self.stiffness / self.camshaft_inertia)
+
+    @property
+    def eta(self) -> float:
+        """η at the machine's own speed (Kim1990 (12))."""
+        return self.natural / self.omega
+
+    def omega_at(self, eta: float) -> float:
+        """Speed [rad/s] at an η."""
+        return self.natural / eta
+
+    def rpm(self, eta: float) -> float:
+        """Speed [1/min] at an η; infinite at 0."""
+        return self.natural * RPM / eta if eta > 0.0 else float("inf")
+
+    def shaft_for(self, eta: float, q: float) -> tuple[float, float]:
+        """I_c [kg m²] and K_s [N m/rad] that put the machine at (η, Q) of the chart at its own speed and masses."""
+        inertia = self.inertia / q
+        return inertia, inertia * (eta * self.omega) ** 2
+
+
+@dataclass(frozen=True)
+class Band:
+    """A forbidden band of speed.
+
+    n                 of the tongue
+    eta_lo, eta_hi    its edges
+    rpm_lo, rpm_hi    the same as speeds; the higher infinite where even the fastest shaft is unstable
+    growth            ln of the largest growth per turn within; rate [1/s] the same by time at ``worst_rpm``
+    """
+
+    n: int
+    eta_lo: float
+    eta_hi: float
+    rpm_lo: float
+    rpm_hi: float
+    growth: float
+    worst_rpm: float
+
+    @property
+    def rate(self) -> float:
+        return self.growth * self.worst_rpm / 60.0
+
+    def holds(self, rpm: float) -> bool:
+        return self.rpm_lo <= rpm <= self.rpm_hi
+
+    def distance(self, rpm: float) -> float:
+        """Relative distance of a speed from the band, 0 within."""
+        return max(self.rpm_lo / rpm - 1.0, 1.0 - self.rpm_hi / rpm, 0.0)
+
+
+def bands(coefficients: Coefficients, machine: Machine, found: Tongues, row: int = 0) -> tuple[Band, ...]:
+    """The forbidden bands of one row of tongues, the fastest first."""
+    edges = found.edges[row]
+    n = np.flatnonzero((edges[:, 1] > edges[:, 0]) & (edges[:, 1] > 0.0))  # nan is not
+    if n.size == 0:
+        return ()
+    worst, rate = peaks(coefficients, edges[n], float(found.q[row]), found.equation, found.damping)
+    return tuple(
+        Band(
+            int(k) + 1,
+            float(lo),
+            float(hi),
+            machine.rpm(float(hi)),
+            machine.rpm(float(lo)),
+            float(g),
+            machine.rpm(float(w)),
+        )
+        for k, (lo, hi), g, w in zip(n, edges[n], rate, worst, strict=True)
+    )
+
+
+def peaks(
+    coefficients: Coefficients, edges: np.ndarray, q: float, equation: str = EXACT, damping: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where in tongues (n, 2) the growth per turn is largest, and its logarithm there (n,), refined."""
+    low, high = edges[:, 0].copy(), edges[:, 1].copy()
+    at = np.arange(low.size)
+    part = np.linspace(0.0, 1.0, LOOKS)
+    eta, rate = 0.5 * (low + high), np.zeros(low.size)
+    for _ in range(ROUNDS):
+        looks = low[:, None] + (high - low)[:, None] * part
+        seen = monodromy(coefficients, looks.ravel(), np.full(looks.size, q), equation, damping).growth.reshape(
+            looks.shape
+        )
+        top = seen.argmax(axis=1)
+        better = seen[at, top] >= rate
+        eta, rate = np.where(better, looks[at, top], eta), np.maximum(rate, seen[at, top])
+        low, high = looks[at, np.maximum(top - 1, 0)], looks[at, np.minimum(top + 1, LOOKS - 1)]
+    return eta, rate
+
+
+def loads_at(coefficients: Coefficients, eta: float) -> Coefficients:
+    """The coefficients of a fixed spring held at the speed of this η: K_s may then vary, and η² with it, and the loads
+    stay; those of a retuned one unchanged."""
+    if not coefficients.fixed:
+        return coefficients
+    values = coefficients.panels.values.copy()
+    values[[LOAD, LOAD_SLOPE]] *= eta * eta
+    return replace(coefficients, panels=replace(coefficients.panels, values=values), spring=RETUNED)
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """The shafts that a speed allows.
+
+    rpm        the speed
+    forbidden  (n, K_lo, K_hi) [N m/rad] by tongue, for the tongues looked at, the softest first
+    now        K_s of the machine; ``allowed`` whether it keeps clear of what is forbidden
+    stiffer    the least K_s above the present one that keeps clear, which may be the present one
+    softer     the greatest below it, None where there is none
+    """
+
+    rpm: float
+    forbidden: tuple[tuple[int, float, float], ...]
+    now: float
+    allowed: bool
+    stiffer: float
+    softer: float | None
+
+
+def stiffness_for(coefficients: Coefficients, machine: Machine, rpm: float, count: int) -> Stiffness:
+    """How stiff the shaft must be to run at a speed [1/min], by the tongues 1 ... count; a tongue counts where it grows
+    noticeably, and is kept clear of by ``CLEAR`` in η."""
+    omega = rpm / RPM
+    held = loads_at(coefficients, machine.natural / omega)
+    found = tongues(held, np.array([machine.q]), count, EXACT, machine.damping)
+    there = bands(held, replace(machine, omega=omega), found)
+    unit = machine.camshaft_inertia * omega * omega
+    taken = [b for b in there if b.growth >= NOTICEABLE]
+    bottom = float(found.bottom[0])
+    forbidden = [(0, 0.0, unit * bottom**2)] if bottom > 0.0 else []
+    forbidden += [(b.n, unit * b.eta_lo**2, unit * b.eta_hi**2) for b in sorted(taken, key=lambda b: b.n)]
+    wide = [(lo * (1.0 - CLEAR) ** 2, hi * (1.0 + CLEAR) ** 2) for _, lo, hi in forbidden]
+    stiffer, softer = machine.stiffness, machine.stiffness
+    for lo, hi in wide:  # upwards
+        if lo < stiffer < hi:
+            stiffer = hi
+    for lo, hi in reversed(wide):
+        if lo < softer < hi:
+            softer = lo
+    return Stiffness(
+        rpm,
+        tuple(forbidden),
+        machine.stiffness,
+        stiffer == machine.stiffness,
+        stiffer,
+        softer if softer > 0.0 else None,
+    )

@@ -1,0 +1,178 @@
+"""The stability of one machine: what a study keeps of it. Each part is computed when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from core.design import Elastic, si
+from core.dynamics import Loading
+from core.errors import NoAnswer, NoStability
+from core.findings import Residual
+from core.motion import Program
+from core.stability.chart import ETA_MAX, count_up_to
+from core.stability.coefficients import Coefficients
+from core.stability.contact import Contact, TrainAndShapeAt, contact
+from core.stability.edges import refined, tongues
+from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.monodromy import monodromy
+from core.stability.orbit import Orbit
+from core.stability.speeds import RPM, Band, Machine, Stiffness, bands, stiffness_for
+from core.stability.tongues import Tongues, harmonic_tongues
+from core.stability.verdicts import (
+    PERIODS,
+    Verdict,
+    linear_verdicts,
+    rest_verdict,
+    steady_verdict,
+)
+from core.stability.windup import History, history
+
+FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
+STEADY_ETA = 12.0  # and the true steady response: a slow shaft in a hurry would take long
+
+
+@dataclass(eq=False)
+class Stability:
+    """A flexible shaft and what it drives.
+
+    coefficients, machine   dimensionless and in SI
+    contact                 None where the design has no cam that could be lifted off
+    """
+
+    coefficients: Coefficients
+    machine: Machine
+    contact_of: Callable[[], Contact | None]
+
+    @cached_property
+    def contact(self) -> Contact | None:
+        return self.contact_of()
+
+    def tongues(self, equation: str = EXACT, eta_max: float = ETA_MAX, q: float | None = None) -> Tongues:
+        """The row of the machine, or of another Q, with its damping."""
+        return tongues(
+            self.coefficients,
+            np.array([self.machine.q if q is None else q]),
+            count_up_to(eta_max),
+            equation,
+            self.machine.damping,
+        )
+
+    @cached_property
+    def exact(self) -> Tongues:
+        """The tongues of (21) up to η = 5.6 or, where the machine runs slower, next to its own speed."""
+        wanted = self.machine.eta + 1.0 if self.machine.eta <= FARTHEST_ETA else ETA_MAX
+        return self.tongues(EXACT, max(ETA_MAX, wanted))
+
+    @cached_property
+    def bands(self) -> tuple[Band, ...]:
+        """The forbidden bands of speed, the fastest first."""
+        return bands(self.coefficients, self.machine, self.exact)
+
+    @property
+    def top_rpm(self) -> float:
+        """Above this speed [1/min] everything is unstable; infinite where nothing is."""
+        return self.machine.rpm(float(self.exact.bottom[0]))
+
+    @cached_property
+    def linear(self) -> tuple[Verdict, ...]:
+        """What (22) and (21) say of the machine's own point."""
+        return linear_verdicts(self.coefficients, self.machine.eta, self.machine.q, self.machine.damping)
+
+    @cached_property
+    def steady(self) -> tuple[Verdict, Orbit | None, History | None]:
+        """The true steady response at the machine's own point, and what it says."""
+        m = self.machine
+        return steady_verdict(self.coefficients, m.eta, m.q, m.damping, self.contact)
+
+    @property
+    def told(self) -> tuple[Verdict, ...]:
+        """The verdicts on the machine's own point, the steady response's where η is not beyond reach."""
+        return (*self.linear, self.steady[0]) if self.machine.eta <= STEADY_ETA else self.linear
+
+    def history(self, periods: float = PERIODS, eta: float | None = None, q: float | None = None) -> History:
+        """From rest at the machine's own point or at another one of the chart."""
+        m = self.machine
+        eta, q = m.eta if eta is None else eta, m.q if q is None else q
+        return history(self.coefficients, eta, q, m.damping, periods, contact=self.contact)
+
+    def quick(self, eta: float, q: float) -> tuple[Verdict, ...]:
+        """What (22) and (21) say of any point of the chart."""
+        return linear_verdicts(self.coefficients, eta, q, self.machine.damping)
+
+    def verdicts(self, eta: float, q: float, periods: float = PERIODS) -> tuple[Verdict, ...]:
+        """What every model says of any point of the chart."""
+        m = self.machine
+        gone = self.history(periods, eta, q)
+        steady = steady_verdict(self.coefficients, eta, q, m.damping, self.contact)[0]
+        return (*linear_verdicts(self.coefficients, eta, q, m.damping), steady, rest_verdict(gone))
+
+    def stiffness_for(self, rpm: float) -> Stiffness:
+        """How stiff the shaft must be for a speed [1/min]."""
+        wanted = self.machine.natural / (rpm / RPM) + 1.0
+        return stiffness_for(self.coefficients, self.machine, rpm, count_up_to(max(ETA_MAX, min(wanted, FARTHEST_ETA))))
+
+    @cached_property
+    def certificate(self) -> dict[str, Residual]:
+        """Harmonic balance against monodromy matrices at the edges up to η = 5.6, and Liouville's determinant there.
+
+        The tongues of (21) without damping come both ways; they may differ by what both say they may be wrong by. Empty where
+        there are none.
+        """
+        try:
+            found = harmonic_tongues(self.coefficients, np.array([self.machine.q]), count_up_to(ETA_MAX), EXACT)
+        except NoStability:
+            return {}
+        again = refined(self.coefficients, found)
+        room = np.maximum(found.error + again.error, 1e-300)
+        apart = np.abs(found.edges - again.edges).max(axis=2)
+        worst = int((apart / room).argmax())
+        turn = monodromy(
+            self.coefficients, again.edges.ravel(), np.array([self.machine.q]), EXACT, self.machine.damping
+        )
+        slack = 64.0 * turn.error
+        late = int((turn.liouville / slack).argmax())
+        return {
+            "tongue_residual": Residual(float(apart.flat[worst]), float(room.flat[worst])),
+            "tongue_error": Residual(float(np.nanmax(self.exact.error, initial=0.0)), 1e-8),
+            "liouville": Residual(float(turn.liouville[late]), float(slack[late])),
+        }
+
+    @property
+    def kim(self) -> Tongues:
+        """The tongues of (22), as Kim1990 has them."""
+        return self.tongues(APPROXIMATE)
+
+
+def stability(
+    made: Coefficients,
+    elastic: Elastic,
+    omega: float,
+    train_and_shape_at: TrainAndShapeAt,
+    loading: Loading,
+    program: Program,
+) -> Stability:
+    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]."""
+    s = si(elastic)
+    inertia, stiffness = s.camshaft_inertia, s.stiffness
+    machine = Machine(inertia, stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
+
+    def contact_of() -> Contact | None:
+        try:
+            return contact(
+                train_and_shape_at,
+                loading,
+                program,
+                made.sizes,
+                elastic.spring,
+                elastic.spring_factor,
+                made.q,
+                stiffness,
+            )
+        except NoAnswer:
+            return None
+
+    return Stability(made, machine, contact_of)

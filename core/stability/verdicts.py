@@ -1,0 +1,96 @@
+"""What each model says of one point of the chart, side by side: a point may be stable in one and not in another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.stability.coefficients import Coefficients
+from core.stability.contact import Contact
+from core.stability.equations import APPROXIMATE, EQUATIONS, EXACT
+from core.stability.monodromy import monodromy
+from core.stability.orbit import TOLERANCE, Orbit, orbit
+from core.stability.windup import History, history
+
+STEADY, FROM_REST = "steady", "from_rest"
+LINEAR = (APPROXIMATE, EXACT)
+SETTLED = 0.9  # of the time: what stands highest before it no longer grows
+PERIODS = 30.0
+
+LABELS = {
+    **{slug: row.label for slug, row in EQUATIONS.items()},
+    STEADY: "About the true steady response",
+    FROM_REST: "Nonlinear (13) from rest",
+}
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one model says.
+
+    model    row of ``LABELS``
+    stable   None where it cannot say: no steady response was found, or the history is too short
+    growth   ln of the growth per turn, nan where the model has none
+    trace    of its monodromy matrix, nan where it has none
+    largest  largest |β| of the response [turns], nan where the model has none
+    lost     y at which the follower first leaves the cam [turns], None where it stays on it or nobody knows
+    """
+
+    model: str
+    stable: bool | None
+    growth: float = float("nan")
+    trace: float = float("nan")
+    largest: float = float("nan")
+    lost: float | None = None
+
+    @property
+    def label(self) -> str:
+        return LABELS[self.model]
+
+
+def linear_verdicts(
+    coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, models: Sequence[str] = LINEAR
+) -> tuple[Verdict, ...]:
+    """(22) and (21): quick."""
+    told = []
+    for model in models:
+        turn = monodromy(coefficients, np.array([eta]), np.array([q]), model, damping)
+        rate = float(turn.growth[0])
+        told.append(Verdict(model, rate <= TOLERANCE, rate, float(turn.trace[0])))
+    return tuple(told)
+
+
+def steady_verdict(
+    coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, contact: Contact | None = None
+) -> tuple[Verdict, Orbit | None, History | None]:
+    """The last word, with the response it is about and one turn of it."""
+    found = orbit(coefficients, eta, q, damping)
+    if found is None:
+        return Verdict(STEADY, None), None, None
+    state = (float(found.state[0]), float(found.state[1]))
+    turn = history(coefficients, eta, q, damping, 1.0, state, contact)
+    verdict = Verdict(STEADY, found.stable, found.growth, found.trace, turn.largest[0], turn.contact_lost)
+    return verdict, found, turn
+
+
+def rest_verdict(gone: History) -> Verdict:
+    """What a history from rest shows: whether the wind-up has stopped growing."""
+    largest, y = gone.largest
+    settled = y <= SETTLED * gone.periods and gone.ended == gone.periods
+    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=gone.contact_lost)
+
+
+def verdicts(
+    coefficients: Coefficients,
+    eta: float,
+    q: float,
+    damping: float = 0.0,
+    contact: Contact | None = None,
+    periods: float = PERIODS,
+) -> tuple[Verdict, ...]:
+    """All of them: (22), (21), the steady response, the history from rest."""
+    gone = history(coefficients, eta, q, damping, periods, contact=contact)
+    steady = steady_verdict(coefficients, eta, q, damping, contact)[0]
+    return (*linear_verdicts(coefficients, eta, q, damping), steady, rest_verdict(gone))

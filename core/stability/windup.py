@@ -1,0 +1,268 @@
+"""The wind-up of the shaft in time, from rest or from any state, by the nonlinear equation (13) of Kim1990."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from math import pi
+
+import numpy as np
+
+from core.motion import TURN
+from core.stability.coefficients import Coefficients
+from core.stability.contact import Contact
+from core.stability.march import OUTSIDE, STAGES, March, Step
+from core.stability.nonlinear import Points
+from core.stability.panels import powers, to_powers
+
+LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
+BISECTIONS = 50
+CELLS = 6  # cells between looks in which the largest wind-up is searched
+
+
+@dataclass(frozen=True, eq=False)
+class History:
+    """Wind-up of one point of the chart over y = 0 ... ``periods`` turns of the input.
+
+    steps   all steps, one after the other
+    ended   where it ends [turns]: earlier than asked where the equation could not be followed
+    """
+
+    coefficients: Coefficients
+    eta: float
+    q: float
+    damping: float
+    periods: float
+    steps: Step
+    ended: float
+    contact: Contact | None = None
+
+    # -- values -----------------------------------------------------------------------------------------
+
+    def at(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """β and β' (n,) at y (n,) [turns of the input], 0 ... ended."""
+        step = np.clip(np.searchsorted(self.steps.y, y, side="right") - 1, 0, None)
+        part = np.clip((y - self.steps.y[step]) / self.steps.h[step], 0.0, 1.0)
+        return self._within(step, part)
+
+    def _within(self, step: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """β and β' (n,) at parts (n,) of steps (n,)."""
+        taken = self.steps.only(step)
+        beta = taken.within(part[:, None])[:, 0, 0]
+        return beta, _interpolated(taken.rate[:, :, 0], part[:, None])[:, 0]
+
+    @cached_property
+    def _looks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """y, β and β' (steps, looks) at ``LOOKED_AT`` of every step."""
+        y = self.steps.y[:, None] + self.steps.h[:, None] * LOOKED_AT
+        beta = self.steps.within(np.broadcast_to(LOOKED_AT, y.shape))[..., 0]
+        return y, beta, _interpolated(self.steps.rate[:, :, 0], np.broadcast_to(LOOKED_AT, y.shape))
+
+    # -- figures ----------------------------------------------------------------------------------------
+
+    @cached_property
+    def largest(self) -> tuple[float, float]:
+        """max |β| and the y where it stands, refined."""
+        y, beta, rate = self._looks
+        size = np.abs(beta)
+        i, j = np.unravel_index(int(size.argmax()), size.shape)
+        best = (float(size[i, j]), float(y[i, j]))
+        # every cell whose β' changes sign may hide the top, the highest ones first
+        tops = np.where(rate[:, :-1] * rate[:, 1:] <= 0.0, np.maximum(size[:, :-1], size[:, 1:]), -1.0)
+        for at in np.argsort(-tops, axis=None)[:CELLS]:
+            i, j = np.unravel_index(int(at), tops.shape)
+            if tops[i, j] < 0.0:
+                break
+            part = self._zero(int(i), float(LOOKED_AT[j]), float(LOOKED_AT[j + 1]))
+            value = abs(float(self._within(np.full(1, i), np.array([part]))[0][0]))
+            best = max(best, (value, float(self.steps.y[i] + part * self.steps.h[i])))
+        return best
+
+    def _zero(self, step: int, low: float, high: float) -> float:
+        """The part of a step at which β' changes sign."""
+        at = np.full(1, step)
+        sign = np.sign(self._within(at, np.array([low]))[1][0])
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            if np.sign(self._within(at, np.array([middle]))[1][0]) == sign:
+                low = middle
+            else:
+                high = middle
+        return 0.5 * (low + high)
+
+    def averages(self) -> tuple[float, float]:
+        """Means of |β| and |β'| over the whole history (Kim1990 Figs. 6, 7: over the first turn)."""
+        y, beta, rate = self._looks
+        sums = _sizes(y, beta, rate)
+        return float(sums[0].sum() / self.ended), float(sums[1].sum() / self.ended)
+
+    @property
+    def spread(self) -> float:
+        """max |β| in the last third over that in the first: above 1 where the wind-up still grows."""
+        y, beta, _ = self._looks
+        third = self.ended / 3.0
+        last, first = np.abs(beta[y >= 2.0 * third]).max(), np.abs(beta[y <= third]).max()
+        return float(last / first) if first > 0.0 else 1.0
+
+    @cached_property
+    def turned_back(self) -> float | None:
+        """The first y at which the cam stands still and turns back (β' = 1), None where it never does."""
+        y, _, rate = self._looks
+        return _first_zero(y, 1.0 - rate)
+
+    # -- contact ----------------------------------------------------------------------------------------
+
+    def force(self, y: np.ndarray) -> np.ndarray:
+        """Contact force (n,) at y (n,) as a multiple of M X''m ω²; nan without a ``contact``."""
+        if self.contact is None:
+            return np.full(np.shape(y), np.nan)
+        beta, rate = self.at(y)
+        return self._force(y, beta, rate)[0]
+
+    def _force(self, y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """f (n,) and whether the follower moves there (n,)."""
+        assert self.contact is not None
+        theta = np.mod(TURN * (y - beta) + OUTSIDE, TURN)  # on a join: right of it
+        d, c, u = self.coefficients.panels.at(theta, 3)
+        whole = 1.0 + self.q * d
+        load = self.q * u * (self.eta**2 if self.coefficients.fixed else 1.0)
+        # (13); θ̈/ω² = -β''/2π
+        push = self.q * c * (1.0 - rate) ** 2 + load - 2.0 * pi * self.eta**2 * beta
+        acceleration = -(push - 2.0 * self.damping * self.eta * rate) / whole
+        panels = self.contact.panels
+        at = panels.index(theta)
+        force = self.contact.force(panels.at(theta, 3), self.eta, 1.0 - rate, acceleration)
+        return force, self.contact.moves[at]
+
+    @cached_property
+    def contact_lost(self) -> float | None:
+        """The first y at which the contact force falls through zero while the follower moves, None where it never does
+        (and where no contact is known)."""
+        if self.contact is None:
+            return None
+        y, beta, rate = self._looks
+        force, moves = self._force(y.ravel(), beta.ravel(), rate.ravel())
+        bad = np.flatnonzero(moves & (force < 0.0))
+        if bad.size == 0:
+            return None
+        i, j = np.unravel_index(bad[0], y.shape)
+        if j == 0 or not moves.reshape(y.shape)[i, j - 1]:
+            return float(y[i, j])
+        low, high = float(y[i, j - 1]), float(y[i, j])
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (low + high)
+            if self.force(np.array([middle]))[0] < 0.0:
+                high = middle
+            else:
+                low = middle
+        return high
+
+    # -- frequencies ------------------------------------------------------------------------------------
+
+    def spectrum(self, highest: float = 12.0) -> tuple[np.ndarray, np.ndarray]:
+        """Orders (multiples of the shaft's speed) and amplitudes of β: a Hann window over the whole history, so a lasting
+        wave of amplitude 1 stands as 1."""
+        count = int(2 ** np.ceil(np.log2(4.0 * highest * self.ended)))
+        beta, _ = self.at(self.ended * np.arange(count) / count)
+        window = 0.5 - 0.5 * np.cos(TURN * np.arange(count) / count)
+        amplitude = np.abs(np.fft.rfft(beta * window)) * (4.0 / count)
+        amplitude[0] *= 0.5
+        order = np.arange(amplitude.size) / self.ended
+        return order[order <= highest], amplitude[order <= highest]
+
+
+def history(
+    coefficients: Coefficients,
+    eta: float,
+    q: float,
+    damping: float = 0.0,
+    periods: float = 30.0,
+    start: tuple[float, float] | None = None,
+    contact: Contact | None = None,
+) -> History:
+    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6)."""
+    states = None if start is None else np.array([start])
+    return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact)[0]
+
+
+def histories(
+    coefficients: Coefficients,
+    eta: np.ndarray,
+    q: np.ndarray,
+    damping: float = 0.0,
+    periods: float = 30.0,
+    start: np.ndarray | None = None,
+    contact: Contact | None = None,
+) -> tuple[History, ...]:
+    """Several points (L,) side by side, from states (L, 2) or from rest: hardly slower than one of them."""
+    march = March(coefficients, Points(eta, q, damping))
+    gone = march.run(march.resting() if start is None else start, 0.0, periods, keep=True)
+    steps = Step(*(np.concatenate([getattr(s, f.name) for s in gone.steps]) for f in fields(Step)))
+    told = []
+    for lane in range(eta.size):
+        own = steps.only(np.flatnonzero(steps.lane == lane))
+        ended = float(own.y[-1] + own.h[-1]) if np.isnan(gone.y[lane]) else periods
+        told.append(History(coefficients, float(eta[lane]), float(q[lane]), damping, periods, own, ended, contact))
+    return tuple(told)
+
+
+def averages(
+    coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, damping: float = 0.0, periods: float = 1.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """Means (L,) of |β| and |β'| over the first periods from rest, many points side by side (Kim1990 Figs. 6, 7)."""
+    eta, q = np.broadcast_arrays(np.atleast_1d(np.asarray(eta, dtype=float)), np.asarray(q, dtype=float))
+    march = March(coefficients, Points(eta, q, damping))
+    gone = march.run(march.resting(), 0.0, periods, keep=True)
+    sums = np.zeros((2, eta.size))
+    for step in gone.steps:
+        parts = np.broadcast_to(LOOKED_AT, (step.lane.size, LOOKED_AT.size))
+        y = step.y[:, None] + step.h[:, None] * parts
+        beta, rate = step.within(parts)[..., 0], _interpolated(step.rate[:, :, 0], parts)
+        for row, size in zip(sums, _sizes(y, beta, rate), strict=True):
+            np.add.at(row, step.lane, size)
+    sums[:, np.isnan(gone.y)] = np.nan
+    return sums[0] / periods, sums[1] / periods
+
+
+def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): a cubic between two looks (Hermite)."""
+    width = np.diff(y, axis=1)
+    a, b = beta[:, :-1], beta[:, 1:]
+    u, v = width * rate[:, :-1], width * rate[:, 1:]
+    cubic = np.array([a, u, 3.0 * (b - a) - 2.0 * u - v, 2.0 * (a - b) + u + v])
+    slope = np.array([cubic[1], 2.0 * cubic[2], 3.0 * cubic[3]])  # of the cubic, times the width
+    return (width * _both_signs(cubic)).sum(axis=1), _both_signs(slope).sum(axis=1)
+
+
+def _both_signs(powers_of: np.ndarray) -> np.ndarray:
+    """∫ |f| over 0 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
+    horner = np.polynomial.polynomial.polyval
+    start, end = powers_of[0], powers_of.sum(axis=0)
+    turns = start * end < 0.0
+    zero = np.where(turns, start / np.where(turns, start - end, 1.0), 1.0)
+    slope = np.polynomial.polynomial.polyder(powers_of, axis=0)
+    for _ in range(4):
+        steep = horner(zero, slope, tensor=False)
+        step = horner(zero, powers_of, tensor=False) / np.where(steep == 0.0, 1.0, steep)
+        zero = np.where(turns, np.clip(zero - step, 0.0, 1.0), 1.0)
+    area = np.polynomial.polynomial.polyint(powers_of, axis=0)
+    inside, whole = horner(zero, area, tensor=False), area.sum(axis=0)
+    return np.asarray(np.abs(inside) + np.abs(whole - inside))
+
+
+def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:
+    """The first y at which f (steps, looks) > 0 falls to 0, between two looks on a straight line."""
+    flat, at = f.ravel(), y.ravel()
+    below = np.flatnonzero(flat <= 0.0)
+    if below.size == 0:
+        return None
+    i = int(below[0])
+    if i == 0:
+        return float(at[0])
+    part = flat[i - 1] / (flat[i - 1] - flat[i])
+    return float(at[i - 1] + part * (at[i] - at[i - 1]))
+
+
+def _interpolated(values: np.ndarray, part: np.ndarray) -> np.ndarray:
+    """The polynomial (n, k) through values (n, STAGES) at the nodes of a step, at parts (n, k)."""
+    return np.asarray((powers(2.0 * part - 1.0, STAGES) @ to_powers(values)[..., None])[..., 0])

@@ -1,0 +1,303 @@
+"""A linkage and everything that follows from it, computed when asked and not before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from core import cam, dynamics, mechanism, motion
+from core.cam import CamShape
+from core.design import CRANK, Linkage, LinkageCam, LinkageDesign, LinkageLoads, si
+from core.dynamics import LinkageForces, LinkLoading, link_loading, linkage_forces
+from core.errors import NoAnswer, NoPosition
+from core.extremes import Extreme, Range
+from core.findings import ERROR, NOTE, Finding, Residual
+from core.instant_centres import CentreTable, all_centres, collinearity
+from core.mechanism import Course, CrankProgram, body_name, course_of, linkage_train, swept, unit_speed_train
+from core.motion import EPS, Angles, MotionState, Program, degrees, program
+from core.study.base import Study
+from core.study.linkage_quantities import body_of, names_of, quantity
+from core.study.quantities import Quantity
+from core.study.stages import cam_stage, grid, motion_stage, remembered, stage
+from core.train import REVOLUTE, Train
+
+_AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
+_AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
+
+
+@remembered
+def crank_grid(course: Course, samples: int) -> Angles:
+    """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
+    run = CrankProgram(course)
+    return run.angles(np.deg2rad(run.degrees(samples)), kept=True)
+
+
+@remembered
+def crank_state(course: Course, angles: Angles) -> MotionState:
+    return CrankProgram(course).state(angles)
+
+
+@stage("linkage")
+def mechanism_stage(linkage: Linkage, roller: LinkageCam | None, course: Course, state: MotionState) -> Train:
+    return linkage_train(linkage, state, course, roller)
+
+
+@remembered
+def centres_of(linkage: Linkage, course: Course, state: MotionState) -> CentreTable:
+    """By the driver's own coordinate, so that a dwell of the motion has centres too."""
+    train = unit_speed_train(linkage, state.y[0], course)
+    return all_centres(train, course.plan.size)
+
+
+@stage("dynamics")
+def statics_stage(train: Train, shape: CamShape | None, loading: LinkLoading, omega: float) -> LinkageForces:
+    return linkage_forces(train, loading, omega, _contact(shape))
+
+
+@remembered
+def link_loads(loads: LinkageLoads) -> LinkLoading:
+    return link_loading(loads, body_name)
+
+
+def _contact(shape: CamShape | None) -> tuple[np.ndarray, np.ndarray, float] | None:
+    return None if shape is None else (shape.reference, shape.flank.normal, shape.sense)
+
+
+def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
+    """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
+    i = int(np.argmax(residual / bound))
+    return Residual(float(residual[i]), float(bound[i]))
+
+
+class LinkageStudy(Study, of=LinkageDesign):
+    """Stages ``linkage`` and ``dynamics``; ``motion`` where it drives a link, ``cam`` where a cam makes it.
+
+    The angle is the crank's own, or the cam's (the turn of the motion). A crank that cannot turn fully is looked at where
+    it can: then there are fewer angles than samples. ``centres`` belongs to the stage ``linkage``.
+    """
+
+    design: LinkageDesign
+    angle_column, angle_name = "driver_angle_deg", "driver angle"
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        there = {"motion": self.design.motion, "linkage": True, "cam": self.design.cam, "dynamics": True}
+        return tuple(name for name, has in there.items() if has is not None)
+
+    # -- stages -----------------------------------------------------------------------------------------
+
+    @property
+    def by_crank(self) -> bool:
+        """The driver turns at speed, and no motion tells it how."""
+        return self.design.linkage.driver.kind == CRANK
+
+    @cached_property
+    def course(self) -> Course:
+        """Ranges, change points and turning of the links. Raises NoPosition where they meet nowhere."""
+        ends = () if self.by_crank else swept(program(self.design.motion))
+        found = course_of(self.design.linkage, *ends)
+        if not found.ranges:
+            raise NoPosition(
+                "its links cannot be put together at any position of the driver", "linkage.links",
+                "change their lengths, or linkage.branch",
+            )  # fmt: skip
+        return found
+
+    @cached_property
+    def program(self) -> Program | CrankProgram:
+        """What the driver does over one turn: its pieces and joins."""
+        return CrankProgram(self.course) if self.by_crank else program(self.design.motion)
+
+    @cached_property
+    def angles(self) -> Angles:
+        if self._given is not None:
+            return self._given
+        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.motion, self.samples)
+
+    @property
+    def angle_degrees(self) -> np.ndarray:
+        return CrankProgram(self.course).degrees(self.samples) if self.by_crank else degrees(self.samples)
+
+    @cached_property
+    def drive(self) -> MotionState:
+        """Where the driver is (4, n) [rad or m]."""
+        if self.by_crank:
+            return self._stage(crank_state, self.course, self.angles)
+        return self._stage(motion_stage, self.design.motion, self.angles)
+
+    @property
+    def motion(self) -> MotionState:
+        self.require_stage("motion")
+        return self.drive
+
+    @cached_property
+    def linkage(self) -> Train:
+        try:
+            return self._stage(mechanism_stage, self.design.linkage, self.design.cam, self.course, self.drive)
+        except NoAnswer as error:
+            raise self._located(error, "linkage") from None
+
+    @cached_property
+    def centres(self) -> CentreTable:
+        """All instant centres at every angle; bodies are named as in ``linkage``."""
+        return self._stage(centres_of, self.design.linkage, self.course, self.drive)
+
+    @cached_property
+    def _cam(self) -> CamShape:
+        try:
+            return self._stage(cam_stage, self.linkage, self.design.cam, self.sense)
+        except NoAnswer as error:
+            raise self._located(error, "cam") from None
+
+    @property
+    def cam(self) -> CamShape:
+        self.require_stage("cam")
+        return self._cam
+
+    @cached_property
+    def dynamics(self) -> LinkageForces:
+        return self._stage(statics_stage, self.linkage, self._shape, self.loading, self.omega)
+
+    @property
+    def _shape(self) -> CamShape | None:
+        return self.cam if self.design.cam is not None else None
+
+    @property
+    def loading(self) -> LinkLoading:
+        loads: LinkLoading = link_loads(self.design.loads)
+        return loads
+
+    # -- what stages share ------------------------------------------------------------------------------
+
+    @property
+    def kind(self) -> str:
+        return "linkage"
+
+    @property
+    def omega(self) -> float:
+        """[rad/s] of the crank, negative clockwise; of a motion's shaft, which is counted as it turns, positive."""
+        speed: float = si(self.design.linkage.driver).speed
+        return speed if self.by_crank else abs(speed)
+
+    @property
+    def sense(self) -> float:
+        """+1 where crank or cam turns counter-clockwise, -1 clockwise."""
+        return float(np.sign(self.design.linkage.driver.speed_rpm))
+
+    def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
+        rows = {name: quantity(name) for name in names_of(self.design)}
+        told = {name: row for name, row in rows.items() if stage in (None, row.stage)}
+        if stage in (None, "linkage"):
+            for link, turning in self.course.turning.items():
+                name = f"link.{link}"
+                if turning.turns and name in told:
+                    told[name] = replace(told[name], turns=True)
+        return told
+
+    def _figures_depend_on(self, stage: str) -> Any:
+        design = self.design
+        loads = design.loads if stage == "dynamics" else None
+        return design.linkage, design.motion, design.cam if stage != "motion" else None, loads
+
+    # -- figures ----------------------------------------------------------------------------------------
+
+    @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
+    def _extremes(self, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
+        found = super()._extremes(stage, only)
+        if not self.by_crank:
+            return found
+        return {name: Range(self._limit(name, r.low), self._limit(name, r.high)) for name, r in found.items()}
+
+    def _limit(self, name: str, extreme: Extreme) -> Extreme:
+        """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
+        for r in self.course.ranges:
+            for end, joint, inwards in ((r.low, r.low_joint, 1.0), (r.high, r.high_joint, -1.0)):
+                if joint and abs(extreme.theta - end) < _AT_END and self._grows(name, end, inwards):
+                    return Extreme(float(np.copysign(np.inf, extreme.value)), end)
+        for change in self.course.changes:
+            if abs(extreme.theta - change.at) < _AT_CHANGE and self._grows(name, change.at, 1.0):
+                return Extreme(float(np.copysign(np.inf, extreme.value)), change.at)
+        return extreme
+
+    def _grows(self, name: str, place: float, way: float) -> bool:
+        """Whether a quantity grows without limit towards a place: a hundred times nearer it is more than five times as large."""
+        steps = place + way * np.array([1e-7, 1e-5])
+        nearer, near = np.abs(quantity(name).value(self.at(self.program.angles(steps))))
+        return bool(nearer > 5.0 * near)
+
+    def _findings_of(self, stage: str) -> list[Finding]:
+        rows: Mapping[str, Callable[[], list[Finding]]] = {
+            "motion": lambda: motion.findings(program(self.design.motion)),
+            "linkage": self._linkage_findings,
+            "cam": self._cam_findings,
+            "dynamics": self._dynamics_findings,
+        }
+        return rows[stage]()
+
+    def _dynamics_findings(self) -> list[Finding]:
+        if self.loading.empty:
+            return [Finding("no-load", NOTE, "loads", None)]
+        if self.design.cam is None:
+            return []
+        least = self.extremes("dynamics", ("roller_force",))["roller_force"].low
+        if least.value > 0.0:
+            return []
+        return [Finding("separation", ERROR, "loads", float(np.rad2deg(least.theta)), {"force_n": least.value})]
+
+    def _cam_findings(self) -> list[Finding]:
+        part, train = self.design.cam, self.linkage
+        assert part is not None
+        ground = train.pairs[train.ground].kind if train.ground else REVOLUTE
+        return cam.findings(self.extremes("cam", ("pressure_angle", "pitch_curvature")), ground, part)
+
+    def _linkage_findings(self) -> list[Finding]:
+        names = [n for n in names_of(self.design) if n.startswith("transmission.")]
+        extremes = self.extremes("linkage", tuple(names)) if names else {}
+        by_joint = {name.removeprefix("transmission."): r for name, r in extremes.items()}
+        return mechanism.findings(self.course, by_joint, self.by_crank)
+
+    def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
+        wanted = stages or self.stages
+        proof: dict[str, Residual] = {}
+        if "motion" in wanted:
+            last = self.program.joins[-1]
+            stroke = float(np.ptp(self.motion.y[0])) or 1.0
+            proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
+        if "linkage" in wanted:
+            train = self.linkage
+            proof["loop_closure"] = _worst(train.residual, EPS * train.condition)
+            proof["three_centres"] = _worst(collinearity(self.centres), 16.0 * EPS * train.condition)
+        if "cam" in wanted:
+            centre = cam.centre_residual(self.linkage, self.cam)
+            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition)
+            radius: float = si(self.design.cam).roller_radius
+            reach = float(np.abs(self.cam.flank.pitch).max())
+            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, reach), 64.0 * EPS)
+        if "dynamics" in wanted:
+            bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition)
+            parts = (self.linkage, self.dynamics, self.loading)
+            proof["power_balance"] = _worst(dynamics.linkage_power_residual(*parts), bound)
+            momentum = dynamics.linkage_momentum_residual(*parts, _contact(self._shape))
+            proof["momentum_balance"] = _worst(momentum, bound)
+        return proof
+
+    # -- what the window asks ---------------------------------------------------------------------------
+
+    def angular_velocities(self) -> dict[int, np.ndarray]:
+        """Link -> (n,) [rad/s], the frame included."""
+        bodies = self.linkage.bodies
+        return {n: bodies[body_name(n)].angle[1] * self.omega for n in sorted(self.design.linkage.by_number)}
+
+    def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Every named point: place [m] and velocity [m/s] (n,), complex."""
+        train, found = self.linkage, {}
+        for n in sorted(self.design.linkage.by_number):
+            for name in self.design.linkage.by_number[n].places:
+                if name not in found:
+                    z = train.bodies[body_of(train, name)].point(name)
+                    found[name] = (z[0], z[1] * self.omega)
+        return found

@@ -1,0 +1,223 @@
+"""What is asked of a blend: the answers to Yang's questions (Fig. 4) as data, and what follows from them. No Qt."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Request, candidates
+
+if TYPE_CHECKING:
+    from core.blend.request import Candidate
+
+POINT = "point"
+AUTOMATIC = ""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One row of the table of settings.
+
+    symbol  how its range names it
+    per     its unit, {u} being that of the motion
+    share   where in its feasible range a value begins when the setting is ticked
+    help    what it is
+    """
+
+    name: str
+    label: str
+    symbol: str
+    per: str
+    share: float
+    help: str
+
+
+SETTINGS: Mapping[str, Setting] = MappingProxyType(
+    {
+        row.name: row
+        for row in (
+            Setting("h1", "h1", "h1", "{u}", 0.1, "height of the first curve of the rise"),
+            Setting("h2", "h2", "h2", "{u}", 0.8, "height of the constant velocity of the rise"),
+            Setting("h3", "h3", "h3", "{u}", 0.1, "height of the last curve of the rise"),
+            Setting("vcv", "Vcv", "Vcv", "{u}/°", 0.4, "largest velocity of the rise, per degree of cam angle"),
+            Setting("h4", "h4", "h4", "{u}", 0.1, "height of the first curve of the return"),
+            Setting("h5", "h5", "h5", "{u}", 0.8, "height of the constant velocity of the return"),
+            Setting("h6", "h6", "h6", "{u}", 0.1, "height of the last curve of the return"),
+            Setting("vcv2", "Vcv2", "Vcv2", "{u}/°", 0.4, "largest velocity of the return, per degree of cam angle"),
+            Setting("length", "Length", "length", "°", 0.5, "cam angle that the constant velocity takes"),
+            Setting("peak", "Peak at", "peak", "°", 0.5, "cam angle of the highest point"),
+            Setting("acceleration", "Accel.", "a", "{u}/°²", 0.3, "largest acceleration, per degree² of cam angle"),
+        )
+    }
+)
+OF_A_RETURN = MappingProxyType({"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv"})
+"""A return alone counts its curves from 1, as Yang does."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The answers so far.
+
+    given   settings and their values, in the order of ticking; points: (cam angle [deg], level above the lowest)
+    sequence, mirrored   one of the candidates; empty and None: the one that takes as many settings as are given
+    goal    what is made least of by what the settings leave free; empty: nothing
+    """
+
+    type: str = "DRRD"
+    constant: str = "none"
+    stroke: float = 20.0
+    return_stroke: float = 0.0
+    start: float = 30.0
+    end: float = 330.0
+    given: tuple[tuple[str, float], ...] = ()
+    points: tuple[tuple[float, float], ...] = ()
+    sequence: str = AUTOMATIC
+    mirrored: bool | None = None
+    goal: str = ""
+    unit: str = "mm"
+
+    @property
+    def request(self) -> Request:
+        """The same as the solver reads it."""
+        both = MOTION_TYPES[self.type].rise is not None and MOTION_TYPES[self.type].back is not None
+        return Request(
+            type=self.type,
+            stroke=self.stroke,
+            start=self.start,
+            end=self.end,
+            constant=self.constant,
+            settings=dict(self.given),
+            return_stroke=self.return_stroke if both else 0.0,
+            points=self.points,
+            sequence=self.sequence,
+            mirrored=self.mirrored,
+            unit=self.unit,
+        )
+
+    @property
+    def count(self) -> int:
+        """Of settings and points."""
+        return len(self.given) + len(self.points)
+
+
+def constants(motion_type: str) -> tuple[str, ...]:
+    """The strokes of a motion that may have a constant velocity."""
+    row = MOTION_TYPES[motion_type]
+    lacking = {*(("rise", "both") if row.rise is None else ()), *(("return", "both") if row.back is None else ())}
+    return tuple(word for word in CONSTANT_VELOCITY if word not in lacking)
+
+
+def has_both(motion_type: str) -> bool:
+    """Whether a motion rises and returns."""
+    row = MOTION_TYPES[motion_type]
+    return row.rise is not None and row.back is not None
+
+
+# -- which settings, and how many -------------------------------------------------------------------------
+
+
+def names_of(candidate: Candidate) -> frozenset[str]:
+    """The settings that mean something for a sequence; none where nothing of it is free."""
+    if not candidate.freedom:
+        return frozenset()
+    rise, back = candidate.sequence.rise, candidate.sequence.back
+    names = {"acceleration", POINT, *(("peak",) if rise and back else ())}
+    for curves, (first, middle, last), speed in ((rise, ("h1", "h2", "h3"), "vcv"), (back, ("h4", "h5", "h6"), "vcv2")):
+        if len(curves) > 1:
+            names |= {first, last, speed}
+        if len(curves) > 2:
+            names |= {middle, "length"}
+    return frozenset(OF_A_RETURN.get(name, name) if not rise else name for name in names)
+
+
+def open_candidates(asked: Asked) -> list[Candidate]:
+    """The sequences of the motion, whatever is given; those that are alike in sequence and mirroring once."""
+    free = replace(asked, given=(), points=(), sequence=AUTOMATIC, mirrored=None)
+    return candidates(free.request)
+
+
+def shown_names(asked: Asked) -> list[str]:
+    """The settings that can be asked for, in the order of the table: of the chosen sequence, or of any."""
+    rows = candidates(replace(asked, given=(), points=()).request)
+    known = frozenset().union(*(names_of(row) for row in rows))
+    return [name for name in (*SETTINGS, POINT) if name in known]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What the settings come to.
+
+    target   the sequence that is meant: it takes as many settings as are given, or is the first to take more
+    missing  how many are still wanted, below 0: too many
+    """
+
+    target: Candidate | None
+    missing: int
+
+
+def plan(asked: Asked) -> Plan:
+    """Which sequence the settings are meant for, and how many are missing; with a goal none ever is."""
+    names = {name for name, _ in asked.given} | ({POINT} if asked.points else set())
+    rows = [row for row in candidates(asked.request) if names <= names_of(row) or not names]
+    able = sorted((row for row in rows if row.freedom >= asked.count), key=lambda row: row.freedom)
+    if able:
+        return Plan(able[0], 0 if asked.goal else able[0].freedom - asked.count)
+    most = max((row.freedom for row in rows), default=0)
+    return Plan(None, most - asked.count)
+
+
+def ranged(asked: Asked) -> Request:
+    """The request whose feasible ranges are shown: of the sequence that is meant, while settings are missing."""
+    found = plan(asked)
+    if found.target is None or not found.missing or asked.sequence:
+        return asked.request
+    target = found.target
+    return replace(asked.request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
+
+
+def count_text(asked: Asked) -> str:
+    """How many settings are given and wanted, in a sentence."""
+    found, count = plan(asked), asked.count
+    if found.missing < 0:
+        most = count + found.missing
+        told = f"No sequence takes {count} of these" if not most else f"{count} settings given, {most} can be met"
+        return f"{told}: untick {_number(-found.missing)}"
+    if asked.goal:
+        return f"{_settings(count)} given; the rest is chosen for the least {asked.goal}"
+    if not found.missing:
+        return f"{_sequence(found)} takes {_settings(count)}{': given' if count else '; tick any for other curves'}"
+    more = f"tick {_number(found.missing)}{' more' if count else ''}"
+    return f"{_sequence(found)} takes {_settings(count + found.missing)}, {count} given: {more}, or optimise the rest"
+
+
+def _sequence(found: Plan) -> str:
+    return str(found.target.sequence) if found.target is not None else ""
+
+
+def _settings(count: int) -> str:
+    return f"{count} setting{'' if count == 1 else 's'}" if count else "no setting"
+
+
+def _number(count: int) -> str:
+    return {1: "one", 2: "two", 3: "three", 4: "four"}.get(count, str(count))
+
+
+__all__ = [
+    "AUTOMATIC",
+    "OF_A_RETURN",
+    "POINT",
+    "SETTINGS",
+    "Asked",
+    "Plan",
+    "Setting",
+    "constants",
+    "count_text",
+    "has_both",
+    "names_of",
+    "open_candidates",
+    "plan",
+    "ranged",
+    "shown_names",
+]

@@ -1,0 +1,100 @@
+"""Which quantities of a linkage the plots of the window show, where those of a cam and its follower stand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+
+import numpy as np
+
+from core.errors import NoAnswer
+from core.study import Study
+from kindyna_gui.shown_kinds import is_linkage
+
+STILL = 1e-9  # [rad] a link that turns less than this does not turn
+MOST = 4  # curves in one plot that can still be told apart
+Pick = Callable[[tuple[str, ...]], list[str]]
+
+
+def _rate(ending: str) -> Pick:
+    """Of the links that turn, or where none does, of those that slide."""
+
+    def pick(names: tuple[str, ...]) -> list[str]:
+        for of in ("link.", "slide."):
+            found = [n for n in names if n.startswith(of) and n.removeprefix(of).lstrip("0123456789") == ending]
+            if found:
+                return found
+        return []
+
+    return pick
+
+
+def _first(*wanted: str) -> Pick:
+    return lambda names: [next((n for n in wanted if n in names), "")]
+
+
+def _starting(start: str, ending: str = "") -> Pick:
+    return lambda names: [n for n in names if n.startswith(start) and n.endswith(ending)]
+
+
+def _or(*picks: Pick) -> Pick:
+    """What the first pick that finds anything finds."""
+
+    def pick(names: tuple[str, ...]) -> list[str]:
+        found: list[str] = []
+        for each in picks:
+            found = found or [n for n in each(names) if n]
+        return found
+
+    return pick
+
+
+_PLOTS: Mapping[str, Pick] = MappingProxyType(
+    {
+        "displacement": _or(_first("displacement"), _rate("")),
+        "velocity": _or(_first("velocity"), _rate("_velocity")),
+        "acceleration": _or(_first("acceleration"), _rate("_acceleration")),
+        "pressure_angle": _or(_first("pressure_angle"), _starting("transmission.")),
+        "pitch_curvature": _first("pitch_curvature"),
+        "drive_torque": _first("camshaft_torque", "driver_torque", "driver_force"),
+        "contact_force": _or(_first("roller_force"), _starting("force.", "_size")),
+    }
+)
+"""First quantity of a plot of the window -> what it shows of a linkage."""
+
+
+def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
+    """The quantities of a plot: the usual ones, or those that stand in their place for a linkage."""
+    if not is_linkage(study.design):
+        return tuple(usual)
+    there = _names(study)
+    pick = _PLOTS.get(usual[0])
+    found = pick(there) if pick is not None else [n for n in usual if n in there]
+    return tuple([n for n in found if n][:MOST])
+
+
+def _names(study: Study) -> tuple[str, ...]:
+    """The quantities of a linkage worth a curve: without angles that go round, and links that never turn."""
+    try:
+        rows = study.quantities()
+        turning = study.course.turning
+    except NoAnswer:
+        return ()
+    still = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < STILL}
+    return tuple(n for n, row in rows.items() if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in still)
+
+
+def first_graph(study: Study) -> list[list[str]]:
+    """The plots a new graph of a linkage begins with."""
+    rows = (quantities_for(study, [name]) for name in ("displacement", "velocity", "acceleration"))
+    return [list(row) for row in rows if row]
+
+
+def lacking(study: Study, usual: Sequence[str]) -> str:
+    """Why a plot of the window is empty for a linkage, in a sentence."""
+    name = usual[0].replace("_", " ")
+    if usual[0] in ("pressure_angle", "pitch_curvature"):
+        return f"No cam makes this linkage move: there is no {name}."
+    if usual[0] == "jerk":
+        return "No motion drives this linkage: the graph shows what its links and points do."
+    return f"This linkage has no {name}."

@@ -1,0 +1,103 @@
+"""What is asked of a measured table in the window, and the answer: what was read, the fit, or what is wrong."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from core.measured import (
+    NOTHING_SAID,
+    Fit,
+    FitError,
+    Layout,
+    Sheet,
+    Table,
+    TableError,
+    Wish,
+    fit,
+    layout,
+    read_sheet,
+    read_table,
+)
+
+_POWERS = str.maketrans("135", "¹³⁵")
+_SIGNS = {"um": "µm", "deg": "°", "rad": "rad"}
+
+
+@dataclass(frozen=True)
+class Asked:
+    """How a file shall be read and fitted; empty or None = as detected."""
+
+    delimiter: str = ""
+    decimal: str = ""
+    wish: Wish = NOTHING_SAID
+    error: float | None = None
+    lowest: float | None = None
+    keep_all: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """As much as could be made of it.
+
+    faults   (line or 0, what is wrong) where there is no fit
+    refused  nothing is wrong but the measuring error
+    """
+
+    sheet: Sheet | None = None
+    layout: Layout | None = None
+    fit: Fit | None = None
+    faults: tuple[tuple[int, str], ...] = ()
+    refused: bool = False
+
+
+class Reader:
+    """The bytes of one file for one follower; they are read anew only where something else is said of them."""
+
+    def __init__(self, name: str, data: bytes, motion_unit: str, speed_rpm: float) -> None:
+        self.name, self._data = name, data
+        self._unit, self._speed = motion_unit, speed_rpm
+        self._key: tuple[str, str, Wish] | None = None
+        self._answer = Answer()
+        self._table: Table | None = None
+
+    def ask(self, asked: Asked) -> Answer:
+        """Read and fit; never raises what a file can do."""
+        key = (asked.delimiter, asked.decimal, asked.wish)
+        if key != self._key:
+            self._key, self._table = key, None
+            self._answer = self._read(*key)
+        if self._table is None:
+            return self._answer
+        try:
+            return replace(self._answer, fit=fit(self._table, asked.error, asked.lowest, asked.keep_all))
+        except FitError as error:
+            return replace(self._answer, faults=((0, str(error)),), refused=True)
+
+    def _read(self, delimiter: str, decimal: str, wish: Wish) -> Answer:
+        answer = Answer()
+        try:
+            sheet = read_sheet(self._data, self.name, delimiter or None, decimal or None)
+            answer = replace(answer, sheet=sheet)
+            how = layout(sheet, wish, self._unit, self._speed)
+            answer = replace(answer, layout=how)
+            self._table = read_table(sheet, how, self._speed)
+        except TableError as error:
+            return replace(answer, faults=error.faults)
+        return answer
+
+
+def symbol(unit: str) -> str:
+    """A unit of a table as it is written: ``mm/deg2`` -> ``mm/°²``."""
+    base, _, per = unit.partition("/")
+    power = "²" if per.endswith("2") else ""
+    per = per.removesuffix("2")
+    told = _SIGNS.get(base, base)
+    return f"{told}/{_SIGNS.get(per, per)}{power}" if per else told
+
+
+def spelled(text: str) -> str:
+    """A sentence of the core with the printer's signs for its units: ``120 deg`` -> ``120°``."""
+    text = re.sub(r" deg\^(\d)", lambda match: " °" + match[1].translate(_POWERS), text)
+    text = re.sub(r"\b(um|mm|cm|m|in|deg|rad)/(deg|rad|s)2?\b", lambda match: symbol(match[0]), text)
+    return re.sub(r"(?<=\d) deg\b", "°", text)

@@ -1,0 +1,100 @@
+"""What can be done with a whole segment, one row each: for buttons, menus and keys alike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from core.design import Design, insert_segment, mirror_stroke, remove_segment, with_stroke_mirrored
+from core.dividing import LEAST_CUT, copy_segment, split_segment
+
+Change = Callable[[Design, int, float | None], Design]
+"""The design with a segment changed; a cam angle [deg] where that matters."""
+
+
+@dataclass(frozen=True)
+class SegmentAction:
+    """One row.
+
+    text    of a button; entry: of a menu
+    step    name of the step of the undo stack; {n} is the segment's number
+    able    whether it makes sense for a segment
+    after   which segment is chosen then: so many further on
+    """
+
+    text: str
+    entry: str
+    tip: str
+    icon: str
+    step: str
+    change: Change
+    able: Callable[[Design, int], bool]
+    after: int = 0
+
+
+def _span(design: Design, index: int) -> float:
+    return design.drive.motion.segments[index].span_deg
+
+
+def _has_room(design: Design, index: int) -> bool:
+    return _span(design, index) > 2.0 * LEAST_CUT
+
+
+ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
+    {
+        "insert": SegmentAction(
+            "Insert",
+            "Insert segment",
+            "A dwell behind the chosen segment, of half its span (Ins)",
+            "insert",
+            "Insert segment behind segment {n}",
+            lambda design, index, _: insert_segment(design, index),
+            _has_room,
+            after=1,
+        ),
+        "split": SegmentAction(
+            "Split",
+            "Split segment",
+            "Cut the chosen segment where the cam stands, or in its middle. A dwell, constant velocity, a polynomial "
+            "and a spline go on as before; of any other law both parts run from rest to rest, and the follower stands "
+            "at the cut where it stood before",
+            "split",
+            "Split segment {n}",
+            split_segment,
+            _has_room,
+        ),
+        "duplicate": SegmentAction(
+            "Duplicate",
+            "Duplicate segment",
+            "A copy behind the chosen segment: both take half of its span and half of its rise, so no other join moves",
+            "duplicate",
+            "Duplicate segment {n}",
+            lambda design, index, _: copy_segment(design, index),
+            _has_room,
+            after=1,
+        ),
+        "mirror": SegmentAction(
+            "Mirror",
+            "Mirror stroke",
+            "The next stroke the other way becomes the mirror image of this one: its curves backwards, its spans, its "
+            "rises turned round. The dwells give or take the difference",
+            "mirror",
+            "Mirror the stroke of segment {n}",
+            lambda design, index, _: mirror_stroke(design, index),
+            lambda design, index: with_stroke_mirrored(design.drive.motion, index) != design.drive.motion,
+        ),
+        "delete": SegmentAction(
+            "Delete",
+            "Delete segment",
+            "Take the chosen segment away; the one before it gets its span (Del)",
+            "delete",
+            "Delete segment {n}",
+            lambda design, index, _: remove_segment(design, index),
+            lambda design, _: len(design.drive.motion.segments) > 1,
+        ),
+    }
+)
+
+
+__all__ = ["ACTIONS", "SegmentAction"]

@@ -1,0 +1,77 @@
+"""Start and stroke of the motion, side by side."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
+
+from core.design import UNITS, Info, entries, stroke
+from core.design.fields import LONGEST_MM
+from core.study import Study
+from kindyna_gui.fields import Field, Spec
+from kindyna_gui.session import Session
+from kindyna_gui.wording import segment_of
+
+STROKE = Info(
+    "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
+)
+LEAST = 74  # width of a number, pixels
+
+
+class MotionHead(QWidget):
+    """The fields that belong to no segment; made anew where the motion has another unit."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.fields: dict[str, Field] = {}
+        self._row = QHBoxLayout(self)
+        self._row.setContentsMargins(10, 5, 6, 2)
+        self._row.setSpacing(10)
+
+    def show_motion(self, study: Study) -> None:
+        """Show start and stroke of a study's motion."""
+        motion = study.design.drive.motion
+        specs = self._specs(study)
+        if [spec.path for spec in specs] != list(self.fields):
+            self._build(specs)
+        for field in self.fields.values():
+            field.refresh(study.design)
+        self.fields[f"motion.stroke_{motion.unit}"].editor.setEnabled(stroke(motion) != 0.0)
+
+    @staticmethod
+    def _specs(study: Study) -> list[Spec]:
+        unit = study.design.drive.motion.unit
+        start = [Spec.of(e) for e in entries(study.design, "motion") if segment_of(e.path) is None]
+        path = f"motion.stroke_{unit}"
+        return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(d.drive.motion), can_be_assumed=False)]
+
+    def _build(self, specs: list[Spec]) -> None:
+        for field in self.fields.values():
+            for widget in field.widgets():
+                widget.deleteLater()
+            field.deleteLater()
+        while self._row.count():
+            self._row.takeAt(0)
+        self.fields = {}
+        for spec in specs:
+            field = Field(self._session, spec)
+            field.setParent(self)
+            grid = QGridLayout()
+            grid.setHorizontalSpacing(5)
+            grid.setVerticalSpacing(2)
+            grid.setColumnStretch(1, 1)
+            field.add_to(grid, 0)
+            field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
+            self._row.addLayout(grid, 1)
+            self.fields[spec.path] = field
+
+    def focus_field(self, path: str) -> bool:
+        """Bring the field of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
+        for own, field in self.fields.items():
+            if own == path or own.rpartition("_")[0] == path:
+                field.focus()
+                return True
+        return False
+
+
+__all__ = ["MotionHead"]

@@ -1,0 +1,31 @@
+"""Which stages of a study each view reads: one table, by the names of ``docks.VIEWS``.
+
+What no view on screen reads is not computed. The plots and the graph read what the quantities they show need, which
+``core.study.QUANTITIES`` tells; they are derived from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from core.study import Study
+
+NONE: tuple[str, ...] = ()
+
+READS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "mechanism": ("linkage", "cam"),
+        "mechanism with forces": ("linkage", "cam", "dynamics"),
+        "parameters": NONE,
+        "motion": ("motion",),
+        "laws": NONE,
+        "findings": Study.stages,
+        "certificate": Study.stages,
+        "flywheel": ("dynamics",),
+        "stability": ("stability",),
+        "centres": ("linkage",),
+        "circle": ("linkage",),
+        "player": NONE,
+    }
+)

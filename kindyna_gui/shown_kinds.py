@@ -1,0 +1,56 @@
+"""What the kinds of design differ in for the window, said once: where the motion stands, which has a cam."""
+
+from __future__ import annotations
+
+from core.design import Design, LinkageDesign, Motion, SingleCam
+from core.errors import KindynaError
+from core.study import LinkageStudy, Study
+
+
+class NotHere(KindynaError):
+    """This kind of design has nothing that a view could show; the sentence says where to look instead."""
+
+
+def is_linkage(design: Design) -> bool:
+    """A general linkage, with or without a cam that makes it move."""
+    return isinstance(design, LinkageDesign)
+
+
+def motion_of(design: Design) -> Motion | None:
+    """The motion program; None of a linkage whose crank turns at speed."""
+    return design.drive.motion if isinstance(design, SingleCam) else design.motion
+
+
+def only_cams(design: Design, instead: str) -> SingleCam:
+    """The design of a cam and its follower; raises NotHere, with the sentence, for any other kind."""
+    if isinstance(design, SingleCam):
+        return design
+    raise NotHere(instead)
+
+
+def has_cam(study: Study) -> bool:
+    """Whether a cam belongs to the design."""
+    return not isinstance(study, LinkageStudy) or "cam" in study.stages
+
+
+def sense_of(study: Study) -> float:
+    """+1 where the cam, or the crank, turns counter-clockwise, -1 clockwise."""
+    sense: float = study.sense if isinstance(study, LinkageStudy) else study.design.shaft.sense
+    return sense
+
+
+def size_of(study: Study) -> float:
+    """A length that tells the size of the mechanism [m]."""
+    size: float = study.course.plan.size if isinstance(study, LinkageStudy) else study.reach
+    return size
+
+
+def ranges_of(study: Study) -> tuple[tuple[float, float], ...]:
+    """Where the angle of all views can go [rad]: the whole turn, or the ranges between a crank's dead centres.
+
+    Raises NoAnswer where the linkage stands nowhere.
+    """
+    if not isinstance(study, LinkageStudy) or not study.by_crank:
+        return ()
+    ranges = study.course.ranges
+    return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)

@@ -1,0 +1,138 @@
+"""What the page of stability says in words and small tables; no widget of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from html import escape
+from math import expm1, isfinite
+
+from core.stability import APPROXIMATE, EXACT, Band, Machine, Stability, Stiffness, Tongues, Verdict
+from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.units import digits
+
+GOOD = "#2E7D32"
+SHORT = {
+    APPROXIMATE: "(22), Kim's approximation",
+    EXACT: "(21), exact linearisation",
+    "steady": "About the true steady response",
+    "from_rest": "Nonlinear (13), from rest",
+}
+
+
+def percent(growth: float) -> str:
+    """A logarithm of growth per turn as a share: ``2.3 % a turn``."""
+    part = expm1(growth)
+    return f"{digits(100.0 * part, 3)} % a turn" if part < 10.0 else f"×{digits(1.0 + part, 3)} a turn"
+
+
+def speed(rpm: float, figures: int = 4) -> str:
+    return digits(rpm, figures) if isfinite(rpm) else "∞"
+
+
+def speeds(band: Band) -> str:
+    """From lowest to highest, with as many figures as tell them apart."""
+    for figures in range(4, 12):
+        low, high = speed(band.rpm_lo, figures), speed(band.rpm_hi, figures)
+        if low != high:
+            break
+    return f"{low} … {high}"
+
+
+def tongue_of(found: Tongues, eta: float, row: int = 0) -> int | None:
+    """The number of the tongue that holds an η; None between them."""
+    for n, (low, high) in enumerate(found.edges[row], 1):
+        if low <= eta <= high:
+            return n
+    return None
+
+
+def point_text(eta: float, q: float, machine: Machine | None, told: Sequence[Verdict], tongue: int | None) -> str:
+    """One line for what is under the mouse."""
+    at = f"η = {eta:.4g}, Q = {q:.4g}"
+    if machine is not None:
+        at += f", {speed(machine.rpm(eta))} rpm"
+    place = f"tongue {tongue}" if tongue is not None else "between tongues"
+    said = "; ".join(
+        f"{'(22)' if v.model == APPROXIMATE else '(21)'} {'stable' if v.stable else f'grows {percent(v.growth)}'}"
+        for v in told
+    )
+    return f"{at}: {place}; {said}"
+
+
+def _cell(text: str, colour: str = "", right: bool = False) -> str:
+    style = f' style="color:{colour}"' if colour else ""
+    align = ' align="right"' if right else ""
+    return f"<td{align}{style}>{escape(text)}&nbsp;&nbsp;</td>"
+
+
+def _table(head: Sequence[str], rows: Sequence[str]) -> str:
+    top = "".join(f'<td style="color:{QUIET}">{escape(text)}&nbsp;&nbsp;</td>' for text in head)
+    return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
+
+
+def verdict_table(told: Sequence[Verdict]) -> str:
+    """All models side by side."""
+    rows = []
+    for verdict in told:
+        said = {True: ("stable", GOOD), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
+        growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
+        trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
+        largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
+        lost = f"from turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
+        name = SHORT.get(verdict.model, verdict.label)
+        rows.append(
+            _cell(name) + _cell(*said) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
+        )
+    return _table(("model", "verdict", "grows", "trace", "largest twist", "follower off the cam"), rows)
+
+
+def bands_table(rows: Sequence[Band], rpm: float) -> str:
+    """The forbidden bands of speed, the one that holds the machine's speed in red."""
+    told = []
+    for band in rows:
+        colour = WRONG if band.holds(rpm) else ""
+        cells = (
+            str(band.n),
+            speeds(band),
+            f"{band.eta_lo:.5f} … {band.eta_hi:.5f}",
+            percent(band.growth),
+            f"{digits(band.rate, 3)} /s",
+        )
+        told.append("".join(_cell(text, colour, right=True) for text in cells))
+    if not told:
+        return "<p>No speed is forbidden.</p>"
+    return _table(("tongue", "speeds, rpm", "η", "twist grows by", "rate"), told)
+
+
+def shaft_text(found: Stiffness) -> str:
+    """What a wanted speed asks of the shaft."""
+    if found.allowed:
+        return f"{speed(found.rpm)} rpm: the present {digits(found.now, 5)} N·m/rad keeps clear of every band."
+    softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
+    return (
+        f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
+        f"the present {digits(found.now, 5)} stands in a band."
+    )
+
+
+def wanted_text(machine: Machine, eta: float, q: float) -> str:
+    """The shaft that a point of the chart needs at the machine's own speed and masses."""
+    inertia, stiffness = machine.shaft_for(eta, q)
+    rpm = machine.rpm(machine.eta)
+    return (
+        f"At {speed(rpm)} rpm, η = {eta:.4g}, Q = {q:.4g} needs {digits(stiffness, 5)} N·m/rad and "
+        f"{digits(inertia, 4)} kg·m² at the cam"
+    )
+
+
+def machine_text(found: Stability) -> str:
+    """The machine in one line."""
+    m = found.machine
+    top = f"; above {speed(found.top_rpm)} rpm nothing holds" if isfinite(found.top_rpm) else ""
+    damping = f", ζ = {m.damping:g}" if m.damping else ""
+    return f"{speed(m.rpm(m.eta))} rpm: η = {m.eta:.5g}, Q = {m.q:.5g}{damping}{top}"
+
+
+__all__ = [
+    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "tongue_of", "verdict_table", "wanted_text",
+]  # fmt: skip

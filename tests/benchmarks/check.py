@@ -1,0 +1,77 @@
+"""``make bench-check``: our own times by the yardstick of the same run, against the limits in limits.json."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from benchmarks.table import Kernel, kernels
+from benchmarks.timing import measure
+
+from core.files import write_all
+from core.keeping import keep_freed_memory
+
+FILE = Path(__file__).with_name("limits.json")
+WORSE = 1.3  # times a limit that is too much
+TRIES = 6
+SECONDS = 1.0  # for one kernel at one size
+SIZES = (360, 3600, 36_000)
+
+Limits = Mapping[str, float]
+
+
+def keys() -> dict[str, tuple[Kernel, int]]:
+    """What is checked: every kernel at every size, ``linkage 3600``."""
+    return {f"{k.name} {n}": (k, n) for k in kernels() for n in (SIZES if len(k.sizes) > 1 else k.sizes)}
+
+
+def look(kernel: Kernel, n: int, seconds: float = SECONDS) -> float:
+    """Time of our method by that of the yardstick."""
+    there = kernel.given(kernel.grid(n))
+    told = measure({"ours": lambda: kernel.ours.solve(there, None)}, max(n, 360), seconds)
+    return told.seconds["ours"] / told.yardstick
+
+
+def failing(limits: Limits, told: Callable[[str], float], names: Sequence[str], tries: int = TRIES) -> dict[str, float]:
+    """The best of several looks at each name that stays beyond its limit. Who is beyond is looked at again, so that a
+    machine that was busy for a while fails nobody."""
+    best: dict[str, float] = {}
+    left = list(names)
+    for _ in range(tries):
+        for name in left:
+            best[name] = min(best.get(name, float("inf")), told(name))
+        left = [name for name in left if best[name] > WORSE * limits.get(name, 0.0)]
+        if not left:
+            break
+    return {name: best[name] for name in left}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    words = argparse.ArgumentParser(prog="make bench-check", description="Fails where a kernel has become slower.")
+    words.add_argument("--update", action="store_true", help="take the present times as the limits")
+    asked = words.parse_args(argv)
+    keep_freed_memory()
+    every = keys()
+
+    def told(name: str) -> float:
+        kernel, n = every[name]
+        value = look(kernel, n)
+        print(f"{name}: {value:.2f} yardsticks", flush=True)
+        return value
+
+    if asked.update:
+        limits = {name: round(min(told(name) for _ in range(3)), 3) for name in every}
+        write_all(FILE.parent, {FILE.name: json.dumps(limits, indent=1) + "\n"})
+        return 0
+    limits = json.loads(FILE.read_text(encoding="utf-8"))
+    slow = failing(limits, told, list(every))
+    for name, value in slow.items():
+        limit = limits.get(name)
+        was = "has no limit" if limit is None else f"was {limit:.2f}, {value / limit - 1.0:.0%} slower"
+        print(f"SLOWER: {name}: {value:.2f} yardsticks, {was}")
+    stale = sorted(set(limits) - set(every))
+    for name in stale:
+        print(f"limits.json: {name} is no longer measured; make bench-check ARGS=--update")
+    return 1 if slow or stale else 0

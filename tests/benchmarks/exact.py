@@ -1,0 +1,266 @@
+"""Fifty-digit values that the benchmark measures errors against, and how well conditioned they are.
+
+    .venv/bin/python tests/benchmarks/exact.py
+
+writes exact.json anew, which takes some minutes. Values stand there as sums of two floats, so that an error far below
+one rounding can be told; ``condition`` is what one rounding of every number that goes in does to the values at worst, in
+eps and relative to the scale of each channel.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+if __name__ == "__main__":
+    sys.path[:0] = [str(Path(__file__).parents[1]), str(Path(__file__).parents[2])]
+
+import itertools
+
+from mechanisms import LIFT, with_shaft
+from references import LAW_TERMS, MP, Series, cam_shape, free_bodies, joins_of, law, law_joins, motion_series, placed
+
+from core.design import SingleCam, entries, get, put
+from core.motion import Program
+
+FILE = Path(__file__).with_name("exact.json")
+LAW = "modified-sine"
+FITTED = with_shaft(LIFT, flywheel_inertia_kg_m2=300.0, motor_slope_nm_s_per_rad=50.0)
+"""The lift with a flywheel that levels some of its torque."""
+SHARES = (0.11373, 0.52719, 0.93131)  # of each piece of the motion: on no table's knots
+STEP = MP.mpf(10) ** -20
+
+Figures = Callable[[SingleCam, Any, int], Sequence[Any]]
+
+
+@dataclass(frozen=True)
+class Exact:
+    """Values of one kernel: where (m,), what (c, m) as high + low, how large each channel gets (c,), how much of it one
+    rounding of all that goes in can move."""
+
+    at: np.ndarray
+    high: np.ndarray
+    low: np.ndarray
+    scale: np.ndarray
+    condition: float
+
+    def error(self, told: Sequence[np.ndarray]) -> float:
+        """The largest error of channels (c, m), relative to the channel's scale; inf where a value is none."""
+        worst = 0.0
+        for values, high, low, scale in zip(told, self.high, self.low, self.scale, strict=True):
+            off = np.abs((np.asarray(values) - high) - low) / scale
+            worst = max(worst, float(off.max()) if np.isfinite(off).all() else math.inf)
+        return worst
+
+
+@cache
+def exact(kernel: str) -> Exact:
+    rows = json.loads(FILE.read_text(encoding="utf-8"))[kernel]
+    high, low = (np.array(rows[name]) for name in ("high", "low"))
+    if high.ndim == 3:  # real and imaginary part
+        high, low = high[..., 0] + 1j * high[..., 1], low[..., 0] + 1j * low[..., 1]
+    return Exact(np.array(rows["at"]), high, low, np.array(rows["scale"]), rows["condition"])
+
+
+# -- how the values are made ------------------------------------------------------------------------------
+
+
+def angles() -> list[float]:
+    """Cam angles [rad] inside every piece of the lift's motion."""
+    compiled = Program(LIFT.drive.motion)
+    return [float(a + s * (b - a)) for a, b in zip(compiled.starts, compiled.ends, strict=True) for s in SHARES]
+
+
+def _segment(theta: Any) -> int:
+    joins = joins_of(LIFT.drive.motion)
+    return max(i for i, j in enumerate(joins[:-1]) if theta >= j)
+
+
+def _way(segment: int) -> int:
+    rise = LIFT.drive.motion.segments[segment].rise
+    return (rise > 0) - (rise < 0)
+
+
+def linkage(design: SingleCam, there: Any, way: int) -> list[Any]:
+    """Arm pin and roller centre with velocity and acceleration, and the rod's direction."""
+    rod = there.points["slider_pin"].c[0] - there.points["arm_pin"].c[0]
+    return [*(there.points[name].derivative(k) for name in ("arm_pin", "roller") for k in range(3)), rod / abs(rod)]
+
+
+def profile(design: SingleCam, there: Any, way: int) -> list[Any]:
+    shape = cam_shape(design, there)
+    return [shape.profile, shape.pressure_angle + 0j]
+
+
+def curvature(design: SingleCam, there: Any, way: int) -> list[Any]:
+    return [cam_shape(design, there).curvature.c[0] + 0j]
+
+
+def torque(design: SingleCam, there: Any, way: int) -> list[Any]:
+    told = free_bodies(design, there, way)
+    return [told["contact"] + 0j, told["torque"] + 0j]
+
+
+ALONG_THE_TURN: dict[str, tuple[Figures, tuple[str, ...]]] = {
+    "linkage": (linkage, ("follower", "cam")),
+    "profile": (profile, ("follower", "cam")),
+    "curvature": (curvature, ("follower", "cam")),
+    "torque": (torque, ("follower", "cam", "shaft", "loads")),
+}
+
+
+def _sizes(theta: float, segment: int) -> list[float]:
+    """How large the terms are that y and its derivatives are made of [SI per radian]: what their roundings act on."""
+    motion = LIFT.drive.motion
+    part = motion.segments[segment]
+    terms, span = LAW_TERMS[part.curve.law], math.radians(part.span_deg)
+    rise = abs(part.rise) * motion.scale
+    sizes = [rise / span**k * (terms[k] + theta / span * terms[k + 1]) for k in range(4)]
+    sizes[0] += motion.scale * (abs(motion.start) + sum(abs(s.rise) for s in motion.segments[: segment + 1]))
+    return sizes
+
+
+def _moved(figures: Figures, sections: Sequence[str], theta: float) -> tuple[list[Any], list[float]]:
+    """Values at one angle, and for each the sum of |weight d/dp| over all numbers: design, cam angle, motion."""
+    segment = _segment(theta)
+    way, sizes = _way(segment), _sizes(theta, segment)
+    y = motion_series(LIFT.drive.motion, theta, segment).derivatives
+    paths = [e.path for section in sections for e in entries(LIFT, section) if not e.info.choices]
+
+    def values(design: SingleCam, at: Any, series: list[Any]) -> Sequence[Any]:
+        made = Series([d / MP.factorial(k) for k, d in enumerate(series)])
+        return figures(design, placed(design, at, made), way)
+
+    exact_values = list(values(LIFT, MP.mpf(theta), y))
+    moved = [values(LIFT, MP.mpf(theta) * (1 + STEP), y)]
+    for k, size in enumerate(sizes):
+        if size:
+            moved.append(values(LIFT, MP.mpf(theta), [*y[:k], y[k] + size * STEP, *y[k + 1 :]]))
+    for path in paths:
+        number = MP.convert(get(LIFT, path))
+        if number:
+            moved.append(values(put(LIFT, path, number * (1 + STEP)), MP.mpf(theta), y))
+    return exact_values, [float(MP.fsum(abs(m[i] - v) for m in moved) / STEP) for i, v in enumerate(exact_values)]
+
+
+def _pair(value: Any) -> tuple[list[float], list[float]]:
+    parts = [MP.re(value), MP.im(value)]
+    high = [float(p) for p in parts]
+    return high, [float(p - h) for p, h in zip(parts, high, strict=True)]
+
+
+def _rows(at: Sequence[float], values: Sequence[Sequence[Any]], condition: float, scale: list[float]) -> dict[str, Any]:
+    """values (m, c)."""
+    pairs = [[_pair(v) for v in channel] for channel in zip(*values, strict=True)]
+    return {
+        "at": list(at),
+        "high": [[p[0] for p in channel] for channel in pairs],
+        "low": [[p[1] for p in channel] for channel in pairs],
+        "scale": scale,
+        "condition": condition,
+    }
+
+
+def _along_the_turn(name: str) -> dict[str, Any]:
+    figures, sections = ALONG_THE_TURN[name]
+    told = [_moved(figures, sections, theta) for theta in angles()]
+    values = [t[0] for t in told]
+    scale = [float(max(abs(v) for v in channel)) for channel in zip(*values, strict=True)]
+    condition = max(reach / s for t in told for reach, s in zip(t[1], scale, strict=True))
+    return _rows(angles(), values, condition, scale)
+
+
+def _law() -> dict[str, Any]:
+    joins = [float(j) for j in law_joins(LAW)]
+    at = [a + s * (b - a) for a, b in itertools.pairwise(joins) for s in (0.0213, *SHARES, 0.9917)]
+    values = [[v + 0j for v in law(LAW, u)[:3]] for u in at]
+    scale = [float(max(abs(v) for v in channel)) for channel in zip(*values, strict=True)]
+    condition = max(terms / s for terms, s in zip(LAW_TERMS[LAW], scale, strict=False))
+    return _rows(at, values, condition, scale)
+
+
+def _blending() -> dict[str, Any]:
+    """Yang's card picker: C1-CV1-H2-P2 over 300 deg, 20 mm up, h1 = h3 = 1. With V the slope of the constant velocity the
+    spans are 2h1/V, h2/V, (π/2)h3/V; H2 ends and P2 begins with one acceleration, (π²/4)h3/β3² = (216/41)h/β4²."""
+    h, h1, h3 = MP.mpf(20), MP.mpf(1), MP.mpf(1)
+    widths = [2 * h1, h - h1 - h3, MP.pi / 2 * h3, MP.sqrt(MP.mpf(216) / 41 * h * h3)]
+    speed = MP.fsum(widths) / 300
+    values = [[w / speed + 0j for w in widths] + [speed + 0j]]
+    # sums and quotients of positive numbers: each as good as its parts, of which there are five
+    return _rows([0.0], values, 5.0, [float(abs(v)) for v in values[0]])
+
+
+def _gauss(count: int) -> list[tuple[Any, Any]]:
+    """Nodes and weights of Gauss and Legendre, refined by Newton's method."""
+    found = []
+    for near in np.polynomial.legendre.leggauss(count)[0]:
+        x = MP.mpf(near)
+        for _ in range(3):
+            value, before = MP.legendre(count, x), MP.legendre(count - 1, x)
+            slope = count * (before - x * value) / (1 - x * x)
+            x -= value / slope
+        found.append((x, 2 / ((1 - x * x) * slope**2)))
+    return found
+
+
+def _flywheel() -> dict[str, Any]:
+    """x' + r x = T - T̄ over the turn, piece by piece by Gauss-Legendre, closed so that it comes back to where it began."""
+    compiled = Program(FITTED.drive.motion)
+    shaft = FITTED.shaft
+    omega = MP.convert(shaft.speed_rpm) * 2 * MP.pi / 60
+    rate = MP.convert(shaft.motor_slope_nm_s_per_rad) / (MP.convert(shaft.flywheel_inertia_kg_m2) * omega)
+    spots = [float(s * (b - a) + a) for a, b in zip(compiled.starts, compiled.ends, strict=True) for s in (0.31373, 0.81931)]
+    joins = sorted({*map(float, compiled.starts), *spots, 2.0 * math.pi})
+    nodes = _gauss(30)
+
+    @cache
+    def drive(theta: Any) -> Any:
+        segment = _segment(theta)
+        y = motion_series(FITTED.drive.motion, theta, segment)
+        return free_bodies(FITTED, placed(FITTED, theta, y), _way(segment))["torque"]
+
+    def parts(a: float, b: float) -> list[tuple[Any, Any, Any]]:
+        half, middle = (MP.mpf(b) - a) / 2, (MP.mpf(a) + b) / 2
+        return [(half * w, middle + half * x, drive(middle + half * x)) for x, w in nodes]
+
+    stretches = [(a, b, parts(a, b)) for a, b in itertools.pairwise(joins)]
+    mean = MP.fsum(w * t for _, _, row in stretches for w, _, t in row) / (2 * MP.pi)
+    x, at_joins = MP.zero, {0.0: MP.zero}
+    for a, b, row in stretches:
+        x = MP.exp(-rate * (MP.mpf(b) - a)) * x + MP.fsum(w * MP.exp(-rate * (b - at)) * (t - mean) for w, at, t in row)
+        at_joins[b] = x
+    begin = x / (1 - MP.exp(-rate * 2 * MP.pi))
+    values = [[mean + rate * (at_joins[s] + begin * MP.exp(-rate * MP.mpf(s))) + 0j] for s in spots]
+    peak = max(abs(t) for _, _, row in stretches for _, _, t in row)
+    torque_condition = json.loads(FILE.read_text(encoding="utf-8"))["torque"]["condition"]
+    return _rows(spots, values, torque_condition, [float(peak)])
+
+
+MADE: dict[str, Callable[[], dict[str, Any]]] = {
+    "law": _law,
+    "blending": _blending,
+    **{name: (lambda n=name: _along_the_turn(n)) for name in ALONG_THE_TURN},
+    "flywheel": _flywheel,
+}
+
+
+def main(words: list[str]) -> int:
+    """Make the named kernels' values anew, or all."""
+    rows = json.loads(FILE.read_text(encoding="utf-8")) if FILE.exists() else {}
+    for name in words or MADE:
+        rows[name] = MADE[name]()
+        print(f"{name}: {len(rows[name]['at'])} places, condition {rows[name]['condition']:.3g}", flush=True)
+        FILE.write_text(json.dumps(rows, indent=1) + "\n", encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,161 @@
+"""The run of ``make bench``: every method of every kernel at every size, as rows of one table."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+import math
+import time
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from benchmarks.table import Kernel, Method, kernels
+from benchmarks.timing import measure, peak_memory
+
+from core.files import write_all
+from core.keeping import keep_freed_memory
+
+ROOT = Path(__file__).parents[2]
+OUT = ROOT / "out" / "bench"
+MOST_MEMORY_RUN = 0.5  # [s] longer ones are not repeated to measure their memory
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of the CSV; times by the yardstick and by our method in the same group."""
+
+    kernel: str
+    method: str
+    n: int
+    seconds: float
+    error: float
+    peak_memory_mib: float
+    setting: str
+    times_yardstick: float
+    times_ours: float
+    note: str
+
+
+COLUMNS = tuple(field.name for field in fields(Row))
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
+    settings left out; the longest single run [s] that a size may be expected to take."""
+
+    usual: float = 2.5
+    growth: float = 1.0
+    sizes: int = 99
+    settings: int = 99
+    longest: float = 1.2
+
+
+FULL, QUICK = Plan(), Plan(usual=0.5, growth=0.2, sizes=3, settings=2, longest=0.1)
+
+
+def _text(setting: Any) -> str:
+    if setting is None:
+        return ""
+    return f"{setting[-1]:g}" if isinstance(setting, tuple) else f"{setting:g}"
+
+
+def _lacking(kernel: Kernel, method: Method) -> Row:
+    nan = math.nan
+    return Row(kernel.name, method.name, kernel.usual, nan, nan, nan, "", nan, nan, f"{method.lacks} is not installed")
+
+
+def _memory(run: Any, seconds: float) -> float:
+    return peak_memory(run) if seconds <= MOST_MEMORY_RUN else math.nan
+
+
+def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
+    """Every method with each of its settings: time and true error."""
+    there = kernel.given(kernel.grid(kernel.usual))
+    there_rows = [m for m in kernel.methods if not m.lacks]
+    told = [(m, s) for m in there_rows for s in m.settings[: plan.settings]]
+    runs = {f"{i}": (lambda m=m, s=s: m.solve(there, s)) for i, (m, s) in enumerate(told)}
+    for i, (method, _) in enumerate(told):
+        if not method.one_by_one:
+            runs[f"{i}"]()  # compile, import, fill caches
+    times = measure(runs, kernel.usual, plan.usual)
+    ours = times.seconds["0"]
+    for i, (method, setting) in enumerate(told):
+        seconds = times.seconds[f"{i}"]
+        yield Row(
+            kernel.name, method.name, kernel.usual, seconds, kernel.error(method, setting),
+            _memory(runs[f"{i}"], seconds), _text(setting), seconds / times.yardstick, seconds / ours, "",
+        )  # fmt: skip
+    for method in kernel.methods:
+        if method.lacks:
+            yield _lacking(kernel, method)
+
+
+def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
+    """Each method in its usual setting at the other sizes, as long as a run of it does not take too long."""
+    expected = {}
+    for row in usual:
+        expected.setdefault(row.method, row)  # the usual setting comes first
+    for n in [n for n in kernel.sizes[: plan.sizes] if n != kernel.usual]:
+        methods = [
+            m for m in kernel.methods
+            if not m.lacks and (m.ours or expected[m.name].seconds * n / kernel.usual <= plan.longest)
+        ]  # fmt: skip
+        there = kernel.given(kernel.grid(n))
+        runs = {m.name: (lambda m=m, there=there: m.solve(there, m.settings[0])) for m in methods}
+        times = measure(runs, n, plan.growth)
+        ours = times.seconds[kernel.ours.name]
+        for method in methods:
+            seconds = times.seconds[method.name]
+            yield Row(
+                kernel.name, method.name, n, seconds, expected[method.name].error, _memory(runs[method.name], seconds),
+                _text(method.settings[0]), seconds / times.yardstick, seconds / ours, "",
+            )  # fmt: skip
+
+
+def measured(plan: Plan) -> list[Row]:
+    keep_freed_memory()  # as every study does
+    rows: list[Row] = []
+    for kernel in kernels():
+        began = time.perf_counter()
+        usual = list(at_usual_size(kernel, plan))
+        rows += usual
+        rows += growth(kernel, plan, usual)
+        print(f"{kernel.name}: {time.perf_counter() - began:.1f} s", flush=True)
+    return rows
+
+
+def as_csv(rows: Sequence[Row]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in rows:
+        writer.writerow(["" if isinstance(v, float) and math.isnan(v) else v for v in asdict(row).values()])
+    return text.getvalue()
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    words = argparse.ArgumentParser(prog="make bench", description="Run time against true error.")
+    words.add_argument("--quick", action="store_true", help="fewer sizes and settings, half a minute")
+    words.add_argument("--readme", action="store_true", help="put the table into README.md")
+    words.add_argument("--out", type=Path, default=OUT, help="folder")
+    asked = words.parse_args(argv)
+    warnings.simplefilter("ignore")  # of methods that are made to fail
+    began = time.perf_counter()
+    rows = measured(QUICK if asked.quick else FULL)
+    from benchmarks import page, ratios, stress
+
+    cases = stress.measured(asked.quick)
+    table = ratios.markdown(rows)
+    write_all(asked.out, {"bench.csv": as_csv(rows), "stress.csv": stress.as_csv(cases), "bench.md": table})
+    write_all(asked.out, page.painted(rows, cases))
+    if asked.readme:
+        ratios.into_readme(ROOT / "README.md", table)
+    print(table)
+    print(f"{asked.out}: bench.csv, bench.svg, bench.png, bench.md, stress.csv; {time.perf_counter() - began:.0f} s")
+    return 0
+

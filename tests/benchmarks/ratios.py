@@ -1,0 +1,87 @@
+"""The table for readers: each kernel's alternatives by the time KINDYNA takes and the error it makes, never in
+milliseconds, which are those of one machine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.measuring import Row
+from benchmarks.table import kernels
+
+from core.files import write_all
+
+BEGIN, END = "<!-- make bench ARGS=--readme: begin -->", "<!-- make bench ARGS=--readme: end -->"
+AS_GOOD = 4.0  # an error up to so many times ours counts as the same
+NOISE = 1.05  # times nearer than this are the same
+
+
+def _power(value: float) -> str:
+    if value == 0.0:
+        return "0"
+    if not math.isfinite(value):
+        return "no digit right"
+    digits = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    exponent = math.floor(math.log10(value))
+    return f"{value / 10.0**exponent:.1f}·10{str(exponent).translate(digits)}"
+
+
+def times(ratio: float) -> str:
+    """Two digits: ×0.85, ×3.2, ×320, ×6800."""
+    size = 10.0 ** (1 - math.floor(math.log10(ratio)))
+    shown = round(ratio * size) / size
+    return f"×{shown:.0f}" if shown >= 10.0 else f"×{shown:.2g}"
+
+
+def best(rows: Sequence[Row]) -> Row:
+    """Of a method's settings the one of least error; of those about as good the quickest."""
+    least = min(row.error for row in rows)
+    return min((r for r in rows if r.error <= AS_GOOD * least), key=lambda r: r.seconds)
+
+
+def verdict(row: Row, ours: Row) -> str:
+    """What the row means: whether we lose, and to what."""
+    as_good = row.error <= AS_GOOD * ours.error
+    if as_good and row.times_ours * NOISE < 1.0:
+        return f"KINDYNA is slower by {times(1.0 / row.times_ours)}"
+    if as_good and row.times_ours <= NOISE:
+        return "as fast, as accurate"
+    if as_good:
+        return "as accurate"
+    if row.times_ours < 1.0:
+        return "faster, less accurate"
+    return ""
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """One line per kernel and method, each in its most accurate setting."""
+    lines = [
+        "| kernel | method | time by KINDYNA's | true error | |",
+        "|---|---|---|---|---|",
+    ]
+    for kernel in kernels():
+        usual = [r for r in rows if r.kernel == kernel.name and r.n == kernel.usual]
+        ours = next(r for r in usual if r.method == kernel.ours.name)
+        title = kernel.title
+        for method in kernel.methods:
+            told = [r for r in usual if r.method == method.name]
+            if told and told[0].note:
+                lines.append(f"| {title} | {method.name} | | | {told[0].note} |")
+            elif told:
+                row = best(told)
+                setting = f", {method.knob} {row.setting}" if row.setting else ""
+                note = "" if method.ours else verdict(row, ours)
+                lines.append(f"| {title} | {method.name}{setting} | {times(row.times_ours)} | {_power(row.error)} | {note} |")
+            title = ""
+    return "\n".join(lines) + "\n"
+
+
+def into_readme(path: Path, table: str) -> None:
+    """The table between its two markers, which must stand in the file."""
+    text = path.read_text(encoding="utf-8")
+    before, begin, rest = text.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise SystemExit(f"{path}: no place for the table: the lines {BEGIN} and {END} are missing")
+    write_all(path.parent, {path.name: f"{before}{BEGIN}\n{table}{END}{after}"})

@@ -1,0 +1,23 @@
+"""Run time against true error, of every kernel and of what a user could take instead.
+
+    make bench                        out/bench/bench.csv, bench.svg, bench.png, bench.md, stress.csv
+    make bench ARGS=--quick           fewer sizes and settings
+    make bench ARGS=--readme          also puts the table into README.md
+    make bench-check                  fails where a time by the yardstick of the same run has worsened by more than 30 %
+    make bench-check ARGS=--update    takes the present times as the limits
+"""
+
+import os
+import sys
+from pathlib import Path
+
+if __name__ == "__main__":
+    root = Path(__file__).parents[2]
+    sys.path[:0] = [str(root / "tests"), str(root)]
+    for pool in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+        os.environ.setdefault(pool, "1")  # one thread for everyone, before numpy is loaded
+    os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
+    from benchmarks import check, measuring
+
+    words = sys.argv[1:]
+    sys.exit(check.main(words[1:]) if words[:1] == ["--check"] else measuring.main(words))

@@ -1,0 +1,241 @@
+"""The benchmark itself: its rows and columns, that our errors keep to their bounds, what its table says, what makes its
+check fail. Nothing here depends on how fast the machine is."""
+
+import csv
+import io
+import json
+import math
+from dataclasses import replace
+from itertools import count, pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks import check, measuring, ratios, stress, timing
+from benchmarks.exact import FILE, MADE, exact
+from benchmarks.measuring import Plan, Row
+from benchmarks.table import Kernel, Method, kernels
+from stress_cases import CASES
+
+from core.errors import KindynaError
+
+KERNELS = {kernel.name: kernel for kernel in kernels()}
+OURS_AND_OTHERS = [pytest.param(k, m, id=f"{k.name}: {m.name}") for k in KERNELS.values() for m in k.methods if not m.one_by_one]
+
+
+# -- the rows ---------------------------------------------------------------------------------------------
+
+
+def test_every_kernel_has_our_method_first_and_others_beside_it() -> None:
+    assert {"law", "blending", "linkage", "profile", "curvature", "torque", "flywheel"} <= set(KERNELS)
+    for kernel in KERNELS.values():
+        assert [m.ours for m in kernel.methods] == [True] + [False] * (len(kernel.methods) - 1)
+        assert len(kernel.methods) >= 2
+        assert len({m.name for m in kernel.methods}) == len(kernel.methods)
+        assert kernel.usual in kernel.sizes
+        assert set(kernel.sizes) <= set(range(1, 1_000_001))
+
+
+@pytest.mark.parametrize("name", KERNELS)
+def test_our_error_keeps_below_its_derived_bound(name: str) -> None:
+    kernel = KERNELS[name]
+    error = kernel.error(kernel.ours, None)
+    assert 0.0 < kernel.bound < 1e-10
+    assert error <= kernel.bound
+    # far below it, so that a lost digit is seen: rounding is of the size of eps, whatever the worst case may be
+    assert error <= 1e-14
+
+
+@pytest.mark.parametrize(("kernel", "method"), OURS_AND_OTHERS)
+def test_every_method_does_the_kernels_job(kernel: Kernel, method: Method) -> None:
+    """In its usual setting it is within a thousandth, so that no row compares a thing with another."""
+    if method.lacks:
+        pytest.skip(f"{method.lacks} is not installed")
+    assert kernel.error(method, method.settings[0]) <= 1e-3
+    there = kernel.given(kernel.grid(kernel.sizes[0]))
+    told = method.solve(there, method.settings[0])
+    assert len(told) == len(exact(kernel.name).scale)
+    assert {np.shape(channel)[-1:] for channel in told} == {(kernel.sizes[0],)}
+
+
+def test_a_finer_setting_is_a_better_one_until_rounding_takes_over() -> None:
+    """The curves of time against error lead somewhere: halved steps quarter the error of differences."""
+    law = KERNELS["law"]
+    differences = next(m for m in law.methods if m.knob == "step")
+    coarse, fine = (law.error(differences, step) for step in (1e-2, 5e-3))
+    assert coarse / fine == pytest.approx(4.0, rel=0.05)
+
+
+# -- the exact values -------------------------------------------------------------------------------------
+
+
+def test_the_exact_values_stand_for_every_kernel_and_are_finer_than_floats() -> None:
+    assert set(json.loads(FILE.read_text(encoding="utf-8"))) == set(MADE) == set(KERNELS)
+    for name in KERNELS:
+        there = exact(name)
+        assert there.high.shape == there.low.shape == (there.scale.size, there.at.size)
+        assert (np.abs(there.low) <= 2.0**-53 * (np.abs(there.high.real) + np.abs(there.high.imag))).all()
+        assert np.isfinite(there.high).all()
+        assert there.error(list(there.high)) <= 2.0**-52, "of the nearest floats"
+        off = [channel + 1e-9 * scale for channel, scale in zip(there.high, there.scale, strict=True)]
+        assert there.error(off) == pytest.approx(1e-9, rel=1e-3)
+        assert there.error([np.full(there.at.size, np.nan)] * there.scale.size) == math.inf
+
+
+def test_the_exact_values_are_those_that_are_made() -> None:
+    """Two of them again, and one angle of the linkage, at fifty digits."""
+    stored = json.loads(FILE.read_text(encoding="utf-8"))
+    for name in ("law", "blending"):
+        made = MADE[name]()
+        assert json.loads(json.dumps(made)) == stored[name]
+    from benchmarks.exact import _moved, linkage
+
+    theta = stored["linkage"]["at"][4]
+    values, _ = _moved(linkage, ("follower",), theta)
+    there = exact("linkage")
+    for value, high, low in zip(values, there.high[:, 4], there.low[:, 4], strict=True):
+        assert abs(complex(value - complex(high)) - complex(low)) <= 1e-30 * abs(complex(value))
+
+
+# -- what comes out ---------------------------------------------------------------------------------------
+
+TINY = Plan(usual=0.0, growth=0.0, sizes=1, settings=1, longest=0.05)
+
+
+@pytest.fixture(scope="module")
+def rows() -> list[Row]:
+    """A run as short as can be, of two kernels."""
+    told: list[Row] = []
+    for name in ("law", "curvature"):
+        usual = list(measuring.at_usual_size(KERNELS[name], TINY))
+        told += usual + list(measuring.growth(KERNELS[name], TINY, usual))
+    return told
+
+
+def test_the_csv_has_the_columns_and_a_row_for_every_method(rows: list[Row]) -> None:
+    told = list(csv.DictReader(io.StringIO(measuring.as_csv(rows))))
+    assert list(told[0])[:6] == ["kernel", "method", "n", "seconds", "error", "peak_memory_mib"]
+    for name in ("law", "curvature"):
+        usual = [r for r in told if r["kernel"] == name and int(r["n"]) == 3600]
+        assert [r["method"] for r in usual] == [m.name for m in KERNELS[name].methods]
+        for row in usual:
+            assert float(row["seconds"]) > 0.0
+            assert 0.0 < float(row["error"]) < 1.0
+            assert 0.01 < float(row["peak_memory_mib"]) < 100.0
+            assert float(row["times_yardstick"]) > 0.0
+        assert float(usual[0]["times_ours"]) == 1.0
+        assert {int(r["n"]) for r in told if r["kernel"] == name} == {360, 3600}
+
+
+def test_a_package_that_is_not_there_is_said_in_its_row() -> None:
+    law = KERNELS["law"]
+    absent = Method("absent", lambda given, setting: [given], needs=("json", "no_such_package"))
+    kernel = replace(law, methods=(law.ours, absent))
+    told = list(measuring.at_usual_size(kernel, TINY))
+    assert [r.method for r in told] == ["KINDYNA", "absent"]
+    assert told[1].note == "no_such_package is not installed"
+    row = list(csv.reader(io.StringIO(measuring.as_csv(told))))[-1]
+    assert (row[3], row[4], row[-1]) == ("", "", "no_such_package is not installed")
+
+
+def row(method: str, time: float, error: float, setting: str = "", note: str = "") -> Row:
+    return Row("law", method, 3600, time, error, 1.0, setting, time, time, note)
+
+
+def test_the_table_says_who_loses_in_ratios_and_never_in_seconds() -> None:
+    told = ratios.markdown(
+        [
+            row("KINDYNA", 1.0, 1e-15),
+            row("textbook branches", 0.4, 2e-15),
+            row("finite differences", 0.5, 1e-7, "0.001"),
+            row("finite differences", 3.0, 1e-9, "1e-05"),
+            row("linear table", math.nan, math.nan, note="sums is not installed"),
+            row("cubic spline", 6800.0, math.inf, "90"),
+            *(replace(row("KINDYNA", 1.0, 1e-15), kernel=k.name, n=k.usual) for k in KERNELS.values() if k.name != "law"),
+        ]
+    )
+    assert "| KINDYNA | ×1 | 1.0·10⁻¹⁵ |" in told
+    assert "| textbook branches | ×0.4 | 2.0·10⁻¹⁵ | KINDYNA is slower by ×2.5 |" in told
+    assert "| finite differences, step 1e-05 | ×3 | 1.0·10⁻⁹ |  |" in told, "in its most accurate setting"
+    assert "| linear table | | | sums is not installed |" in told
+    assert "×6800 | no digit right" in told
+    assert "ms" not in told.replace("sums", "")
+
+
+def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> None:
+    path = tmp_path / "README.md"
+    path.write_text(f"before\n{ratios.BEGIN}\nold\n{ratios.END}\nafter\n", encoding="utf-8")
+    for _ in range(2):
+        ratios.into_readme(path, "| new |\n")
+        assert path.read_text(encoding="utf-8") == f"before\n{ratios.BEGIN}\n| new |\n{ratios.END}\nafter\n"
+    path.write_text("nothing", encoding="utf-8")
+    with pytest.raises((SystemExit, KindynaError)):
+        ratios.into_readme(path, "| new |\n")
+    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    assert text.count(ratios.BEGIN) == text.count(ratios.END) == 1
+    table = text.partition(ratios.BEGIN)[2].partition(ratios.END)[0]
+    for kernel in KERNELS.values():
+        assert f"| {kernel.title} | KINDYNA | ×1 |" in table
+
+
+def test_every_stress_case_has_a_curve() -> None:
+    looks = stress.measured(quick=True)
+    told = list(csv.DictReader(io.StringIO(stress.as_csv(looks))))
+    assert list(told[0]) == ["case", "number", "value", "error", "bound", "printed_error"]
+    assert {r["case"] for r in told} == {case.name for case in CASES if case.few >= 4}
+    assert all(float(r["error"]) <= float(r["bound"]) for r in told)
+
+
+# -- time and memory --------------------------------------------------------------------------------------
+
+
+def test_memory_is_that_of_the_arrays_held_at_once() -> None:
+    n = 1 << 20
+
+    def three_at_once() -> object:
+        a, b = np.ones(n), np.ones(n)
+        c = a + b
+        return c
+
+    assert timing.peak_memory(lambda: np.ones(n)) == pytest.approx(8.0, abs=0.2)
+    assert timing.peak_memory(three_at_once) == pytest.approx(24.0, abs=0.2)
+
+
+def test_the_best_of_each_run_is_told_and_all_run_in_turn() -> None:
+    order: list[str] = []
+    runs = {name: (lambda name=name: order.append(name)) for name in "ab"}
+    times = timing.measure(runs, 10, 0.01, rounds=3)
+    assert set(times.seconds) == {"a", "b"}
+    assert 0.0 < times.seconds["a"] < 1e-3
+    assert times.yardstick > 0.0
+    changes = sum(x != y for x, y in pairwise(order))
+    assert changes >= 3, "interleaved"
+
+
+# -- the check --------------------------------------------------------------------------------------------
+
+
+def test_limits_stand_for_every_kernel_at_every_size() -> None:
+    limits = json.loads(check.FILE.read_text(encoding="utf-8"))
+    assert set(limits) == set(check.keys())
+    assert all(value > 0.0 for value in limits.values())
+
+
+@pytest.mark.parametrize(("told", "fails"), [(1.0, False), (1.29, False), (1.31, True), (5.0, True)])
+def test_a_kernel_that_is_a_third_slower_fails(told: float, fails: bool) -> None:
+    assert bool(check.failing({"x": 1.0}, lambda name: told, ["x"])) == fails
+
+
+def test_who_is_too_slow_is_looked_at_again_before_it_fails() -> None:
+    looks = count()
+    assert check.failing({"x": 1.0}, lambda name: (3.0, 2.0, 1.1)[next(looks)], ["x"]) == {}
+    assert next(looks) == 3
+    asked: list[str] = []
+
+    def always_slow(name: str) -> float:
+        asked.append(name)
+        return 9.0 if name == "slow" else 1.0
+
+    assert check.failing({"slow": 1.0, "quick": 1.0}, always_slow, ["slow", "quick"], tries=4) == {"slow": 9.0}
+    assert (asked.count("slow"), asked.count("quick")) == (4, 1)
+    assert check.failing({}, lambda name: 1.0, ["new"]) == {"new": 1.0}, "one without a limit is told"

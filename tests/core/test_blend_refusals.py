@@ -1,0 +1,133 @@
+"""What core.blend refuses: every error names the setting, what it may be and what to do."""
+
+import math
+from typing import Any
+
+import pytest
+from blend_cases import request, solves
+
+from core.blend import BlendError, Request, blend, feasible_range
+
+KAPPA, A, PI = math.sqrt(216 / 41), math.pi / 2 - 1, math.pi
+H, SPAN = 20.0, 300.0
+
+
+# -- one setting that says nothing new --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "constant", "kept", "name", "value", "name_of_sequence"),
+    [
+        ("DRD", "rise", ("h2", 5.0), "vcv", (2 * H - 5.0) / SPAN, ""),
+        ("DRD", "rise", ("vcv", 0.1), "h2", 2 * H - 30.0, ""),
+        ("DRD", "rise", ("length", 100.0), "vcv", 0.1, ""),
+        ("DRRD", "both", ("h1", 1.0), "h6", 1.0, ""),
+        ("DRRD", "both", ("h1", 1.0), "peak", 180.0, ""),
+        ("RRR", "rise", ("h2", 8.0), "vcv", (H + A * 12.0 + PI / 2 * math.sqrt(H * 12.0)) / SPAN, "H1-CV1-H2-H3-H4"),
+        ("RRR", "both", ("h2", 8.0), "vcv", 2 * (H + A * 12.0) / SPAN, ""),
+    ],
+)
+@pytest.mark.parametrize("factor", [1.0, 1.05])
+def test_a_setting_that_the_others_determine_is_refused_with_its_value(
+    kind: str, constant: str, kept: tuple[str, float], name: str, value: float, name_of_sequence: str, factor: float
+) -> None:
+    """Whether or not it agrees: taken silently it would leave the motion undetermined."""
+    wish = request(kind, constant, {kept[0]: kept[1], name: factor * value}, sequence=name_of_sequence)
+    with pytest.raises(BlendError) as caught:
+        blend(wish)
+    assert caught.value.setting == name
+    assert caught.value.allowed == pytest.approx((value, value), rel=1e-9)
+    assert "determined already" in str(caught.value)
+    assert f"{value:.6g}"[:6] in str(caught.value)
+
+
+# -- what is not feasible ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("settings_", "name", "low", "high"),
+    [
+        ({"h1": 2.0, "vcv": 0.5}, "vcv", (H + 2) / SPAN, 2 * H / SPAN),
+        ({"h1": 25.0, "vcv": 0.1}, "h1", 0.0, 10.0),
+        ({"h1": 25.0, "h3": 40.0}, "h1", 0.0, 20.0),
+        ({"vcv": 5.0, "h1": 40.0}, "vcv", H / SPAN, 2 * H / SPAN),
+        ({"length": 299.0, "h1": 19.0}, "h1", 0.0, 20 * 1 / 299.5 / 2 * 1.0 + 0.0),
+    ],
+)
+def test_ranges_of_drd(settings_: dict[str, float], name: str, low: float, high: float) -> None:
+    """h/β < V ≤ 2h/β, h + h1 < W; where both are impossible the first is told."""
+    if name == "h1" and "length" in settings_:
+        v = 2 * H / (SPAN + settings_["length"])
+        high = v * SPAN - H
+    with pytest.raises(BlendError) as caught:
+        blend(request("DRD", "rise", settings_))
+    assert caught.value.setting == name
+    assert caught.value.allowed == pytest.approx((low, high), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("h1", [0.5, 5.0, 15.0])
+def test_ranges_of_the_card_picker_sequence(h1: float) -> None:
+    wish = request("DRRD", "rise", {"h1": h1, "vcv": 9.9}, sequence="C1-CV1-H2-P2")
+    top = (H + h1 + A * (H - h1) + KAPPA * math.sqrt(H * (H - h1))) / SPAN
+    assert feasible_range(wish, "vcv") == pytest.approx(((H + h1) / SPAN, top), rel=1e-9)
+    with pytest.raises(BlendError, match=r"^vcv = 9\.9 mm/deg is not feasible beside h1 = .*; feasible: ") as caught:
+        blend(wish)
+    assert caught.value.allowed == feasible_range(wish, "vcv")
+
+
+def test_ranges_where_the_settings_are_still_to_come() -> None:
+    """With more freedom than settings a range is what anything leaves."""
+    assert feasible_range(request("DRD", "rise", {}), "vcv") == pytest.approx((H / SPAN, 2 * H / SPAN), rel=1e-12)
+    assert feasible_range(request("DRD", "rise", {}), "h1") == pytest.approx((0.0, H), abs=1e-9)
+    assert feasible_range(request("DRRD", "rise", {}), "peak") == pytest.approx((30.0, 330.0), rel=1e-2)
+
+
+def test_the_end_of_a_range_that_is_told_can_be_typed() -> None:
+    """Closed ends are rounded inwards; open ones say <."""
+    with pytest.raises(BlendError) as caught:
+        blend(request("DRD", "rise", {"h1": 2.0, "vcv": 0.5}))
+    assert "feasible: 0.0733333333 < vcv <= 0.133333333 mm/deg" in str(caught.value)
+    assert solves(request("DRD", "rise", {"h1": 2.0}), "vcv", 0.133333333)
+
+
+def test_the_least_acceleration_is_an_end() -> None:
+    """It may be reached from either side of the gentlest motion; below it there is none."""
+    wish = request("DRD", "rise", {"h1": 2.0, "acceleration": 1e-9})
+    with pytest.raises(BlendError) as caught:
+        blend(wish)
+    assert caught.value.setting == "acceleration"
+    low, high = caught.value.allowed
+    assert high == math.inf
+    # π V²/(4 h_i) of the lesser height, W = h + 2 + h3: least where h3 = h1, for (h + 2 + h3)²/h3 falls until then
+    assert low == pytest.approx(math.pi / 4 * ((H + 4.0) / SPAN) ** 2 / 2.0, rel=1e-9)
+    assert solves(wish, "acceleration", low * (1 + 1e-6))
+    assert not solves(wish, "acceleration", low * (1 - 1e-6))
+    assert "acceleration >= " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "phrase"),
+    [
+        ({"type": "XYZ"}, "type 'XYZ': unknown; allowed: DRD | DRD-return | DRRD | RRR"),
+        ({"stroke": -1.0}, "stroke = -1: outside its range; allowed: > 0 mm"),
+        ({"stroke": math.nan}, "stroke = nan"),
+        ({"return_stroke": -2.0}, "return stroke = -2"),
+        ({"start": 300.0, "end": 100.0}, "start 300 deg, end 100 deg: outside their range"),
+        ({"end": 400.0}, "allowed: 0 <= start < end <= 360 deg"),
+        ({"constant": "sometimes"}, "constant velocity 'sometimes': unknown; allowed: none | rise | return | both"),
+        ({"type": "DRD", "constant": "return"}, "constant velocity return: DRD has no return"),
+        ({"type": "DRD-return", "constant": "both"}, "constant velocity both: DRD-return has no rise"),
+        ({"settings": {"h9": 1.0}}, "h9: unknown setting; allowed: h1 | "),
+        ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
+        ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
+        ({"sequence": "C1-C1"}, "sequence 'C1-C1': not of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),
+        ({"settings": {"h1": 1.0, "h2": 1.0, "h3": 1.0, "h4": 1.0}}, "settings given: h1, h2, h3, h4; "),
+    ],
+)
+def test_a_wish_without_sense(change: dict[str, Any], phrase: str) -> None:
+    fields = {"type": "DRRD", "stroke": 20.0, "start": 30.0, "end": 330.0, "constant": "rise", **change}
+    with pytest.raises(BlendError) as caught:
+        blend(Request(**fields))
+    assert phrase in str(caught.value)
+    assert "\n" not in str(caught.value)

@@ -1,0 +1,163 @@
+"""core.instant_centres: by Kennedy's theorem, by velocities, and what they tell, for any linkage."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from linkages import INSIDE_OUT, assemblies, four_bar, link, slider_crank
+
+from core.design import LinkageDesign, Place
+from core.instant_centres import (
+    Centres,
+    all_centres,
+    angular_ratio,
+    collinearity,
+    kennedy,
+    line_of,
+    velocity_differences,
+)
+from core.instant_centres.linkage import CentreTable
+from core.mechanism import course_of, unit_speed_train
+from core.train import FRAME, Train
+
+SIZE = 0.1
+
+
+def at(design: LinkageDesign, *angles: float) -> tuple[Train, CentreTable]:
+    train = unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage))
+    return train, all_centres(train, SIZE)
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies(most=3))
+def test_any_three_bodies_centres_lie_on_one_line(drawn: tuple[LinkageDesign, float]) -> None:
+    design, q = drawn
+    train, table = at(design, q)
+    n = len(train.bodies)
+    assert len(table.centres) == n * (n - 1) // 2
+    assert collinearity(table).max() <= 1e-11
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies(most=3))
+def test_two_bodies_have_one_velocity_at_their_centre(drawn: tuple[LinkageDesign, float]) -> None:
+    """Where it is at infinity they turn alike, and its direction is across their relative velocity."""
+    design, q = drawn
+    train, table = at(design, q)
+    for (a, b), centre in table.centres.items():
+        one, other = train.bodies[a], train.bodies[b]
+        if centre.far(SIZE)[0]:
+            assert abs(one.angle[1, 0] - other.angle[1, 0]) <= 1e-9
+            continue
+        place = centre.finite
+        speeds = [pose.z[1] + 1j * pose.angle[1] * (place - pose.z[0]) for pose in (one, other)]
+        scale = SIZE + abs(place[0]) * (1.0 + abs(one.angle[1, 0]) + abs(other.angle[1, 0]))
+        assert abs(speeds[0] - speeds[1])[0] <= 1e-10 * scale
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies())
+def test_ratios_by_centres_are_those_of_the_loop_equations(drawn: tuple[LinkageDesign, float]) -> None:
+    design, q = drawn
+    train, table = at(design, q)
+    for name, pose in train.bodies.items():
+        if name in (FRAME, "link2"):
+            continue
+        expected = pose.angle[1, 0] / train.bodies["link2"].angle[1, 0]
+        found = float(angular_ratio(table, name, "link2")[0])
+        if not math.isnan(found):  # NaN where the three centres coincide, as for a link on the crank's own pivot
+            assert found == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def unit(vector: np.ndarray) -> np.ndarray:
+    return vector / np.linalg.norm(vector)
+
+
+@settings(max_examples=40, derandomize=True, database=None)
+@given(assemblies())
+def test_kennedys_construction_finds_the_centres_that_velocities_give(drawn: tuple[LinkageDesign, float]) -> None:
+    """Each from lines through centres that are known by then; as exactly as those lines are told and cross."""
+    design, q = drawn
+    _, table = at(design, q)
+    known = set(table.construction.known)
+    scale = np.array([1.0 / SIZE, 1.0 / SIZE, 1.0])
+    for step in table.construction.steps:
+        lines, sharp = [], 1.0
+        for triangle in step.triangles[:2]:
+            assert {triangle.first, triangle.second} <= known
+            p, r = (unit(table.centres[key].homogeneous[:, 0] * scale) for key in (triangle.first, triangle.second))
+            lines.append(np.cross(p, r))
+            sharp = min(sharp, float(np.linalg.norm(lines[-1])))
+        known.add(step.key)
+        if sharp > 1e-4:
+            steep = float(np.linalg.norm(np.cross(unit(lines[0]), unit(lines[1]))))
+            one, other = kennedy(table.centres, step, SIZE), table.centres[step.key]
+            off = np.cross(unit(one.homogeneous[:, 0] * scale), unit(other.homogeneous[:, 0] * scale))
+            assert np.linalg.norm(off) * sharp * steep <= 1e-11
+            line = line_of(table.centres, step.triangles[0])[:, 0]
+            assert abs(unit(line / scale) @ unit(other.homogeneous[:, 0] * scale)) <= 1e-9 / sharp
+
+
+def test_a_linkage_beyond_the_construction_still_has_all_its_centres() -> None:
+    """The six-bar driven inside has the same links and pins, and the same fifteen centres."""
+    (only,) = course_of(INSIDE_OUT.linkage).ranges
+    _, table = at(INSIDE_OUT, *np.linspace(only.low + 0.1, only.high - 0.1, 20))
+    assert len(table.centres) == 15
+    assert collinearity(table).max() < 1e-11
+
+
+def test_parallel_cranks_have_a_centre_at_infinity() -> None:
+    """A parallelogram's coupler does not turn: I13 lies along the cranks, I24 along the frame."""
+    for degrees in (30.0, 75.0, 140.0):
+        _, table = at(four_bar(100.0, 40.0, 100.0, 40.0), math.radians(degrees))
+        pole = table.of(FRAME, "link3")
+        assert pole.far(SIZE)[0]
+        assert math.degrees(pole.direction[0]) == pytest.approx(degrees, abs=1e-9)
+        assert table.of("link2", "link4").far(SIZE)[0]
+        assert float(np.remainder(table.of("link2", "link4").direction[0] + 0.1, math.pi)) == pytest.approx(
+            0.1, abs=1e-9
+        )
+
+
+def test_where_a_slider_turns_back_its_centres_stay() -> None:
+    """Crank and rod in line: the slider stands still, and its centre on the frame is at infinity all the same."""
+    _, table = at(slider_crank(40.0, 140.0), 0.0, math.pi)
+    assert table.of(FRAME, "link4").far(SIZE).all()
+    assert np.abs(table.of("link2", "link4").finite).max() < 1e-15, "I24 falls on I12"
+    assert np.abs(table.of(FRAME, "link3").finite - np.array([0.18, 0.10])).max() < 1e-15, "I13 on the slider's pin"
+
+
+def test_a_body_at_rest_has_the_limit_of_its_centres() -> None:
+    """At a dwell of a link hung on a four-bar's rocker toggle nothing of it moves; beside it, its centres hardly differ."""
+    design = four_bar(100.0, 30.0, 90.0, 70.0)
+    toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
+    links = (*design.linkage.links, link(5, B=(0, 0), D=(60, 0)), link(6, O6=(0, 0), D=(80, 0)))
+    frame = replace(links[0], points=(*links[0].points, Place("O6", 200.0, 30.0)))
+    six = replace(design, linkage=replace(design.linkage, links=(frame, *links[1:])))
+    _, table = at(six, toggle - 1e-5, toggle, toggle + 1e-5)
+    for key in ((FRAME, "link5"), ("link4", "link5"), ("link4", "link6"), ("link5", "link6")):
+        before, there, after = table.centres[key].scaled(SIZE).homogeneous.T
+        assert math.hypot(np.linalg.norm(there[:2]) / SIZE, there[2]) == pytest.approx(1.0), key
+        middle = before + np.sign(before @ after) * after
+        assert np.linalg.norm(np.cross(there, middle)) < 1e-4 * np.linalg.norm(middle), key
+
+
+def test_velocity_differences_close_the_polygon() -> None:
+    train, _ = at(four_bar(100.0, 30.0, 90.0, 70.0), 0.7, 2.0)
+    rows = {(d.body, d.a, d.p): d for d in velocity_differences(train)}
+    assert set(rows) == {("link2", "O2", "A"), ("link3", "A", "B"), ("link4", "B", "O4")}
+    for d in rows.values():
+        assert np.abs(d.v_p - train.bodies[d.body].point(d.p)[1]).max() < 1e-16
+        assert np.abs((d.v_pa * (d.at_p - d.at_a).conjugate()).real).max() < 1e-18, "across the line between them"
+
+
+def test_a_centre_is_told_from_infinity_by_its_weight() -> None:
+    centre = Centres(np.array([1.0 + 2.0j, 3.0j, -1.0 + 0j]), np.array([0.5, 0.0, 0.0]))
+    assert centre.finite[0] == 2.0 + 4.0j
+    assert np.isinf(centre.finite[1])
+    assert centre.far(1.0).tolist() == [False, True, True]
+    assert np.degrees(centre.direction).tolist()[1:] == [90.0, 0.0]
+    assert centre.homogeneous.shape == (3, 3)
+    assert np.hypot(np.abs(centre.scaled(2.0).point) / 2.0, centre.scaled(2.0).weight) == pytest.approx(1.0)

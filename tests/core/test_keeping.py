@@ -1,0 +1,109 @@
+"""core.keeping: results that others share are read-only, and what nobody asks for is not made."""
+
+import ctypes
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, PUSHER
+
+from core import keeping
+from core.keeping import WhenAsked, keep_freed_memory, locked
+from core.study import Study
+
+
+@dataclass(frozen=True)
+class Part:
+    name: str
+    rows: WhenAsked[np.ndarray] = WhenAsked()
+    size: WhenAsked[int] = WhenAsked(lambda part: part.rows.size)
+
+
+def counted() -> tuple[list[int], Callable[[], np.ndarray]]:
+    calls: list[int] = []
+
+    def make() -> np.ndarray:
+        calls.append(1)
+        return np.arange(3.0)
+
+    return calls, make
+
+
+def test_a_field_given_as_a_function_is_made_once_when_it_is_read() -> None:
+    calls, make = counted()
+    part = Part("a", make)
+    assert calls == []
+    assert part.rows.tolist() == [0.0, 1.0, 2.0]
+    assert part.rows is part.rows
+    assert calls == [1]
+    with pytest.raises(ValueError, match="read-only"):
+        part.rows[0] = 1.0
+
+
+def test_a_field_that_is_not_given_is_made_from_the_others() -> None:
+    assert Part("a", np.zeros(7)).size == 7
+    assert Part("a", np.zeros(7), 5).size == 5
+    assert Part("a", np.zeros(7), lambda: 6).size == 6
+    assert replace(Part("a", np.zeros(7)), rows=np.zeros(2)).size == 7, "a copy keeps what was made"
+    with pytest.raises(TypeError, match="rows"):
+        Part("a")  # type: ignore[call-arg]
+
+
+def test_locking_reaches_every_array_and_makes_none() -> None:
+    calls, make = counted()
+    plain = np.zeros(2)
+    kept = locked(Part("a", make))
+    assert calls == []
+    locked({"x": (plain, Part("b", plain))})
+    with pytest.raises(ValueError, match="read-only"):
+        plain[0] = 1.0
+    with pytest.raises(ValueError, match="read-only"):
+        kept.rows[0] = 1.0
+
+
+@pytest.mark.parametrize("design", [LIFT, PUSHER], ids=["lift", "pusher"])
+def test_what_is_made_late_cannot_be_spoilt_either(design: object) -> None:
+    study = Study(design, 24)
+    arrays = [
+        study.angles.unit, study.linkage.follower.z, study.linkage.follower.angle, study.linkage.follower.unit,
+        study.linkage.travel, study.linkage.residual, study.linkage.condition, *study.linkage.coordinates.values(),
+        *study.linkage.singular.values(), study.cam.flank.pitch, study.cam.flank.pitch_curvature_slope, study.cam.centre.point,
+        *(pose.z for pose in study.linkage.bodies.values()),
+    ]  # fmt: skip
+    for array in arrays:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0.0
+
+
+def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
+    train, shape = Study(LIFT, 24).linkage, Study(LIFT, 24).cam
+    assert not isinstance(vars(train.bodies["rod"])["z"], np.ndarray)
+    assert not isinstance(vars(train)["residual"], np.ndarray)
+    _ = shape.flank.profile
+    assert isinstance(vars(shape.flank)["profile"], np.ndarray)
+    assert not isinstance(vars(shape.flank)["pitch_curvature"], np.ndarray)
+    _ = shape.flank.profile_curvature
+    assert isinstance(vars(shape.flank)["profile_curvature"], np.ndarray)
+
+
+def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    told: list[tuple[int, int]] = []
+
+    class Library:
+        def mallopt(self, what: int, value: int) -> int:
+            told.append((what, value))
+            return 1
+
+    def without(name: object) -> Library:
+        raise OSError(name)
+
+    for platform, library, calls in (("linux", lambda name: Library(), 2), ("linux", without, 0), ("linux", lambda name: object(), 0),
+                                     ("darwin", without, 0), ("win32", without, 0)):  # fmt: skip
+        told.clear()
+        monkeypatch.setattr(ctypes, "CDLL", library)
+        monkeypatch.setattr(sys, "platform", platform)
+        keep_freed_memory.__wrapped__()
+        assert len(told) == calls, platform
+    assert keeping._OWN_PAGES < keeping._KEPT

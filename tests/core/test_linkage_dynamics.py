@@ -1,0 +1,226 @@
+"""core.dynamics of linkages: every reaction against the multipliers of the loop equations, and against balances."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, slider_crank
+
+from core.design import Driver, LinkageDesign, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment
+from core.dynamics import link_loading, linkage_forces, linkage_momentum_residual, linkage_power_residual
+from core.mechanism import body_name, course_of, unit_speed_train
+from core.project import load
+from core.study import LinkageStudy, Study
+from core.train import FRAME, REVOLUTE, Train
+
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+OMEGA = 7.0
+
+
+def loaded(design: LinkageDesign, seed: int) -> LinkageDesign:
+    """Every link with mass, and forces and torques on all."""
+    rng = np.random.default_rng(seed)
+    moving = sorted(n for n in design.linkage.by_number if n != 1)
+    masses = tuple(
+        LinkMass(link=n, mass_kg=float(m), inertia_kg_m2=float(i), centre_x_mm=float(x), centre_y_mm=float(y))
+        for n, (m, i, x, y) in zip(
+            moving, rng.uniform([0.1, 1e-4, -50, -50], [3.0, 1e-2, 50, 50], (len(moving), 4)), strict=True
+        )
+    )
+    forces = tuple(
+        LinkForce(
+            link=n, point=design.linkage.by_number[n].points[0].name, x_n=float(x), y_n=float(y), torque_nm=float(t)
+        )
+        for n, (x, y, t) in zip(moving, rng.uniform(-100.0, 100.0, (len(moving), 3)) * [1.0, 1.0, 0.1], strict=True)
+        if design.linkage.by_number[n].points
+    )
+    return replace(design, loads=LinkageLoads(masses=masses, forces=forces, gravity_angle_deg=-70.0))
+
+
+def multipliers(design: LinkageDesign, train: Train, q: float) -> np.ndarray:
+    """λ of J'λ = -Q, lengths in mm: the loop equations' own reactions, the driver's row last."""
+    numbers = sorted(n for n in design.linkage.by_number if n != 1)
+    poses = [train.bodies[body_name(n)] for n in numbers]
+    x = np.array([v for p in poses for v in (p.x[0, 0] * 1e3, p.y[0, 0] * 1e3, p.angle[0, 0])])
+    load_on = np.zeros(x.size)
+    gravity = 9.80665 * complex(math.cos(math.radians(-70.0)), math.sin(math.radians(-70.0)))
+    for mass in design.loads.masses:
+        i, pose = numbers.index(mass.link), train.bodies[body_name(mass.link)]
+        arm = complex(mass.centre_x_mm, mass.centre_y_mm) * np.exp(1j * pose.angle[0, 0])
+        spin = pose.angle[:, 0] * OMEGA ** np.arange(4)
+        acceleration = pose.z[2, 0] * OMEGA**2 + (1j * spin[2] - spin[1] ** 2) * arm * 1e-3
+        force = mass.mass_kg * (gravity - acceleration)
+        moment = (arm.conjugate() * force).imag - mass.inertia_kg_m2 * spin[2] * 1e3
+        load_on[3 * i : 3 * i + 3] += (force.real, force.imag, moment)
+    for each in design.loads.forces:
+        i, pose = numbers.index(each.link), train.bodies[body_name(each.link)]
+        arm = (pose.point(each.point)[0, 0] - pose.z[0, 0]) * 1e3
+        force = complex(each.x_n, each.y_n)
+        load_on[3 * i : 3 * i + 3] += (force.real, force.imag, (arm.conjugate() * force).imag + each.torque_nm * 1e3)
+    return np.linalg.solve(jacobian(design, q, x).T, -load_on)
+
+
+def check_against_multipliers(design: LinkageDesign, train: Train, q: float, bound: float) -> None:
+    forces = linkage_forces(train, link_loading(design.loads, body_name), OMEGA)
+    found = multipliers(design, train, q)
+    scale = np.abs(found).max()
+    row = 0
+    where: dict[str, list[int]] = {}
+    for link in design.linkage.links:
+        for place in link.points:
+            where.setdefault(place.name, []).append(link.number)
+    for name, links in where.items():
+        for one, other in pairwise(links):
+            pair = train.pairs[name]
+            sign = 1.0 if pair.body == body_name(other) else -1.0
+            assert {pair.on, pair.body} == {body_name(one), body_name(other)}
+            force = sign * complex(found[row], found[row + 1])
+            assert abs(forces.pairs[name][0] - force) <= bound * scale, name
+            row += 2
+    for slider in design.linkage.sliders:
+        pair = train.pairs[str(slider.link)]
+        line = train.bodies[body_name(slider.link)]
+        sign = 1.0 if pair.body == body_name(slider.link) else -1.0
+        normal = 1j * np.exp(1j * line.angle[0, 0]) * found[row]
+        assert abs(forces.pairs[str(slider.link)][0] - sign * normal) <= bound * scale
+        if sign > 0.0:
+            assert abs(forces.couples[str(slider.link)][0] * 1e3 - found[row + 1]) <= bound * scale
+        row += 2
+    assert abs(forces.torque[0] * 1e3 - found[row]) <= bound * scale
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies(), st.integers(0, 1000))
+def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[LinkageDesign, float], seed: int) -> None:
+    design, q = drawn
+    design = loaded(design, seed)
+    train = unit_speed_train(design.linkage, np.array([q]), course_of(design.linkage))
+    check_against_multipliers(design, train, q, 1e-10)
+
+
+@pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
+def test_a_groups_reactions_too(design: LinkageDesign) -> None:
+    design = loaded(design, 1)
+    course = course_of(design.linkage)
+    for q in np.linspace(course.ranges[0].low + 0.3, course.ranges[0].high - 0.3, 4):
+        check_against_multipliers(design, unit_speed_train(design.linkage, np.array([q]), course), float(q), 1e-9)
+
+
+@settings(max_examples=25, derandomize=True, database=None)
+@given(assemblies(most=3), st.integers(0, 1000))
+def test_power_and_momentum_balance(drawn: tuple[LinkageDesign, float], seed: int) -> None:
+    design, q = drawn
+    design = loaded(design, seed)
+    train = unit_speed_train(design.linkage, np.array([q]), course_of(design.linkage))
+    loading = link_loading(design.loads, body_name)
+    forces = linkage_forces(train, loading, -OMEGA)
+    assert linkage_power_residual(train, forces, loading).max() <= 1e-11
+    assert linkage_momentum_residual(train, forces, loading).max() <= 1e-11
+
+
+def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
+    design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
+    train = unit_speed_train(design.linkage, np.linspace(0.0, 6.0, 20), course_of(design.linkage))
+    loading = link_loading(design.loads, body_name)
+    forces = linkage_forces(train, loading, OMEGA)
+    wrong = replace(forces, torque=forces.torque * 1.001)
+    assert linkage_power_residual(train, wrong, loading).max() > 1e-5
+    pins = {**forces.pairs, "O4": forces.pairs["O4"] + 0.1}
+    assert linkage_momentum_residual(train, replace(forces, pairs=pins), loading).max() > 1e-5
+    assert linkage_power_residual(train, replace(forces, pairs=pins), loading).max() < 1e-12, "which power cannot see"
+
+
+def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
+    """Slider-crank at right angles, no masses: torque = F r, guide force = F tan of the rod's slope."""
+    crank, rod, push = 40.0, 140.0, 300.0
+    design = slider_crank(crank, rod)
+    loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
+    train = unit_speed_train(design.linkage, np.array([0.5 * math.pi]), course_of(design.linkage))
+    forces = linkage_forces(train, link_loading(loads, body_name), 1e-9)
+    slope = crank / math.sqrt(rod**2 - crank**2)
+    assert train.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
+    assert forces.torque[0] == pytest.approx(-push * crank * 1e-3, rel=1e-14)
+    assert abs(forces.pairs["4"][0]) == pytest.approx(push * slope, rel=1e-13)
+    assert abs(forces.pairs["B"][0]) == pytest.approx(push * math.hypot(1.0, slope), rel=1e-13)
+    assert forces.couples["4"][0] == pytest.approx(0.0, abs=1e-13)
+
+
+# -- with a cam -------------------------------------------------------------------------------------------
+
+
+def coupler_cam() -> LinkageDesign:
+    design = load(EXAMPLES / "four_bar_coupler_cam.toml")
+    assert isinstance(design, LinkageDesign)
+    return design
+
+
+def test_the_cam_takes_the_place_of_the_driver() -> None:
+    """Power: T_c ω = F_c·(roller's way) = what the driver alone would give; reactions balance with the roller's force."""
+    design = coupler_cam()
+    study = Study(design, 360)
+    assert isinstance(study, LinkageStudy)
+    forces, train = study.dynamics, study.linkage
+    assert np.abs(forces.torque).max() == 0.0
+    alone = linkage_forces(train, study.loading, study.omega)
+    driver = alone.torque * train.motion.y[1]
+    assert np.abs(driver - forces.camshaft).max() <= 1e-12 * np.abs(forces.camshaft).max()
+    for name in ("power_balance", "momentum_balance"):
+        residual = study.certificate()[name]
+        assert residual.value <= residual.bound <= 1e-10
+    dwell = train.motion.y[1] == 0.0
+    assert (forces.contact[dwell] > 100.0).all(), "known in a dwell too, where nothing moves"
+
+
+def test_the_roller_leaves_the_cam_where_its_force_turns_negative() -> None:
+    design = coupler_cam()
+    lifted = replace(design, loads=replace(design.loads, forces=(LinkForce(link=4, point="D", y_n=150.0),)))
+    found = Study(lifted, 36).findings(("dynamics",))
+    assert [(f.code, f.severity) for f in found] == [("separation", "error")]
+    assert found[0].values["force_n"] < 0.0
+
+
+def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
+    """The same masses, no friction: contact force, torque and pins of the cam slider."""
+    from mechanisms import LIFT, with_loads
+
+    plain = with_loads(LIFT, friction=0.0, roller_mass_kg=0.0, roller_inertia_kg_m2=0.0)
+    loads = plain.drive.loads
+    design = load(EXAMPLES / "cam_slider_linkage.toml")
+    assert isinstance(design, LinkageDesign)
+    masses = (
+        LinkMass(link=2, mass_kg=loads.slider_mass_kg),
+        # the rod's frame starts at the slider's pin
+        LinkMass(link=3, mass_kg=loads.rod_mass_kg, inertia_kg_m2=loads.rod_inertia_kg_m2, centre_x_mm=845.0 * 0.5),
+        LinkMass(link=4, mass_kg=loads.arm_mass_kg, inertia_kg_m2=loads.arm_inertia_kg_m2),
+    )
+    push = (LinkForce(link=2, point="S", x_n=loads.external_force_n),)
+    ours = Study(replace(design, loads=LinkageLoads(masses=masses, forces=push)), 720).dynamics
+    theirs = Study(plain, 720).dynamics
+    for one, other in (
+        (ours.contact, theirs.contact), (ours.camshaft, theirs.torque), (ours.pairs["P"], theirs.pairs["pivot"]),
+        (ours.pairs["2"], theirs.pairs["guide"]),
+    ):  # fmt: skip
+        assert np.abs(one - other).max() <= 1e-11 * np.abs(other).max()
+
+
+def test_a_driver_that_slides_is_given_a_force() -> None:
+    base = slider_crank(40.0, 140.0)
+    motion = Motion(130.0, (Segment(180.0, 30.0, Named("cycloidal")), Segment(180.0, -30.0, Named("cycloidal"))), "mm")
+    linkage = replace(
+        base.linkage, driver=Driver(4, "motion", 60.0), branch=(replace(base.linkage.branch[0], joint="A"),)
+    )
+    design = loaded(LinkageDesign("pushed", linkage, motion), 5)
+    study = Study(design, 90)
+    assert isinstance(study, LinkageStudy)
+    forces = study.dynamics
+    power = forces.torque * study.motion.y[1] * study.omega
+    assert np.abs(power).max() > 1.0
+    assert linkage_power_residual(study.linkage, forces, study.loading).max() < 1e-12
+    assert study.certificate()["momentum_balance"].kept
+    assert study.linkage.pairs["4"].kind != REVOLUTE
+    assert FRAME in (study.linkage.pairs["4"].on, study.linkage.pairs["4"].body)

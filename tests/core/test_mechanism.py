@@ -1,0 +1,528 @@
+"""core.mechanism: linkages decomposed into dyads and solved; every reference comes from outside the code."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from linkages import (
+    INSIDE_OUT,
+    KINDS,
+    SLIDING_GROUP,
+    assemblies,
+    closure,
+    complex_step,
+    four_bar,
+    in_digits,
+    in_series,
+    link,
+    plain_turn,
+    sides,
+    slider_crank,
+)
+from references import EPS, MP
+
+from core.design import CRANK, Driver, Linkage, LinkageDesign, Slider, put
+from core.design.topology import mobility, solving_order
+from core.errors import NoPosition
+from core.mechanism import (
+    CrankProgram,
+    body_name,
+    course_of,
+    linkage_train,
+    other_side,
+    plan_of,
+    unit_speed_train,
+)
+from core.mechanism import four_bar as four_bar_of
+from core.mechanism.rounding import doubts
+from core.mechanism.solving import at_driver
+from core.train import FRAME, Train
+
+TURN = 2.0 * math.pi
+DEG = math.pi / 180.0
+
+
+def train_at(design: LinkageDesign, *angles: float) -> Train:
+    """The linkage at driver positions [rad or m], derivatives by the driver's coordinate."""
+    ends = () if design.linkage.driver.kind == CRANK else (min(angles) - 1e-3, max(angles) + 1e-3)
+    return unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage, *ends))
+
+
+def coordinates(train: Train, order: int = 0) -> np.ndarray:
+    """x, y [mm] and angle of every moving link (3m, n), or their derivatives."""
+    rows = []
+    for name, pose in train.bodies.items():
+        if name != FRAME:
+            rows += [pose.x[order] * 1e3, pose.y[order] * 1e3, pose.angle[order]]
+    return np.array(rows)
+
+
+# -- the structure ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@settings(max_examples=15, derandomize=True, database=None)
+@given(data=st.data())
+def test_each_kind_of_dyad_is_recognised(kind: str, data: st.DataObject) -> None:
+    design, _ = data.draw(assemblies((kind,), 1))
+    order = solving_order(design.linkage)
+    assert [step.kind for step in order.steps] == [kind.upper()]
+    assert not order.overdetermined
+    assert not order.undetermined
+    assert mobility(design.linkage) == 1
+
+
+def test_links_that_hang_on_nothing_known_are_solved_as_a_group() -> None:
+    (step,) = solving_order(INSIDE_OUT.linkage).steps
+    assert (step.kind, step.links) == ("group", (2, 3, 4, 5))
+
+
+def test_the_order_does_not_depend_on_the_order_of_the_links() -> None:
+    design = four_bar(100.0, 30.0, 90.0, 70.0)
+    turned = replace(design, linkage=replace(design.linkage, links=design.linkage.links[::-1]))
+    assert solving_order(turned.linkage).steps == solving_order(design.linkage).steps
+
+
+def test_three_links_on_one_pin_are_two_pairs() -> None:
+    """A fourth link hangs on the same pin as coupler and rocker."""
+    base = four_bar(100.0, 30.0, 90.0, 70.0).linkage
+    links = (
+        link(1, O2=(0, 0), O4=(100, 0), O6=(150, 60)),
+        *base.links[1:],
+        link(5, B=(0, 0), D=(60, 0)),
+        link(6, O6=(0, 0), D=(50, 0)),
+    )
+    design = LinkageDesign("compound pin", Linkage(links, (), Driver(2), sides(B=1, D=1)))
+    assert mobility(design.linkage) == 1
+    train = train_at(design, *np.linspace(0.0, 6.0, 50))
+    b = [train.bodies[body_name(n)].point("B")[0] for n in (3, 4, 5)]
+    assert np.abs(b[0] - b[1]).max() < 1e-16
+    assert np.abs(b[2] - b[1]).max() < 1e-16
+    assert {pair.point for pair in train.pairs.values()} == {"O2", "A", "B", "O4", "D", "O6"}
+    assert len(train.pairs) == 7
+
+
+# -- positions and derivatives ----------------------------------------------------------------------------
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies())
+def test_any_linkage_closes_and_stands_where_it_was_drawn(drawn: tuple[LinkageDesign, float]) -> None:
+    design, q = drawn
+    train = train_at(design, q)
+    assert train.residual.max() <= 1e-13
+    x = coordinates(train)[:, 0]
+    miss = np.array(closure(design, q, list(x), plain_turn), dtype=float)
+    assert np.abs(miss).max() <= 1e-11  # [mm], lengths of some hundred
+
+
+@settings(max_examples=60, derandomize=True, database=None)
+@given(assemblies())
+def test_velocities_are_complex_step_derivatives(drawn: tuple[LinkageDesign, float]) -> None:
+    design, q = drawn
+    train = train_at(design, q)
+    x, rates = coordinates(train)[:, 0], coordinates(train, 1)[:, 0]
+    expected = complex_step(design, q, x)
+    scale = np.where(np.arange(x.size) % 3 == 2, 1.0, 100.0) + np.abs(expected).max()
+    assert np.abs((rates - expected) / scale).max() <= 1e-12
+
+
+@settings(max_examples=12, derandomize=True, database=None)
+@given(assemblies())
+def test_three_derivatives_are_those_of_a_power_series(drawn: tuple[LinkageDesign, float]) -> None:
+    """To 50 digits, for a driver that does not run evenly."""
+    design, q = drawn
+    course = course_of(design.linkage)
+    y = np.array([[q], [1.3], [-0.7], [0.4]])
+    solved = course.solve(y)
+    x = coordinates(train_at(design, q))[:, 0]
+    expected = in_series(design, q, x, (1.3, -0.7, 0.4))
+    links = [n for n in solved.poses if n != 1]
+    for i, n in enumerate(sorted(links)):
+        pose = solved.poses[n]
+        for order in range(4):
+            told = (pose.z[order, 0].real * 1e3, pose.z[order, 0].imag * 1e3, pose.angle[order, 0])
+            for k, value in enumerate(told):
+                exact = expected[3 * i + k][order]
+                size = max(1.0 if k == 2 else 100.0, max(abs(float(r[order])) for r in expected))
+                assert abs(float(MP.mpf(float(value)) - exact)) <= 1e-11 * size
+
+
+@pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
+def test_a_group_is_solved_like_the_others(design: LinkageDesign) -> None:
+    """Positions close, velocities are complex steps, third derivatives those of a power series."""
+    course = course_of(design.linkage)
+    only = course.ranges[0]
+    angles = np.linspace(only.low + 0.05, only.high - 0.05, 40)
+    train = unit_speed_train(design.linkage, angles, course)
+    assert train.residual.max() <= 1e-13
+    for i in (0, 17, 39):
+        x, rates = coordinates(train)[:, i], coordinates(train, 1)[:, i]
+        expected = complex_step(design, float(angles[i]), x)
+        assert np.abs(rates - expected).max() <= 1e-11 * np.abs(expected).max()
+    exact = in_series(design, float(angles[17]), coordinates(train)[:, 17])
+    for order in (2, 3):
+        rates = coordinates(train, order)[:, 17]
+        size = max(abs(float(row[order])) for row in exact)
+        assert max(abs(float(row[order]) - value) for row, value in zip(exact, rates, strict=True)) <= 1e-10 * size
+
+
+def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
+    course = course_of(INSIDE_OUT.linkage)
+    (only,) = course.ranges
+    assert (only.low_joint, only.high_joint) == ("2-3-4-5", "2-3-4-5")
+    angles = np.linspace(only.low, only.high, 4001)[1:-1]
+    train = unit_speed_train(INSIDE_OUT.linkage, angles, course)
+    for name, pose in train.bodies.items():
+        steps = np.abs(np.diff(pose.angle[0])) - np.abs(pose.angle[1, :-1]) * np.diff(angles)
+        assert steps.max() < 0.2, name
+
+
+def test_the_stated_side_chooses_where_a_group_starts() -> None:
+    """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
+    tried = np.linspace(0.0, TURN, 25)[:-1]
+    found = []
+    for side in (1, -1):
+        linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
+        (only,) = course_of(linkage).ranges
+        inside = tried[(tried > only.low) & (tried < only.high)]
+        train = unit_speed_train(linkage, inside, course_of(linkage))
+        o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
+        assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
+        assert train.residual.max() < 1e-13
+        found.append(train.bodies["link2"].angle[0])
+    assert np.abs(found[0] - found[1]).max() > 0.1, "two assemblies"
+    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=1))).ranges == (), "B stands on one side only"
+    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=-1))).ranges != ()
+
+
+# -- sides ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_plus_one_is_left_of_the_line_between_the_known_ends(side: int) -> None:
+    train = train_at(four_bar(100.0, 30.0, 90.0, 70.0, side), *np.linspace(0.0, 6.2, 30))
+    a, b = train.bodies["link3"].point("A")[0], train.bodies["link3"].point("B")[0]
+    assert (np.sign(((0.1 - a).conjugate() * (b - a)).imag) == side).all()
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_plus_one_of_a_guide_is_forward_along_it(side: int) -> None:
+    train = train_at(slider_crank(40.0, 140.0, 10.0, side), *np.linspace(0.0, 6.2, 30))
+    a, b = train.bodies["link3"].point("A")[0], train.bodies["link4"].point("B")[0]
+    assert (np.sign(b.real - a.real) == side).all()
+    assert np.abs(b.imag - 0.01).max() < 1e-17
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_plus_one_of_a_sliding_link_has_its_pin_ahead(side: int) -> None:
+    links = (
+        link(1, O2=(0, 0), O4=(0, -90)),
+        link(2, O2=(0, 0), A=(40, 0)),
+        link(3, A=(0, 0)),
+        link(4, O4=(0, 0), B=(160, 0)),
+    )
+    design = LinkageDesign("inverted", Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()))
+    linkage = replace(design.linkage, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
+    train = unit_speed_train(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
+    arm = train.bodies["link4"]
+    along = (train.bodies["link3"].point("A")[0] - arm.point("O4")[0]) / np.exp(1j * arm.angle[0])
+    assert np.abs(along.imag).max() < 1e-16
+    assert (np.sign(along.real) == side).all()
+
+
+def test_a_slider_may_be_said_from_either_side() -> None:
+    """The arm slides on the block, or the block on the arm: the same motion."""
+    links = (
+        link(1, O2=(0, 0), O4=(0, -90)),
+        link(2, O2=(0, 0), A=(40, 0)),
+        link(3, A=(0, 0)),
+        link(4, O4=(0, 0), B=(160, 0)),
+    )
+    one = Linkage(links, (Slider(link=3, on=4),), Driver(2))
+    other = Linkage(links, (Slider(link=4, on=3),), Driver(2), tuple(replace(s, joint="4") for s in sides(B=-1)))
+    angles = np.linspace(0.0, 6.2, 30)
+    arms = [unit_speed_train(each, angles, course_of(each)).bodies["link4"] for each in (one, other)]
+    assert np.abs(arms[0].angle - arms[1].angle).max() < 1e-13
+
+
+# -- ranges and dead centres ------------------------------------------------------------------------------
+
+
+def exact_limit(ground: float, crank: float, coupler: float, rocker: float) -> float:
+    """The crank angle at which coupler and rocker lie in line, by the law of cosines at 50 digits."""
+    g, c, a, b = (MP.mpf(v) for v in (ground, crank, coupler, rocker))
+    return float(MP.acos((g * g + c * c - (a + b) ** 2) / (2 * g * c)))
+
+
+def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
+    design = four_bar(100.0, 80.0, 60.0, 70.0)
+    (only,) = course_of(design.linkage).ranges if len(course_of(design.linkage).ranges) == 1 else (None,)
+    limit = exact_limit(100.0, 80.0, 60.0, 70.0)
+    ranges = course_of(design.linkage).ranges
+    assert only is None
+    # open at 0: through 0 it goes from -limit to limit
+    assert [(r.low_joint, r.high_joint) for r in ranges] == [("", "B"), ("B", "")]
+    assert ranges[0].high == pytest.approx(limit, rel=0.0, abs=4.0 * EPS)
+    assert ranges[1].low == pytest.approx(TURN - limit, rel=0.0, abs=8.0 * EPS)
+
+
+def test_two_ranges_of_a_double_rocker_end_at_dead_centres() -> None:
+    """Shortest link the coupler: the crank swings on either side of the frame, on separate circuits."""
+    ground, crank, coupler, rocker = 70.0, 60.0, 30.0, 55.0
+    ranges = course_of(four_bar(ground, crank, coupler, rocker).linkage).ranges
+    g, c, a, b = (MP.mpf(v) for v in (ground, crank, coupler, rocker))
+    near, far = (float(MP.acos((g * g + c * c - r * r) / (2 * g * c))) for r in (b - a, a + b))
+    expected = [(near, far), (TURN - far, TURN - near)]
+    assert len(ranges) == 2
+    for r, (low, high) in zip(ranges, expected, strict=True):
+        assert (r.low, r.high) == pytest.approx((low, high), rel=0.0, abs=16.0 * EPS)
+        assert (r.low_joint, r.high_joint) == ("B", "B")
+
+
+def test_a_gap_between_samples_is_found() -> None:
+    """The crank misses being able to turn by a hair's breadth: a gap of two thousandths of a degree."""
+    crank, rod = 40.0, 40.0 - 2e-8
+    design = put(slider_crank(crank, rod), "linkage.sliders[0].angle_deg", 0.2)
+    (first, second, third) = course_of(design.linkage).ranges
+    half = float(MP.acos(MP.mpf(rod) / MP.mpf(crank)))
+    assert second.low - first.high == pytest.approx(2.0 * half, rel=1e-6)
+    assert half < 0.01 * TURN / 721
+    assert np.degrees(0.5 * (first.high + second.low)) == pytest.approx(90.2), "between two half degrees"
+    assert third.high == TURN
+
+
+@given(
+    st.floats(20.0, 200.0),
+    st.floats(20.0, 200.0),
+    st.floats(20.0, 200.0),
+    st.floats(20.0, 200.0),
+    st.sampled_from([1, -1]),
+)
+@settings(max_examples=60, derandomize=True, database=None)
+def test_a_four_bar_turns_where_grashof_says_so(
+    ground: float, crank: float, coupler: float, rocker: float, side: int
+) -> None:
+    lengths = sorted((ground, crank, coupler, rocker))
+    assume(lengths[3] < 0.99 * sum(lengths[:3]))  # else it cannot be assembled at all
+    surplus = lengths[0] + lengths[3] - lengths[1] - lengths[2]
+    assume(abs(surplus) > 1e-3)
+    design = four_bar(ground, crank, coupler, rocker, side)
+    ranges = course_of(design.linkage).ranges
+    turns = surplus < 0.0 and lengths[0] in (ground, crank)
+    assert (len(ranges) == 1 and ranges[0].free) == turns
+    kind = four_bar_of(plan_of(design.linkage))
+    assert kind is not None
+    assert (kind.kind in ("crank-rocker", "double crank")) == turns
+    assert (kind.ground, kind.crank, kind.coupler, kind.rocker) == pytest.approx(
+        (ground * 1e-3, crank * 1e-3, coupler * 1e-3, rocker * 1e-3), rel=1e-15
+    )
+
+
+def test_outside_its_ranges_a_linkage_says_where_it_can_stand() -> None:
+    design = four_bar(100.0, 80.0, 60.0, 70.0)
+    with pytest.raises(NoPosition) as caught:
+        train_at(design, math.pi)
+    told = str(caught.value)
+    assert "links 3 and 4 do not meet at B at driver angle 180 deg" in told
+    assert f"0...{math.degrees(exact_limit(100.0, 80.0, 60.0, 70.0)):.6g}" in told
+    assert caught.value.field == "linkage.links"
+
+
+def test_where_nothing_meets_there_are_no_ranges() -> None:
+    assert course_of(four_bar(300.0, 30.0, 60.0, 70.0).linkage).ranges == ()
+
+
+# -- near dead centres ------------------------------------------------------------------------------------
+
+
+def exact_four_bar(design: LinkageDesign, q: float, side: int) -> tuple[float, float, float]:
+    """Coupler and rocker angle and the condition 1 + S/K, by two circles at 50 digits."""
+    places = {n: {p.name: MP.mpc(p.x_mm, p.y_mm) for p in k.points} for n, k in design.linkage.by_number.items()}
+    a, b = places[2]["A"] * MP.expj(MP.mpf(q)), places[1]["O4"]
+    la, lb = abs(places[3]["B"]), abs(places[4]["B"])
+    d = b - a
+    r = abs(d)
+    x = (r * r + la * la - lb * lb) / (2 * r)
+    h = side * MP.sqrt(la * la - x * x)
+    joint = a + d / r * MP.mpc(x, h)
+    area = 2 * r * abs(h)
+    reach = (abs(a) + abs(b)) ** 2 + la * la + lb * lb
+    return MP.arg(joint - a), MP.arg(joint - b), float(1 + reach / area)
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("away", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14])
+def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: float, side: int) -> None:
+    design = four_bar(100.0, 80.0, 60.0, 70.0, side)
+    end = course_of(design.linkage).ranges[0].high
+    for q in (end - away, end - 0.37 * away):
+        train = train_at(design, q)
+        coupler, rocker, condition = exact_four_bar(design, q, side)
+        for name, exact in (("link3", coupler), ("link4", rocker)):
+            error = abs(float(MP.mpf(float(train.bodies[name].angle[0, 0])) - exact))
+            error = min(error, abs(error - TURN))
+            assert error <= 4.0 * EPS * condition
+
+
+@pytest.mark.parametrize("away", [1e-1, 1e-4, 1e-8, 1e-12])
+def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
+    """Crank longer than the rod: the slider locks where the rod stands across the guide."""
+    design = slider_crank(60.0, 45.0)
+    end = course_of(design.linkage).ranges[0].high
+    assert end == pytest.approx(float(MP.asin(MP.mpf(45) / 60)), abs=4.0 * EPS)
+    q = end - away
+    pin = 60 * MP.expj(MP.mpf(q))
+    run = MP.sqrt(45**2 - pin.imag**2)
+    train = train_at(design, q)
+    exact = MP.arg(MP.mpc(run, -pin.imag))
+    condition = float(1 + (45 + 60 + abs(pin)) / run)
+    assert abs(float(MP.mpf(float(train.bodies["link3"].angle[0, 0])) - exact)) <= 4.0 * EPS * condition
+    assert (
+        abs(float(MP.mpf(float(train.bodies["link4"].x[0, 0])) * 1000 - pin.real - run)) <= 4.0 * EPS * 60.0 * condition
+    )
+
+
+@settings(max_examples=40, derandomize=True, database=None)
+@given(assemblies())
+def test_the_stated_condition_bounds_the_error(drawn: tuple[LinkageDesign, float]) -> None:
+    design, q = drawn
+    train = train_at(design, q)
+    exact = in_digits(design, q, coordinates(train)[:, 0])
+    course = course_of(design.linkage)
+    bound = doubts(course.plan, course.solve(at_driver(np.array([q]))))
+    numbers = sorted(n for n in design.linkage.by_number if n != 1)
+    for i, n in enumerate(numbers):
+        pose = train.bodies[body_name(n)]
+        off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
+            ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
+        )]  # fmt: skip
+        turn = abs(math.remainder(off[2], TURN))
+        assert math.hypot(off[0], off[1]) <= 4.0 * EPS * float(np.ravel(bound[n].origin)[0])
+        assert turn <= 4.0 * EPS * (float(np.ravel(bound[n].angle)[0]) + 2.0)
+
+
+# -- change points ----------------------------------------------------------------------------------------
+
+
+def test_a_parallelogram_stays_one_through_its_change_points() -> None:
+    """Coupler parallel to the frame at every angle, both where all links lie in line too; three derivatives are 0."""
+    design = four_bar(100.0, 40.0, 100.0, 40.0)
+    course = course_of(design.linkage)
+    assert [c.at for c in course.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
+    assert [r.free for r in course.ranges] == [True]
+    angles = np.linspace(0.0, TURN, 721)[:-1]
+    train = unit_speed_train(design.linkage, angles, course)
+    rocker = train.bodies["link4"].angle
+    assert np.abs(train.bodies["link3"].angle[0]).max() < 1e-12
+    assert np.abs(np.remainder(rocker[0] - angles + 1.0, TURN) - 1.0).max() < 1e-12
+    assert np.abs(rocker[1] - 1.0).max() < 1e-10
+    assert np.abs(rocker[2]).max() < 1e-7
+    assert train.residual.max() < 1e-13
+
+
+def test_an_antiparallelogram_stays_one_too() -> None:
+    train = train_at(four_bar(100.0, 40.0, 100.0, 40.0, -1), *np.linspace(0.0, TURN, 360)[:-1])
+    assert train.bodies["link4"].angle[1].max() < 0.0, "crank and rocker turn against each other"
+    assert train.residual.max() < 1e-13
+
+
+def test_a_slider_goes_on_through_the_pivot() -> None:
+    """Crank and rod of one length: x = 2 r cos θ for the whole turn, its three derivatives with it."""
+    design = slider_crank(50.0, 50.0)
+    course = course_of(design.linkage)
+    assert [c.at for c in course.changes] == pytest.approx([0.5 * math.pi, 1.5 * math.pi], abs=1e-7)
+    angles = np.linspace(0.0, TURN, 1441)[:-1]
+    x = unit_speed_train(design.linkage, angles, course).bodies["link4"].x
+    exact = 0.1 * np.array([np.cos(angles), -np.sin(angles), -np.cos(angles), np.sin(angles)])
+    for order, bound in enumerate((1e-14, 1e-12, 1e-9, 1e-6)):
+        assert np.abs(x[order] - exact[order]).max() < bound
+
+
+# -- angles go on without jumps ---------------------------------------------------------------------------
+
+
+def test_angles_do_not_jump_within_the_turn() -> None:
+    """Also where a link passes 180 deg, or goes round with the crank."""
+    double = four_bar(30.0, 80.0, 70.0, 90.0)  # drag link: both go round
+    for design in (double, four_bar(100.0, 30.0, 90.0, 70.0, -1), slider_crank(40.0, 140.0, 0.0, -1)):
+        train = train_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
+        for name, pose in train.bodies.items():
+            assert np.abs(np.diff(pose.angle[0])).max() < 0.1, name
+    turning = course_of(double.linkage).turning
+    assert turning[3].turns
+    assert turning[4].turns
+
+
+def test_an_angle_does_not_depend_on_what_is_asked_with_it() -> None:
+    design = four_bar(30.0, 80.0, 70.0, 90.0)
+    angles = np.linspace(0.0, TURN, 100)[:-1]
+    together = train_at(design, *angles).bodies["link4"].angle[0]
+    alone = [train_at(design, q).bodies["link4"].angle[0, 0] for q in angles]
+    assert np.abs(together - alone).max() <= 8.0 * EPS
+
+
+# -- drivers ----------------------------------------------------------------------------------------------
+
+
+def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
+    """The slider-crank driven by its slider: the crank angle comes back."""
+    forward = train_at(slider_crank(40.0, 140.0), 0.9)
+    s = float(forward.bodies["link4"].x[0, 0])
+    base = slider_crank(40.0, 140.0).linkage
+    linkage = replace(base, driver=Driver(4, "motion", 60.0), branch=sides(A=1))
+    train = unit_speed_train(linkage, np.array([s]), course_of(linkage, s - 0.01, s + 0.01))
+    both = [float(np.remainder(train.bodies["link2"].angle[0, 0], TURN))]
+    other = replace(linkage, branch=sides(A=-1))
+    turned = unit_speed_train(other, np.array([s]), course_of(other, s - 0.01, s + 0.01)).bodies["link2"]
+    both.append(float(np.remainder(turned.angle[0, 0], TURN)))
+    assert sorted(both) == pytest.approx([0.9, TURN - 0.9], abs=1e-14)
+    rate = train.bodies["link2"].angle[1, 0]
+    assert abs(rate) == pytest.approx(abs(1.0 / forward.bodies["link4"].x[1, 0]), rel=1e-13)
+
+
+def test_a_crank_program_has_a_piece_for_each_range() -> None:
+    run = CrankProgram(course_of(four_bar(70.0, 60.0, 30.0, 55.0).linkage))
+    degrees = run.degrees(360)
+    assert 0 < degrees.size < 360
+    assert run.within(np.deg2rad(degrees)).all()
+    assert run.angles(np.deg2rad(degrees)).piece.max() == 1
+    state = run.state(run.angles(np.array([1.0])))
+    assert state.y[:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]
+
+
+STILL: dict[str, Callable[[], LinkageDesign]] = {
+    "four-bar": lambda: four_bar(100.0, 30.0, 90.0, 70.0),
+    "slider": lambda: slider_crank(40.0, 140.0, 10.0),
+}
+
+
+@pytest.mark.parametrize("design", STILL)
+def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
+    made = STILL[design]()
+    train = linkage_train(
+        made.linkage, CrankProgram(course_of(made.linkage)).state(CrankProgram(course_of(made.linkage)).angles(np.arange(6.0))),
+        course_of(made.linkage),
+    )  # fmt: skip
+    assert list(train.bodies) == [FRAME, "link2", "link3", "link4"]
+    for pair in train.pairs.values():
+        assert {pair.on, pair.body} <= set(train.bodies)
+        assert np.abs(train.bodies[pair.body].point(pair.point)[0]).max() < 1.0
+    assert train.output == "link2"
+    assert train.ground == "O2"
+    assert [dyad.kind for dyad in train.dyads] == (["RRR"] if design == "four-bar" else ["RRP"])
+
+
+# -- dimensions from the drawing --------------------------------------------------------------------------
+
+
+def test_the_other_side_is_the_mirrored_dyad() -> None:
+    design = four_bar(100.0, 30.0, 90.0, 70.0)
+    assert other_side(design, "B").linkage.sides == {"B": -1}
+    assert other_side(other_side(design, "B"), "B") == design
+    bare = replace(design, linkage=replace(design.linkage, branch=()))
+    assert other_side(bare, "B").linkage.sides == {"B": -1}

@@ -1,0 +1,178 @@
+"""python -m core stability: what it prints, writes and returns."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import PUSHER, levels, with_drive
+from shafts import KIM, coefficients, with_elastic
+
+from core import project
+from core.__main__ import main
+from core.charting import averages_table, windup_table
+from core.stability import Chart, history
+from core.study import Study
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "resources" / "examples" / "kim_1990.toml"
+REFERENCE = json.loads((ROOT / "tests" / "validation" / "kim1990_tongues.json").read_text(encoding="utf-8"))
+FILES = {
+    "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv", "report.txt", "summary.json",
+}  # fmt: skip
+
+
+def saved(folder: Path, design: object) -> Path:
+    path = folder / "design.toml"
+    project.save(design, path)
+    return path
+
+
+def rows(text: str) -> list[dict[str, str]]:
+    return list(csv.DictReader(StringIO(text)))
+
+
+def test_the_command_writes_the_tongues_of_every_row_and_the_forbidden_bands(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "a" / "b"
+    code = main(["stability", str(EXAMPLE), "--out", str(out), "--q", "0.05", "--q", "0.1", "--at", "2.1,0.05", "--periods", "3"])
+    told = capsys.readouterr()
+    assert code == 0
+    assert told.err == "pictures left out: they need kindyna --headless\n"
+    assert {p.name for p in out.iterdir()} == FILES
+    table = rows((out / "tongues.csv").read_text(encoding="utf-8"))
+    assert list(table[0]) == ["model", "q", "n", "eta_lo", "eta_hi"]
+    assert [(r["model"], r["q"], int(r["n"])) for r in table] == [
+        (model, q, n) for model in ("approx_22", "exact_21") for q in ("0.05", "0.1") for n in range(1, 12)
+    ]
+    for model in ("approx_22", "exact_21"):
+        found = [r for r in table if (r["model"], r["q"]) == (model, "0.05")]
+        for row, wanted in zip(found, REFERENCE[model], strict=True):
+            assert int(row["n"]) == wanted["n"]
+            assert float(row["eta_lo"]) == pytest.approx(float(wanted["lo"]), abs=1e-10)
+            assert float(row["eta_hi"]) == pytest.approx(float(wanted["hi"]), abs=1e-10)
+            assert len(row["eta_lo"].replace(".", "").lstrip("0")) >= 14, "all digits"
+    report = (out / "report.txt").read_text(encoding="utf-8")
+    assert "Stability of the flexible shaft" in told.out
+    assert told.out.strip().splitlines()[-1] in report
+    assert "Forbidden speeds" in report
+    assert json.loads((out / "summary.json").read_text(encoding="utf-8"))["stability"]["bands"][0]["n"] == 1
+
+
+def test_the_tables_hold_what_their_columns_say() -> None:
+    found = Study(KIM).flexible_shaft()
+    table = rows(windup_table(found, [(2.1, 0.05), (0.85, 0.1)], 2.0))
+    assert [len([r for r in table if r["eta"] == eta]) for eta in ("2.1", "0.85")] == [201, 201]
+    y = np.array([float(r["input_turns"]) for r in table[:201]])
+    beta, slope = history(found.coefficients, 2.1, 0.05, 0.0, 2.0).at(y)
+    assert np.abs(beta - [float(r["wind_up"]) for r in table[:201]]).max() < 1e-12
+    assert np.abs(slope - [float(r["wind_up_slope"]) for r in table[:201]]).max() < 1e-10
+    force = np.array([float(r["contact_force_ratio"]) for r in table[:201]])
+    assert force[0] == pytest.approx(1.0, abs=1e-9), "M X'' θ̇² at the start of the rise"
+    assert abs(force[75]) < 1e-12, "nothing in the dwell"
+    means = rows(averages_table(found, np.array([0.05]), 1.0))
+    assert [float(r["eta"]) for r in means] == pytest.approx(list(np.arange(0.5, 1.001, 0.05)))
+    assert float(means[-1]["mean_wind_up"]) == pytest.approx(history(found.coefficients, 1.0, 0.05, 0.0, 1.0).averages()[0], rel=1e-9)
+
+
+def test_without_a_folder_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["stability", str(EXAMPLE)]) == 0
+    assert capsys.readouterr().out.startswith("Stability of the flexible shaft\n---")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_painter_is_given_the_chart_and_its_pictures_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    given = []
+
+    def painter(drawn: Chart) -> dict[str, bytes]:
+        given.append(drawn)
+        return {"stability.svg": b"<svg/>", "stability.png": b"png"}
+
+    words = ["stability", str(EXAMPLE), "--out", str(tmp_path / "o"), "--eta-max", "2.2", "--q", "0.4", "--periods", "1"]
+    assert main(words, painter=painter) == 0
+    (drawn,) = given
+    assert isinstance(drawn, Chart)
+    assert (drawn.eta_max, drawn.marked, drawn.name) == (2.2, (0.4,), project.load(EXAMPLE).name)
+    assert drawn.tongues["exact_21"].count == 4
+    assert (tmp_path / "o" / "stability.png").read_bytes() == b"png"
+    assert capsys.readouterr().err == ""
+
+
+def test_a_machine_in_a_forbidden_band_is_exit_code_one_and_all_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stiffness = KIM.shaft.elastic.camshaft_inertia_kg_m2 * (0.5 * Study(KIM, 4).omega) ** 2
+    path = saved(tmp_path, with_elastic(KIM, stiffness_nm_per_rad=stiffness))
+    assert main(["stability", str(path), "--out", str(tmp_path / "o"), "--periods", "1"]) == 1
+    assert "error: 1500 rpm lies in a forbidden band of speed" in capsys.readouterr().out
+    assert {p.name for p in (tmp_path / "o").iterdir()} == FILES
+    assert main(["check", str(path)]) == 1
+    assert main(["export", str(path), "--out", str(tmp_path / "e"), "--samples", "8", "--only", "motion"]) == 0
+    assert main(["export", str(path), "--out", str(tmp_path / "s"), "--samples", "8", "--only", "stability"]) == 1
+    assert {p.name for p in (tmp_path / "s").iterdir()} == {"tongues.csv", "summary.json"}
+
+
+def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = saved(tmp_path, with_elastic(KIM, damping_ratio=0.01))
+    assert main(["export", str(path), "--out", str(tmp_path), "--samples", "8", "--only", "stability"]) == 0
+    table = rows((tmp_path / "tongues.csv").read_text(encoding="utf-8"))
+    assert [r["n"] for r in table if r["model"] == "exact_21"] == ["1", "2"]
+    assert "nan" not in (tmp_path / "tongues.csv").read_text(encoding="utf-8")
+
+
+NO_SHAFT = {
+    "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
+    "still": (with_drive(KIM, motion=levels(0.0, (360.0, 0.0, "dwell"))), "motion.segments: nothing moves"),
+}
+
+
+@pytest.mark.parametrize("name", NO_SHAFT)
+def test_a_design_without_an_answer_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+    design, phrase = NO_SHAFT[name]
+    path = saved(tmp_path, design)
+    assert main(["stability", str(path), "--out", str(tmp_path / "o")]) == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err.count("\n")) == ("", 1)
+    assert told.err.startswith(phrase)
+    assert not (tmp_path / "o").exists()
+
+
+def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = saved(tmp_path, with_elastic(KIM, spring_factor=1.6))
+    assert main(["stability", str(path), "--claims"]) == 2
+    assert "take the example kim_1990.toml" in capsys.readouterr().err
+    assert coefficients(KIM).q == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(
+    ("words", "phrase"),
+    [
+        (["--q", "0"], "inertia ratio Q; allowed: above 0"),
+        (["--q", "x"], "'x': inertia ratio Q"),
+        (["--q", "nan"], "'nan': inertia ratio Q"),
+        (["--eta-max", "1e9"], "frequency ratio; allowed: above 0 ... 60"),
+        (["--at", "0.85"], "a point of the chart; allowed: ETA,Q"),
+        (["--at", "0.85,-1"], "inertia ratio Q"),
+        (["--periods", "0"], "turns; allowed: above 0"),
+        (["--out", " "], "a folder is wanted"),
+    ],
+)
+def test_wrong_words_are_refused_in_one_line(capsys: pytest.CaptureFixture[str], words: list[str], phrase: str) -> None:
+    assert main(["stability", str(EXAMPLE), *words]) == 2
+    told = capsys.readouterr()
+    assert phrase in told.err
+    assert told.err.count("\n") == 1
+
+
+def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
+    words = ["stability", str(EXAMPLE), "--periods", "1", "--eta-max", "2.2", "--out"]
+    for name, seed in (("one", "1"), ("other", "2")):
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": seed}
+        subprocess.run([sys.executable, "-m", "core", *words, str(tmp_path / name)], env=environment, check=True, capture_output=True)
+    for file in FILES:
+        assert (tmp_path / "one" / file).read_bytes() == (tmp_path / "other" / file).read_bytes(), file

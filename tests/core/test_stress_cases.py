@@ -1,0 +1,49 @@
+"""Towards dead centres, rods at 180 degrees, centres at infinity, undercut, jamming, tiny spans and strokes: the error
+stays below what the condition of fifty-digit values allows."""
+
+import math
+
+import numpy as np
+import pytest
+from references import EPS
+from stress_cases import CASES, Case, many_segments
+
+from core.study import Study
+
+LOOKED_AT = [pytest.param(case, value, id=f"{case.name}, {value:.0e}") for case in CASES for value in case.some]
+NAMED = {case.name: case for case in CASES}
+
+
+@pytest.mark.parametrize(("case", "value"), LOOKED_AT)
+def test_the_error_keeps_below_what_the_condition_allows(case: Case, value: float) -> None:
+    sample = case.look(value)
+    assert sample.ratio <= 1.0, sample
+
+
+@pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12, 0.0])
+def test_where_the_printed_formula_loses_its_digits_ours_keeps_them(short: float) -> None:
+    """The tangent of the half angle of one branch is 0/0 where the rod of the other stands at 180 degrees."""
+    sample = NAMED["Other branch's rod at 180°"].look(short)
+    assert sample.error <= 4 * EPS
+    assert sample.printed >= min(1e-3, 0.1 * EPS / max(short, 1e-300))
+
+
+@pytest.mark.parametrize("name", ["Dead centre, stretched", "Dead centre, folded"])
+def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) -> None:
+    """Closer than a rounding of the distance could tell: the area is taken from the slider's own place."""
+    for value in NAMED[name].values:
+        assert NAMED[name].look(value).error <= 4 * EPS, value
+
+
+def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
+    study = Study(many_segments(1000))
+    proof = study.certificate()
+    assert [name for name, residual in proof.items() if not residual.kept] == ["roller_tangency"], "it is undercut, and said to be"
+    assert {f.code for f in study.findings()} >= {"undercut"}
+    assert len(study.program.joins) == 1000
+    assert not any(j.jumps.any() for j in study.program.joins if j.theta) or "jump-acceleration" not in {f.code for f in study.findings()}
+    found = study.extremes("motion")["displacement"]
+    assert found.high.value == pytest.approx(0.1e-3, rel=1e-12)
+    assert found.low.value == pytest.approx(0.0, abs=1e-18)
+    assert np.isfinite(study.flywheel.energy_swing)
+    assert math.isfinite(study.flywheel.mean_torque)

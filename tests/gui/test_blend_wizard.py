@@ -1,0 +1,905 @@
+"""kindyna_gui.blend_*: Yang's questions in a window, answered while they are typed."""
+
+import gc
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from math import fsum
+from typing import Any
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, PUSHER, with_drive
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
+from window_user import PATIENCE_MS, Open, User, settle
+
+from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
+from core.design import Motion, Named, Segment, SingleCam, edited, faults
+from core.errors import KindynaError
+from core.making import into_design
+from core.project import load
+from core.study import Study
+from kindyna_gui import blend_wizard
+from kindyna_gui.blend_asked import Asked, constants, count_text, open_candidates, plan, ranged, shown_names
+from kindyna_gui.blend_fields import NO_NUMBER, LiveBox
+from kindyna_gui.blend_first import first_asked
+from kindyna_gui.blend_questions import GOAL_TEXTS, Questions
+from kindyna_gui.blend_settings import curve_of
+from kindyna_gui.blend_wizard import BlendDialog
+from kindyna_gui.blend_words import begin_of, range_text
+from kindyna_gui.blend_worker import Lane
+from kindyna_gui.number_box import WordBox
+from kindyna_gui.places import example
+from kindyna_gui.session import Session
+
+PICKER_SPANS = (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598)
+STANDING = with_drive(PUSHER, motion=Motion(0.0, (Segment(360.0, 0.0),)))
+PICKER = load(example("card_picker"))
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Let events run and, unlike ``qWait``, other threads as well."""
+    patience = time.monotonic() + 4 * PATIENCE_MS / 1000.0
+    while not condition():
+        assert time.monotonic() < patience, "waited in vain"
+        QApplication.processEvents()
+        time.sleep(0.002)
+
+
+class Wizard:
+    """A user of the wizard."""
+
+    def __init__(self, dialog: BlendDialog) -> None:
+        self.dialog, self.questions = dialog, dialog.questions
+        self.rows = dialog.questions.settings.rows
+
+    def answered(self) -> None:
+        """Wait for the motion; ranges may still be missing."""
+        QApplication.processEvents()
+        wait_until(
+            lambda: not (self.dialog._soon.isActive() or self.dialog._pause.isActive() or self.dialog.answers.busy)
+        )
+
+    def ranged(self, *names: str) -> None:
+        """Wait for the ranges of these settings."""
+        QApplication.processEvents()
+        waiting = self.dialog._waiting
+        wait_until(lambda: not any(self.rows[name] in waiting for name in names))
+
+    def click(self, widget: QWidget, where: QPoint | None = None) -> None:
+        QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=widget.rect().center() if where is None else where)
+        QApplication.processEvents()
+
+    def tick(self, name: str) -> None:
+        """Click the box of a setting."""
+        self.click(self.rows[name].check, QPoint(8, self.rows[name].check.height() // 2))
+
+    def arrow(self, box: LiveBox, up: bool, times: int = 1) -> None:
+        """Click one of the arrows of a box."""
+        option = QStyleOptionSpinBox()
+        box.initStyleOption(option)
+        part = QStyle.SubControl.SC_SpinBoxUp if up else QStyle.SubControl.SC_SpinBoxDown
+        where = box.style().subControlRect(QStyle.ComplexControl.CC_SpinBox, option, part, box).center()
+        for _ in range(times):
+            self.click(box, where)
+
+    def type(self, box: LiveBox, text: str) -> None:
+        """Type over what stands in a box, without Enter."""
+        box.setFocus()
+        box.selectAll()
+        QTest.keyClicks(box, text)
+        QApplication.processEvents()
+
+    def give(self, **settings: str) -> None:
+        """Tick and type these settings and wait for the motion."""
+        for name, text in settings.items():
+            if not self.rows[name].used:
+                self.tick(name)
+            self.type(self.rows[name].box, text)
+        self.answered()
+
+    def choose(self, box: WordBox, text: str) -> None:
+        """Walk down the list of a box with the keys."""
+        box.setFocus()
+        QTest.keyClick(box, Qt.Key.Key_Home)
+        for _ in range(box.count()):
+            if box.currentText() == text:
+                break
+            QTest.keyClick(box, Qt.Key.Key_Down)
+        assert box.currentText() == text
+        self.answered()
+
+    @property
+    def curves(self) -> str:
+        return self.dialog.panel.headline.text()
+
+    @property
+    def veiled(self) -> str:
+        return self.dialog.panel.veil.text if self.dialog.panel.veil.isVisible() else ""
+
+    @property
+    def can_put(self) -> bool:
+        return self.dialog.put_button.isEnabled()
+
+    @property
+    def table(self) -> list[tuple[str, ...]]:
+        return [row.cells for row in self.dialog.panel.table.rows.rows]
+
+    def put(self) -> Motion:
+        """Click the button and return the motion of the design."""
+        assert self.can_put
+        self.click(self.dialog.put_button)
+        assert self.dialog.result() == BlendDialog.DialogCode.Accepted
+        return self.dialog._session.design.drive.motion
+
+
+Ask = Callable[..., Wizard]
+
+
+@pytest.fixture
+def ask(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
+    """Opens the wizard over a design, without a window. ranges False: without them, where a test has no eyes for them."""
+    opened: list[BlendDialog] = []
+
+    def open(design: SingleCam = STANDING, segment: int = 0, ranges: bool = False) -> Wizard:
+        if not ranges:
+            monkeypatch.setattr(blend_wizard, "feasible_ranges", lambda *_: [])
+        session = Session(design)
+        session.choose_segment(segment)
+        dialog = BlendDialog(session)
+        dialog.resize(1180, 740)
+        opened.append(dialog)
+        dialog.show()
+        dialog.activateWindow()
+        assert QTest.qWaitForWindowActive(dialog)
+        wizard = Wizard(dialog)
+        wizard.answered()
+        return wizard
+
+    yield open
+    for dialog in opened:
+        dialog.reject()
+        dialog.deleteLater()
+    settle()
+
+
+# -- what is asked, without a window ----------------------------------------------------------------------
+
+
+def test_a_motion_that_stands_still_is_asked_for_the_card_pickers_angles() -> None:
+    asked = first_asked(STANDING.drive.motion, 0)
+    assert (asked.type, asked.stroke, asked.start, asked.end, asked.constant) == ("DRRD", 20.0, 30.0, 330.0, "none")
+    assert asked.request == Request("DRRD", 20.0, 30.0, 330.0, settings={})
+
+
+@pytest.mark.parametrize("name", ["card_picker", "card_picker_peak_250"])
+def test_a_blend_is_asked_for_as_it_is(name: str) -> None:
+    """Asked anew, the same curves come out."""
+    motion = load(example(name)).drive.motion
+    for chosen in range(len(motion.segments)):
+        asked = first_asked(motion, chosen)
+        assert (asked.type, asked.constant, asked.sequence) == ("DRRD", "rise", "")
+        made = blend(asked.request).segments
+        assert [s.curve for s in made] == [s.curve for s in motion.segments[1:-1]]
+        for one, other in zip(made, motion.segments[1:-1], strict=True):
+            assert one.span_deg == pytest.approx(other.span_deg, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "constant", "given", "mirrored"),
+    [
+        ("DRD", "rise", {"h1": 2.0, "h3": 7.0}, None),
+        ("DRD-return", "return", {"h1": 2.0, "h3": 7.0}, None),
+        ("DRRD", "rise", {"h1": 2.0, "h3": 3.0, "h4": 5.0}, None),
+        ("DRRD", "both", {"h1": 2.0, "h3": 3.0, "h4": 4.0, "h6": 1.0}, False),
+        ("DRRD", "return", {"h4": 2.0, "h6": 3.0}, None),
+        ("RRR", "none", {"h1": 4.0}, None),
+    ],
+)
+def test_every_kind_of_blend_is_asked_for_as_it_is(
+    kind: str, constant: str, given: dict[str, float], mirrored: bool | None
+) -> None:
+    whole = (0.0, 360.0) if kind == "RRR" else (30.0, 300.0)
+    made = blend(Request(kind, 20.0, *whole, constant, given, mirrored=mirrored))
+    design = into_design(STANDING, made)
+    first = next(i for i, s in enumerate(design.drive.motion.segments) if s in made.segments)
+    asked = first_asked(design.drive.motion, first)
+    assert (asked.type, asked.constant, asked.start, asked.end) == (kind, constant, *whole)
+    again = blend(asked.request)
+    assert again.curves == made.curves
+    assert [s.span_deg for s in again.segments] == pytest.approx([s.span_deg for s in made.segments], abs=1e-6)
+
+
+def test_of_several_strokes_the_chosen_one_is_asked_for() -> None:
+    motion = LIFT.drive.motion
+    rise = first_asked(motion, 3)
+    assert (rise.type, rise.stroke, rise.start, rise.end) == ("DRD", 150.0, 283.5, 325.0)
+    for chosen in (0, 1, 4):
+        fall = first_asked(motion, chosen)
+        assert (fall.type, fall.stroke, fall.start, fall.end) == ("DRD-return", 150.0, 35.0, 76.5)
+    up_down_up = Motion(
+        0.0,
+        tuple(Segment(b, h, Named("cycloidal")) for b, h in ((90.0, 10.0), (90.0, -20.0), (180.0, 10.0))),
+    )
+    asked = first_asked(up_down_up, 1)
+    assert (asked.type, asked.stroke, asked.start, asked.end) == ("DRD-return", 20.0, 90.0, 180.0)
+    unequal = Motion(0.0, (*(Segment(90.0, h, Named("cycloidal")) for h in (20.0, -15.0)), Segment(180.0, -5.0)))
+    unequal = replace(
+        unequal, segments=(*unequal.segments[:2], Segment(90.0, 0.0), Segment(90.0, -5.0, Named("3-4-5")))
+    )
+    asked = first_asked(unequal, 0)
+    assert (asked.type, asked.stroke, asked.return_stroke) == ("DRRD", 20.0, 15.0)
+
+
+MORE = "tick one more, or optimise the rest"
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        (Asked(), "P1-P2 takes no setting; tick any for other curves"),
+        (Asked(constant="rise"), "C1-CV1-H2-P2 takes 2 settings, 0 given: tick two, or optimise the rest"),
+        (Asked(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 takes 2 settings, 1 given: " + MORE),
+        (Asked(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 takes 2 settings: given"),
+        (Asked(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 takes 3 settings, 2 given: " + MORE),
+        (Asked(constant="rise", given=tuple((n, 1.0) for n in ("h1", "h2", "h3", "h4"))), "4 settings given, 3 can be met: untick one"),
+        (Asked(constant="rise", given=(("length", 150.0),), goal="jerk"), "1 setting given; the rest is chosen for the least jerk"),
+        (Asked(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 takes 2 settings: given"),
+    ],
+)  # fmt: skip
+def test_how_many_settings_are_missing(asked: Asked, told: str) -> None:
+    assert count_text(asked) == told
+
+
+def test_settings_that_mean_nothing_are_not_asked_for() -> None:
+    rise = ["h1", "h2", "h3", "vcv", "length", "acceleration", "point"]
+    assert shown_names(Asked("DRD", "rise")) == rise
+    assert shown_names(Asked("DRD-return", "return")) == rise, "a return alone counts from 1"
+    assert shown_names(Asked("DRD", "none")) == ["h1", "h3", "vcv", "acceleration", "point"]
+    assert "peak" in shown_names(Asked("DRRD", "rise"))
+    assert "h4" not in shown_names(Asked("DRRD", "rise", sequence="C1-CV1-H2-P2"))
+    assert shown_names(Asked("DRRD", "none", sequence="P1-P2")) == []
+    for kind in ("DRD", "DRD-return", "DRRD", "RRR"):
+        for constant in constants(kind):
+            for row in open_candidates(Asked(kind, constant)):
+                names = shown_names(Asked(kind, constant, sequence=str(row.sequence), mirrored=row.family.mirrored))
+                assert bool(names) == bool(row.freedom)
+
+
+def test_ranges_are_those_of_the_sequence_that_is_meant() -> None:
+    asked = Asked(constant="rise", given=(("h1", 1.0),))
+    assert ranged(asked).sequence == "C1-CV1-H2-P2"
+    assert ranged(replace(asked, given=(("h1", 1.0), ("h3", 1.0)))).sequence == ""
+    target = plan(asked).target
+    assert target is not None
+    assert (str(target.sequence), target.freedom) == ("C1-CV1-H2-P2", 2)
+
+
+def test_ranges_as_text() -> None:
+    assert range_text([Range(0.0, 19.0, True, False)], "h1") == "0 < h1 ≤ 19"
+    assert range_text([Range(-4e-15, 20.0, True, True)], "h2") == "0 < h2 < 20"
+    assert range_text([Range(0.0114386640233, np.inf, False, True)], "a") == "a ≥ 0.0114387"
+    assert range_text([Range(0.0, 18.999999999999, True, False)], "h1") == "0 < h1 ≤ 19"
+    assert range_text([Range(0.0, 18.99999, True, False)], "h1") == "0 < h1 ≤ 18.9999"
+    assert range_text([Range(1.0, 2.0), Range(3.0, 4.0)], "h1") == "1 ≤ h1 ≤ 2 or 3 ≤ h1 ≤ 4"
+    assert range_text([Range(18.0, 18.0)], "h2") == "= 18, given by the rest"
+    assert range_text([], "h2") == "nothing fits"
+
+
+@pytest.mark.parametrize("name", ["h3", "vcv", "length", "peak", "acceleration"])
+def test_an_end_that_belongs_to_the_range_can_be_typed(name: str) -> None:
+    wish = Asked(constant="rise", given=(("h1", 1.3),), sequence="C1-CV1-H2-P2").request
+    ranges = feasible_ranges(wish, name)
+    words = range_text(ranges, "x").split()
+    reached = [words[i + (1 if words[i - 1] == "x" else -1)] for i, word in enumerate(words) if word in ("≤", "≥")]
+    for text in reached:
+        assert blend(replace(wish, settings={"h1": 1.3, name: float(text)}))
+
+
+def test_a_setting_begins_inside_of_its_range() -> None:
+    assert begin_of([Range(0.0, 20.0, True, True)], 0.1) == 2.0
+    assert begin_of([Range(0.0, 300.0, True, True)], 0.5) == pytest.approx(200.0, abs=50.0)
+    assert begin_of([Range(151.9, 154.1)], 0.5) == 153.0
+    assert begin_of([Range(5.0, 5.0)], 0.5) == 5.0
+    assert begin_of([Range(0.01, np.inf, False, True)], 0.3) == pytest.approx(0.03)
+    assert begin_of([], 0.3) is None
+
+
+def test_settings_are_named_after_their_curve() -> None:
+    rise, back = ("C1", "CV1", "H2"), ("H3", "C4")
+    assert [curve_of(n, rise, back) for n in ("h1", "h2", "h3", "h4", "h5", "h6", "vcv")] == [
+        "C1", "CV1", "H2", "H3", "", "C4", "rise",
+    ]  # fmt: skip
+    assert [curve_of(n, (), ("C3", "CV2", "C4")) for n in ("h1", "h2", "h3", "vcv")] == ["C3", "CV2", "C4", ""]
+
+
+# -- computing beside the window --------------------------------------------------------------------------
+
+
+@pytest.fixture
+def lane(app: QApplication) -> Iterator[tuple[Lane, list[tuple[Any, Any]]]]:
+    made, heard = Lane(), []
+    made.answered.connect(lambda asked, found: heard.append((asked, found)))
+    yield made, heard
+    made.close()
+
+
+def _for_ever() -> None:
+    while True:
+        time.sleep(0.001)
+
+
+def test_answers_come_in_order(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    made, heard = lane
+    made.ask([(i, lambda i=i: i * i) for i in range(5)])
+    assert made.busy
+    wait_until(lambda: not made.busy)
+    assert heard == [(i, i * i) for i in range(5)]
+
+
+def test_a_refusal_is_an_answer(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    made, heard = lane
+    made.ask([("a", lambda: blend(Request("DRD", -1.0, 0.0, 90.0))), ("b", lambda: 1)])
+    wait_until(lambda: not made.busy)
+    assert isinstance(heard[0][1], KindynaError)
+    assert heard[1] == ("b", 1)
+
+
+def test_a_mistake_is_heard(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    """In the window's thread, as every other one."""
+    made, heard = lane
+    made.ask([("a", lambda: 1 // 0)])
+    made._looks.stop()
+    time.sleep(0.05)
+    with pytest.raises(ZeroDivisionError):
+        made._look()
+    assert heard == []
+    assert not made.busy
+
+
+def test_what_is_no_longer_wanted_is_not_computed_to_its_end(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    made, heard = lane
+    before = threading.active_count()
+    for _ in range(3):
+        made.ask([("endless", _for_ever), ("never", lambda: 0)])
+        wait_until(lambda: threading.active_count() > before)
+    made.ask([("short", lambda: 1)])
+    wait_until(lambda: not made.busy)
+    assert heard == [("short", 1)]
+    wait_until(lambda: threading.active_count() == before)
+
+
+def test_an_answer_that_comes_too_late_is_not_heard(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    made, heard = lane
+    made.ask([("old", lambda: 1)])
+    time.sleep(0.05)  # it waits to be heard
+    made.ask([("new", lambda: 2)])
+    wait_until(lambda: not made.busy)
+    settle()
+    assert heard == [("new", 2)]
+
+
+def test_no_other_thread_tidies_up(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
+    """What Python's garbage collector takes away may be a widget, which only the window's thread may do."""
+    made, _ = lane
+    other = Lane()
+    assert gc.isenabled()
+    made.ask([("a", _for_ever)])
+    other.ask([("b", lambda: 1)])
+    wait_until(lambda: not other.busy)
+    assert not gc.isenabled()
+    made.ask([("c", lambda: gc.isenabled())])
+    wait_until(lambda: not made.busy)
+    wait_until(gc.isenabled)
+    other.ask([("d", _for_ever)])
+    assert not gc.isenabled()
+    other.close()
+    assert gc.isenabled()
+
+
+# -- the card picker --------------------------------------------------------------------------------------
+
+
+def check_picker(motion: Motion) -> None:
+    assert [s.curve.law for s in motion.segments] == ["dwell", "c1", "cv1", "h2", "p2", "dwell"]
+    assert [s.span_deg for s in motion.segments] == pytest.approx([30.0, *PICKER_SPANS, 30.0], abs=1e-9)
+    assert [s.rise for s in motion.segments] == pytest.approx([0.0, 1.0, 18.0, 1.0, -20.0, 0.0], abs=1e-12)
+
+
+def test_the_card_picker_is_designed_with_the_mouse_alone(open_user: Open) -> None:
+    """Nothing but clicks, from a new design to the undo step."""
+    user: User = open_user(plots=False)
+    user.choose("File", "New", "Translating follower")
+    user.choose("Make", "Blend...")
+    dialog = user.window.findChild(BlendDialog)
+    assert isinstance(dialog, BlendDialog)
+    assert dialog.isModal()
+    wizard = Wizard(dialog)
+    wizard.answered()
+    assert wizard.curves == "P1–P2", "a motion without settings is answered at once"
+    wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
+    for name in ("h1", "h3"):
+        wizard.tick(name)
+        box = wizard.rows[name].box
+        value = box.number
+        assert value is not None
+        wizard.arrow(box, value < 1.0, round(abs(value - 1.0) / box.step_of(value)))
+        assert box.number == 1.0
+    wizard.answered()
+    assert wizard.curves == "C1–CV1–H2–P2"
+    assert wizard.table[1] == ("CV1", "18.0000", "169.6215", "48.8468", "218.4684", "1.0000", "19.0000")
+    assert "CV1 runs at 0.106119 mm/° (38.20 mm/s) for 169.622°" in dialog.panel.figures.text()
+    assert wizard.can_put
+    wizard.click(dialog.put_button)
+    settle()
+    check_picker(user.design.drive.motion)
+    assert faults(user.design) == []
+    assert user.steps == ["Blend C1-CV1-H2-P2"], "one step"
+    user.session.stack.undo()
+    assert [s.span_deg for s in user.design.drive.motion.segments] == [360.0]
+    assert user.window.findChild(BlendDialog) is None, "it is gone"
+
+
+def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
+    wizard = ask()
+    dialog = wizard.dialog
+
+    def press(key: Qt.Key, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
+        target = QApplication.focusWidget()
+        assert target is not None
+        QTest.keyClick(target, key, modifier)
+        QApplication.processEvents()
+
+    def tab_to(widget: QWidget) -> None:
+        for _ in range(60):
+            if QApplication.focusWidget() is widget:
+                return
+            press(Qt.Key.Key_Tab)
+        raise AssertionError("the keys do not lead there")
+
+    assert QApplication.focusWidget() is wizard.questions.kind.types["DRRD"]
+    tab_to(wizard.questions.kind.constants["none"])
+    press(Qt.Key.Key_Right)
+    assert wizard.questions.kind.constant == "rise"
+    for name in ("h1", "h3"):
+        tab_to(wizard.rows[name].check)
+        press(Qt.Key.Key_Space)
+        assert QApplication.focusWidget() is wizard.rows[name].box, "what is ticked can be typed at once"
+        QTest.keyClicks(QApplication.focusWidget(), "1")
+        press(Qt.Key.Key_Return)
+        assert dialog.isVisible(), "Enter confirms the number, not the motion"
+    wizard.answered()
+    press(Qt.Key.Key_P, Qt.KeyboardModifier.AltModifier)  # the button is seen to go down
+    wait_until(lambda: dialog.result() == BlendDialog.DialogCode.Accepted)
+    check_picker(dialog._session.design.drive.motion)
+
+
+def test_the_peak_at_250_degrees(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    assert wizard.rows["h1"].used
+    assert wizard.rows["h3"].used, "the motion in place is asked anew"
+    wizard.tick("h3")
+    wizard.give(peak="250")
+    assert [row[2] for row in wizard.table] == ["20.6323", "190.1190", "9.2487", "80.0000"]
+    motion = wizard.put()
+    assert fsum(s.span_deg for s in motion.segments[:4]) == pytest.approx(250.0, abs=1e-9)
+
+
+# -- live -------------------------------------------------------------------------------------------------
+
+
+def test_every_keystroke_is_answered(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    box = wizard.rows["h1"].box
+    seen = []
+    box.setFocus()
+    box.selectAll()
+    for key in "2.5":
+        QTest.keyClicks(box, key)
+        wizard.answered()
+        seen.append(wizard.table[0][1])
+    assert seen == ["2.0000", "2.0000", "2.5000"]
+    assert box.typing, "without Enter"
+    asked = wizard.questions.asked()
+    assert asked.given == (("h1", 2.5), ("h3", 1.0))
+    expected = blend(asked.request)
+    assert [float(row[2]) for row in wizard.table] == pytest.approx([s.span_deg for s in expected.segments], abs=6e-5)
+    QTest.keyClick(box, Qt.Key.Key_Escape)
+    wizard.answered()
+    assert wizard.dialog.isVisible(), "Escape takes back what was typed first"
+    assert wizard.table[0][1] == "1.0000"
+
+
+def test_only_the_last_of_several_keystrokes_counts(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    box = wizard.rows["h3"].box
+    wizard.type(box, "12.34")
+    wizard.answered()
+    assert wizard.table[2][1] == "12.3400"
+
+
+def test_the_ranges_follow_what_is_typed(ask: Ask) -> None:
+    wizard = ask(PICKER, ranges=True)
+    wizard.ranged("h1", "h3")
+    assert wizard.rows["h1"].range.text() == "0 < h1 ≤ 19"
+    wizard.type(wizard.rows["h3"].box, "5")
+    wizard.ranged("h1", "h3")
+    assert wizard.rows["h1"].range.text() == "0 < h1 ≤ 15"
+    assert wizard.rows["h3"].range.text() == "0 < h3 ≤ 19"
+    wizard.tick("h3")
+    wizard.ranged("h3", "vcv", "length", "peak")
+    told = {name: wizard.rows[name].range.text() for name in ("h3", "vcv", "length", "peak")}
+    assert told == {
+        "h3": "0 < h3 ≤ 19",
+        "vcv": "0.07 < Vcv ≤ 0.255294",
+        "length": "0 < length < 271.429",
+        "peak": "154.739 ≤ peak < 330",
+    }
+
+
+def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    before, row = wizard.table, wizard.rows["h3"]
+    wizard.type(row.box, "25")
+    wizard.answered()
+    assert row.message.isVisible()
+    assert row.message.text() == "h3 = 25 mm is not feasible beside h1 = 1; feasible: 0 < h3 ≤ 19 mm"
+    assert row.box.refused
+    assert not wizard.rows["h1"].message.isVisible()
+    assert not wizard.can_put
+    assert wizard.veiled == "The last motion that was feasible"
+    assert wizard.table == before, "the last good answer stays"
+    wizard.dialog.accept()
+    assert wizard.dialog._session.design == PICKER
+    wizard.type(row.box, "19")
+    wizard.answered()
+    assert not row.message.isVisible()
+    assert not row.box.refused
+    assert wizard.veiled == ""
+    assert wizard.can_put
+
+
+def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    questions, rows = wizard.questions, wizard.rows
+    wizard.type(rows["h1"].box, "-2")
+    assert rows["h1"].message.text() == "Allowed: > 0 mm"
+    wizard.type(rows["h1"].box, "two")
+    assert rows["h1"].message.text() == NO_NUMBER
+    assert not wizard.can_put
+    wizard.type(rows["h1"].box, "1")
+    wizard.type(questions.stroke, "0")
+    assert questions.size_faults[0].text() == "Allowed: above 0 ... 1e+09 mm"
+    assert questions.stroke.refused
+    wizard.type(questions.stroke, "20")
+    wizard.type(questions.end, "20")
+    assert questions.size_faults[1].text() == "The end must lie behind the start"
+    wizard.type(questions.end, "400")
+    assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
+    wizard.type(questions.end, "330")
+    wizard.answered()
+    assert not any(words.isVisible() for words in questions.size_faults)
+    assert wizard.can_put
+
+
+def test_missing_and_surplus_settings_are_counted(ask: Ask) -> None:
+    wizard = ask()
+    wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
+    wizard.answered()
+    assert wizard.questions.count.text().startswith("C1-CV1-H2-P2 takes 2 settings, 0 given")
+    assert wizard.veiled == "2 more to set"
+    assert not wizard.can_put
+    wizard.give(h1="1")
+    assert wizard.veiled == "1 more to set"
+    wizard.give(h3="1")
+    assert wizard.veiled == ""
+    assert wizard.can_put
+    wizard.choose(wizard.questions.sequence, "C1-CV1-H2-P2   2 settings")
+    wizard.give(length="100")
+    assert wizard.questions.count.text() == "3 settings given, 2 can be met: untick one"
+    assert wizard.veiled == "1 too many set"
+    wizard.choose(wizard.questions.sequence, "C1-CV1-H2-H3-C4   3 settings")
+    assert wizard.curves == "C1–CV1–H2–H3–C4"
+    assert wizard.veiled == ""
+
+
+def test_the_curves_can_be_chosen(ask: Ask) -> None:
+    wizard = ask()
+    box = wizard.questions.sequence
+    texts = [box.itemText(i) for i in range(box.count())]
+    assert texts[0] == "chosen by the settings"
+    assert texts[1:] == [
+        "P1-P2   no settings",
+        "C1-H2-P2   1 setting",
+        "P1-H3-C4   1 setting",
+        "C1-H2-H3-C4, return mirrored   1 setting",
+        "C1-H2-H3-C4   2 settings",
+    ]
+    wizard.give(h1="4")
+    assert wizard.curves == "C1–H2–P2"
+    wizard.choose(box, "C1-H2-H3-C4, return mirrored   1 setting")
+    assert wizard.curves == "C1–H2–H3–C4"
+    assert wizard.table[0][2] == wizard.table[3][2], "mirrored"
+    wizard.click(wizard.questions.kind.types["RRR"])
+    wizard.answered()
+    assert box.currentIndex() == 0, "which RRR does not know"
+
+
+@pytest.mark.parametrize("goal", ["acceleration", "torque"])
+def test_what_is_left_is_chosen_by_a_goal(goal: str, ask: Ask) -> None:
+    wizard = ask()
+    wizard.click(wizard.questions.kind.types["DRD"])
+    wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
+    wizard.give(length="150")
+    wizard.choose(wizard.questions.goal, GOAL_TEXTS[goal])
+    assert wizard.questions.count.text() == f"1 setting given; the rest is chosen for the least {goal}"
+    found = best(Request("DRD", 20.0, 30.0, 330.0, "rise", {"length": 150.0}), goal)
+    assert [float(row[2]) for row in wizard.table] == pytest.approx([s.span_deg for s in found.segments], abs=6e-5)
+    assert wizard.can_put
+
+
+def test_the_best_that_would_lose_its_constant_velocity_is_told(ask: Ask) -> None:
+    wizard = ask()
+    wizard.click(wizard.questions.kind.types["DRD"])
+    wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
+    wizard.choose(wizard.questions.goal, GOAL_TEXTS["acceleration"])
+    assert "no constant velocity left" in wizard.questions.general.text()
+    assert not wizard.can_put
+    wizard.give(length="50")
+    assert not wizard.questions.general.isVisible()
+    assert wizard.can_put
+
+
+# -- the questions ----------------------------------------------------------------------------------------
+
+
+def test_the_type_says_what_can_be_asked(ask: Ask) -> None:
+    wizard = ask()
+    questions, kind = wizard.questions, wizard.questions.kind
+    wizard.click(kind.types["DRD"])
+    assert kind.label.text() == "Dwell - rise - dwell"
+    assert [name for name, button in kind.constants.items() if button.isEnabled()] == ["none", "rise"]
+    assert not questions.unequal.isVisible()
+    wizard.click(kind.constants["rise"], QPoint(8, 8))
+    wizard.click(kind.types["DRD-return"])
+    assert kind.constant == "return", "of the one stroke there is"
+    wizard.click(kind.types["RRR"])
+    assert (questions.start.number, questions.end.number) == (0.0, 360.0), "without a dwell it takes the turn"
+    assert kind.constant == "return"
+    wizard.click(kind.constants["none"], QPoint(8, 8))
+    wizard.answered()
+    assert wizard.curves == "H5–H6"
+    assert [s.curve.law for s in wizard.put().segments] == ["h5", "h6"]
+
+
+def test_settings_that_no_longer_mean_anything_are_dropped(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    wizard.give(peak="200")
+    assert wizard.rows["peak"].used
+    wizard.click(wizard.questions.kind.types["DRD"])
+    wizard.answered()
+    assert not wizard.rows["peak"].used
+    assert not wizard.rows["peak"].check.isVisible()
+    assert [name for name, _ in wizard.questions.asked().given] == ["h1", "h3"]
+    assert wizard.curves == "C1–CV1–C2"
+
+
+def test_a_value_comes_back_with_its_tick(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    wizard.type(wizard.rows["h3"].box, "3.25")
+    wizard.tick("h3")
+    assert not wizard.rows["h3"].box.isEnabled()
+    assert wizard.rows["h3"].box.text() == ""
+    wizard.tick("h3")
+    assert wizard.rows["h3"].box.number == 3.25
+
+
+def test_a_new_setting_begins_where_it_is_feasible(ask: Ask) -> None:
+    wizard = ask(PICKER, ranges=True)
+    wizard.tick("h3")
+    for name in ("vcv", "peak", "length"):
+        wizard.ranged(name)
+        wizard.tick(name)
+        wizard.answered()
+        assert wizard.can_put, name
+        wizard.tick(name)
+        wizard.answered()
+
+
+def test_the_return_may_differ(ask: Ask) -> None:
+    wizard = ask()
+    questions = wizard.questions
+    assert not questions.back.isEnabled()
+    wizard.click(questions.unequal, QPoint(8, 8))
+    assert questions.back.number == 20.0
+    wizard.type(questions.back, "15")
+    wizard.answered()
+    assert [row[1] for row in wizard.table] == ["20.0000", "15.0000"]
+    assert not wizard.dialog.places["turn"].isEnabled(), "it does not come back to where it starts"
+    wizard.click(questions.unequal, QPoint(8, 8))
+    wizard.answered()
+    assert [row[1] for row in wizard.table] == ["20.0000", "20.0000"]
+
+
+def test_precision_points(ask: Ask) -> None:
+    wizard = ask(PICKER, ranges=True)
+    settings = wizard.questions.settings
+    wizard.tick("h3")
+    wizard.click(settings.add_point)
+    (row,) = settings.points
+    wizard.type(row.at, "120")
+    wizard.type(row.level, "8")
+    wizard.answered()
+    wait_until(lambda: row not in wizard.dialog._waiting)
+    assert row.range.text() == range_text(feasible_ranges(wizard.questions.asked().request, "point", 120.0), "level")
+    made = wizard.dialog.design
+    assert made is not None
+    study = Study(made, 360)
+    assert study.motion.y[0, 120] * 1e3 == pytest.approx(8.0, abs=1e-9)
+    wizard.type(row.level, "19.9")
+    wizard.answered()
+    assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible beside h1 = 1; feasible: ")
+    assert row.level.refused
+    wizard.click(row.close)
+    wizard.answered()
+    assert settings.points == []
+    assert wizard.veiled == "1 more to set"
+
+
+def test_labels_have_the_unit_of_the_motion(app: QApplication) -> None:
+    questions = Questions("deg")
+    questions.answer(Asked(constant="rise", given=(("h1", 1.0),), unit="deg"))
+    assert questions.asked() == Asked(constant="rise", given=(("h1", 1.0),), unit="deg")
+    assert questions.settings.rows["vcv"].unit.text() == "°/°"
+    assert questions.settings.rows["length"].unit.text() == "°"
+    questions.deleteLater()
+
+
+def test_answers_are_read_back_as_they_are_shown(app: QApplication) -> None:
+    questions = Questions("mm")
+    for asked in (
+        Asked("DRD", "rise", 12.0, 0.0, 10.0, 100.0, (("vcv", 0.2), ("h1", 1.5)), goal="jerk"),
+        Asked("DRRD", "both", 20.0, 0.0, 30.0, 330.0, (("h1", 1.0),), ((90.0, 5.0),), "C1-CV1-H2-H3-CV2-C4", True),
+        Asked("DRRD", "none", 20.0, 15.0, 0.0, 200.0),
+        Asked("DRD-return", "return", 20.0, 0.0, 0.0, 200.0, (("h3", 2.0),)),
+    ):
+        questions.answer(asked)
+        assert questions.asked() == asked
+    questions.deleteLater()
+
+
+# -- into the design --------------------------------------------------------------------------------------
+
+
+def test_a_rise_takes_the_place_of_the_chosen_one(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    dialog = wizard.dialog
+    assert dialog.places["here"].isChecked()
+    assert not dialog.places["turn"].isEnabled(), "a rise alone is no whole motion"
+    assert dialog.places["here"].text() == "283.5° … 325° only, the rest stays"
+    assert dialog.effect.text() == "The rest of the motion stays."
+    motion = wizard.put()
+    assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
+    assert motion.segments[:3] == LIFT.drive.motion.segments[:3]
+    assert motion.start == 150.0
+    stack = dialog._session.stack
+    assert [stack.text(i) for i in range(stack.count())] == ["Blend C5"]
+
+
+def test_what_else_will_move_otherwise_is_told(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    wizard.type(wizard.questions.stroke, "120")
+    wizard.answered()
+    told = "The rest stays, but segment 2, Modified sine, then rises by −120 mm to come back."
+    assert wizard.dialog.effect.text() == told
+    assert [s.rise for s in wizard.put().segments] == [0.0, -120.0, 0.0, 120.0, 0.0]
+
+
+def test_a_rise_into_a_standing_motion_comes_back(ask: Ask) -> None:
+    wizard = ask()
+    wizard.click(wizard.questions.kind.types["DRD"])
+    wizard.type(wizard.questions.end, "120")
+    wizard.answered()
+    assert (
+        wizard.dialog.effect.text()
+        == "Nothing else moves yet, so the same curves run backwards bring the follower back."
+    )
+    motion = wizard.put()
+    assert [s.curve.law for s in motion.segments] == ["dwell", "c5", "dwell", "c6", "dwell"]
+    assert faults(wizard.dialog._session.design) == []
+
+
+def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    wizard.type(wizard.questions.start, "60")
+    wizard.answered()
+    assert "moves, and would be cut" in wizard.dialog.effect.text()
+    assert not wizard.can_put
+    assert wizard.table, "the curves are shown all the same"
+    wizard.type(wizard.questions.start, "250")
+    wizard.answered()
+    assert [s.span_deg for s in wizard.put().segments] == [35.0, 41.5, 173.5, 75.0, 35.0]
+
+
+def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
+    """A curve that is meant for a return cannot bring the follower up again."""
+    wizard = ask(edited(LIFT, "motion.segments[1].law", "c6"), 3)
+    wizard.click(wizard.questions.kind.types["DRD-return"])
+    wizard.answered()
+    assert wizard.curves == "C6"
+    assert wizard.dialog.effect.text() == "Segment 2, rise: c6 is a return"
+    assert not wizard.can_put
+    wizard.click(wizard.questions.kind.types["DRD"])
+    wizard.answered()
+    assert wizard.can_put
+
+
+def test_the_whole_turn_or_only_a_part(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    wizard.click(wizard.questions.kind.types["DRRD"])
+    wizard.type(wizard.questions.start, "100")
+    wizard.type(wizard.questions.end, "200")
+    wizard.answered()
+    assert wizard.dialog.effect.text() == "The rest of the motion stays."
+    assert wizard.dialog.design is not None
+    assert len(wizard.dialog.design.drive.motion.segments) == 8
+    wizard.click(wizard.dialog.places["turn"], QPoint(8, 8))
+    assert wizard.dialog.effect.text() == "These curves and the dwells about them make the whole turn."
+    assert [s.curve.law for s in wizard.put().segments] == ["dwell", "p1", "p2", "dwell"]
+
+
+def test_the_motion_as_it_is_stands_dashed_behind(ask: Ask) -> None:
+    wizard = ask(LIFT, 3)
+    for plot, order in zip(wizard.dialog.panel.plots, range(3), strict=True):
+        now, was = sorted(plot._drawn, key=lambda item: -item.zValue())
+        assert was.pen().dashPattern()
+        assert not now.pen().dashPattern()
+        assert wizard.dialog.design is not None
+        study = Study(wizard.dialog.design, 720)
+        omega = study.omega
+        values = study.motion.y[order] * omega**order / plot.rung.size * (1e3 if order < 3 else 1.0)
+        assert now.y[:-1] == pytest.approx(values, rel=1e-9, abs=1e-9 * np.abs(values).max())
+
+
+def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
+    """The linkage of the lift does not reach three metres."""
+    user: User = open_user(plots=False)
+    before = user.design
+    user.window.blend_motion()
+    dialog = user.window.findChild(BlendDialog)
+    assert isinstance(dialog, BlendDialog)
+    wizard = Wizard(dialog)
+    wizard.answered()
+    wizard.type(wizard.questions.stroke, "3000")
+    wizard.answered()
+    assert wizard.can_put
+    wizard.click(dialog.put_button)
+    assert dialog.isVisible()
+    assert "Rod" in dialog.effect.text()
+    assert user.design == before
+    dialog.reject()
+    settle()
+    assert user.steps == []
+
+
+def test_cancelling_leaves_nothing_behind(ask: Ask) -> None:
+    before = threading.active_count()
+    wizard = ask(PICKER)
+    wizard.type(wizard.rows["h1"].box, "2")
+    wizard.dialog.reject()
+    assert not wizard.dialog.isVisible()
+    assert not wizard.dialog.busy
+    assert wizard.dialog._session.design == PICKER
+    assert wizard.dialog._session.stack.count() == 0
+    wait_until(lambda: threading.active_count() <= before)
+
+
+def test_a_refusal_without_a_field_is_told_below(ask: Ask) -> None:
+    wizard = ask(PICKER)
+    wizard.questions.show_error(BlendError("these settings leave no range; change one of them"))
+    assert wizard.questions.general.isVisible()
+    assert wizard.questions.general.text() == "these settings leave no range; change one of them"

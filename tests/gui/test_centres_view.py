@@ -1,0 +1,195 @@
+"""The lecture's figures on the screen: instant centres, Kennedy's construction, velocities, the circle diagram."""
+
+import math
+import re
+
+import pytest
+from window_user import Open, User, settle, wait_for
+
+from core.study import LinkageStudy
+from kindyna_gui.centres_view import CentresView
+from kindyna_gui.circle_view import CircleView
+from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.pictures.centre_parts import CentreMarks, KennedyLines
+from kindyna_gui.places import example
+
+
+def centres(user: User) -> CentresView:
+    view = user.window.show_view("centres")
+    assert isinstance(view, CentresView)
+    wait_for(lambda: view.up_to_date and view.on_screen())
+    return view
+
+
+def circle(user: User) -> CircleView:
+    view = user.window.show_view("circle")
+    assert isinstance(view, CircleView)
+    wait_for(lambda: view.up_to_date and view.on_screen())
+    return view
+
+
+def drawing(user: User) -> MechanismView:
+    view = user.window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    view.pull()
+    return view
+
+
+def at(user: User, degrees: float) -> None:
+    user.window.player.set_theta(math.radians(degrees))
+    settle()
+
+
+def number(text: str) -> float:
+    return float(re.sub(r"[^0-9.\-]", "", text.replace("\u2212", "-")))
+
+
+def cells(view: CentresView, table: str) -> dict[str, tuple[str, ...]]:
+    """First cell -> the others."""
+    return {row.cells[0]: row.cells[1:] for row in getattr(view, table).rows.rows}
+
+
+def distance(view: CentresView, one: str, other: str) -> float:
+    for box, text in ((view.one, one), (view.other, other)):
+        box.setCurrentIndex(box.findText(text))
+        box.activated.emit(box.currentIndex())
+    return number(view.distance.text())
+
+
+@pytest.fixture
+def six_bar(open_user: Open) -> User:
+    """A user at the lecture's six-bar, its crank at 45 degrees."""
+    user: User = open_user(example("lecture_six_bar"), plots=False)
+    at(user, 45.0)
+    return user
+
+
+def test_the_six_bars_numbers_stand_on_the_screen(six_bar: User) -> None:
+    """Velocity, p. 11, with intermediates not rounded."""
+    view = centres(six_bar)
+    links, points = cells(view, "links"), cells(view, "points")
+    assert [number(links[n][1]) for n in "345"] == pytest.approx([-6.638493, 20.566558, -20.566558], abs=1e-6)
+    assert number(points["D"][2]) / 10.0 == pytest.approx(-22.382166, abs=1e-6)
+    assert distance(view, "I12", "I13") / 10.0 == pytest.approx(20.076391, abs=1e-6)
+    assert distance(view, "I14", "I13") / 10.0 == pytest.approx(16.392305, abs=1e-6)
+    assert distance(view, "I12", "I14") / 10.0 == pytest.approx(6.0, abs=1e-6)
+    assert len(cells(view, "centres")) == 15
+    assert cells(view, "centres")["I16"][:2] == ("at infinity", "90.000000°")
+
+
+def test_the_table_follows_the_player(six_bar: User) -> None:
+    view = centres(six_bar)
+    before = cells(view, "links")["4"]
+    six_bar.window.player.step(10.0)
+    settle()
+    after = cells(view, "links")["4"]
+    study = six_bar.session.at(six_bar.window.player.theta)
+    assert isinstance(study, LinkageStudy)
+    assert after != before
+    assert number(after[0]) == pytest.approx(float(study.angular_velocities()[4][0]), rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("name", "count"), [("four_bar", 6), ("slider_crank", 6), ("rear_suspension", 6), ("lecture_six_bar", 15)]
+)
+def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: Open) -> None:
+    user = open_user(example(name), plots=False)
+    view = drawing(user)
+    user.action("View", "Layers of the drawing", "Instant centres of all links").trigger()
+    at(user, 40.0)
+    marks: CentreMarks = view.scene._marks  # type: ignore[assignment]
+    assert len(marks._marks) == count
+    table = user.session.study.centres
+    for mark in marks._marks:
+        found = table.centres[mark.key]
+        i = view.scene.index
+        far = bool(found.far(table.size)[i])
+        assert mark.dot.isVisible() != mark.arrow.isVisible()
+        assert mark.tag.text == mark.name + (" ∞" if far else "")
+        if mark.dot.isVisible():
+            place = complex(mark.dot.pos().x(), mark.dot.pos().y())
+            assert place == pytest.approx(complex(found.finite[i]) * 1e3, abs=1e-9)
+
+
+def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
+    user = open_user(example("slider_crank"), plots=False)
+    view = drawing(user)
+    view.show_layer("centres", True)
+    at(user, 40.0)
+    assert view.scene._marks is not None
+    mark = next(m for m in view.scene._marks._marks if m.name == "14")
+    assert mark.arrow.isVisible()
+    assert mark.arrow.rotation() == pytest.approx(-90.0)  # across the guide
+    edge = view.canvas.visible.bottom() - mark.arrow.pos().y()
+    assert 0.0 < edge * view.canvas.scale_now < 60.0
+
+
+def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
+    view = drawing(six_bar)
+    six_bar.action("View", "Layers of the drawing", "Kennedy's construction").trigger()
+    settle()
+    lines: KennedyLines = view.scene._kennedy  # type: ignore[assignment]
+    table, i = six_bar.session.study.centres, view.scene.index
+    tried = 0
+    for step, _, item in lines._rows:
+        centre = complex(table.centres[step.key].finite[i]) * 1e3
+        if item.isVisible() and math.isfinite(abs(centre)):
+            one, other = item.line().p1(), item.line().p2()
+            along = complex(other.x() - one.x(), other.y() - one.y())
+            off = ((centre - complex(one.x(), one.y())) * along.conjugate()).imag / abs(along)
+            assert abs(off) < 1e-6 * (1.0 + abs(centre)), step.key
+            tried += 1
+    assert tried > 8
+
+
+def test_layers_of_linkages_go_on_and_off(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    view = drawing(user)
+    assert "Cam" not in user.entries("View", "Layers of the drawing")
+    for text, key in (("Coupler curves", "coupler.C"), ("Velocities", "velocities.link3.C")):
+        user.choose("View", "Layers of the drawing", text)
+        assert view.scene.item(key).isVisible()
+        user.choose("View", "Layers of the drawing", text)
+        assert not view.scene.item(key).isVisible()
+
+
+def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> None:
+    """Known ones solid, wanted dotted, each from its two triangles, whose lines are drawn in the mechanism."""
+    view = circle(six_bar)
+    plan = six_bar.session.study.centres.construction
+    assert len(view.diagram.solid) == 7
+    assert len(view.diagram.dotted) == 8
+    assert not view.back.isEnabled()
+    for step in range(1, 9):
+        view.next.click()
+        settle()
+        wanted = plan.steps[step - 1]
+        assert view.diagram.wanted == wanted
+        assert wanted.key in view.diagram.dotted
+        for triangle in wanted.triangles[:2]:
+            assert triangle.first in view.diagram.solid
+            assert triangle.second in view.diagram.solid
+        scene = drawing(six_bar).scene
+        assert scene._kennedy is not None
+        assert {row[0].key for row in scene._kennedy._rows if row[2].isVisible()} <= {wanted.key}
+        assert view.count.text() == f"{step} of 8"
+    assert not view.next.isEnabled()
+    view.back.click()
+    assert six_bar.session.step == 7
+    view.end.click()
+    settle()
+    assert not drawing(six_bar).scene.layer_shown("kennedy")
+
+
+def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    view = circle(user)
+    view.next.click()
+    assert view.text.text() == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."
+
+
+def test_a_cam_design_has_no_circle_diagram(user: User) -> None:
+    for name in ("centres", "circle"):
+        view = user.window.show_view(name)
+        wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
+        assert view.not_here

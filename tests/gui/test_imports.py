@@ -1,0 +1,89 @@
+"""What opening the window loads: a budget of modules by name. A module that is not needed for the first picture is
+imported where it is used, so that nobody waits for it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+OPEN = """
+import sys, time
+from kindyna_gui.main_window import open_window
+from kindyna_gui.pictures.app import ensure_app
+
+app = ensure_app()
+window = open_window(app)
+window.show()
+end = time.monotonic() + 60.0
+shown = ("mechanism", "parameters", "displacement", "pressure_angle", "torque", "findings")
+while time.monotonic() < end:
+    app.processEvents()
+    views = {name: window.docks[name].view for name in shown if name in window.docks}
+    if all(view is not None and view.up_to_date for view in views.values()):
+        break
+else:
+    sys.exit("the window was never drawn")
+print("LOADED", *sorted(sys.modules))
+"""
+
+# Whoever comes here is loaded with every start: is it worth it?
+PACKAGES = {
+    "core", "kindyna_gui", "numpy", "PySide6", "shiboken6", "shibokensupport", "signature_bootstrap", "pyqtgraph", "colorama",
+    "attr", "attrs", "cattrs", "tomli_w", "typing_extensions",
+}  # fmt: skip
+QT = {"QtCore", "QtGui", "QtWidgets", "QtSvg", "QtOpenGL", "QtOpenGLWidgets", "QtTest", "support"}  # OpenGL, QtTest: pyqtgraph's
+NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec", "emath"}
+PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
+# of our own: views behind tabs or not open, what works headless, what a menu asks for later
+LATER = {
+    "core.__main__", "core.blend", "core.making", "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view",
+    "kindyna_gui.graph_choice", "kindyna_gui.graph_panel", "kindyna_gui.graph_view", "kindyna_gui.headless",
+    "kindyna_gui.screenshots", "kindyna_gui.selftest",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def loaded() -> set[str]:
+    """Modules of a process that has opened the window with the lift and drawn it."""
+    env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, "-c", OPEN], cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    line = next(line for line in done.stdout.splitlines() if line.startswith("LOADED"))
+    return set(line.split()[1:])
+
+
+def parts_of(loaded: set[str], package: str) -> set[str]:
+    """The names right below a package."""
+    return {name.split(".")[1] for name in loaded if name.startswith(f"{package}.")}
+
+
+def test_the_window_loads_no_package_that_its_first_picture_does_without(loaded: set[str]) -> None:
+    outside = {name.partition(".")[0] for name in loaded} - set(sys.stdlib_module_names) - {"__main__"}
+    assert {name for name in outside if not name.startswith("_")} - PACKAGES == set()
+    assert {"numpy", "PySide6", "pyqtgraph", "core", "kindyna_gui"} <= outside
+
+
+@pytest.mark.parametrize("package", ["scipy", "PIL", "matplotlib", "pandas", "numba"])
+def test_what_takes_long_to_load_is_loaded_where_it_is_used(package: str, loaded: set[str]) -> None:
+    assert package not in loaded
+
+
+def test_of_qt_numpy_and_pyqtgraph_only_what_draws_is_loaded(loaded: set[str]) -> None:
+    assert parts_of(loaded, "PySide6") - QT == set()
+    assert parts_of(loaded, "numpy") & NUMPY_NOT == set()
+    assert parts_of(loaded, "pyqtgraph") & PYQTGRAPH_NOT == set()
+
+
+def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: set[str]) -> None:
+    assert {name for name in loaded if name in LATER or name.rpartition(".")[0] in LATER} == set()
+    assert {"kindyna_gui.mechanism_view", "kindyna_gui.forms", "core.study"} <= loaded
+    # a name that does not exist guards nothing
+    for name in LATER:
+        path = ROOT.joinpath(*name.split("."))
+        assert path.is_dir() or path.with_suffix(".py").is_file(), name

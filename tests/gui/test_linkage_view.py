@@ -1,0 +1,309 @@
+"""General linkages in the window: opened, drawn, edited, dragged, exported; beside cams without a stumble."""
+
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, settle, wait_for
+
+from core.design import LAYOUTS, LinkageDesign, SingleCam, faults
+from core.export import files
+from core.mechanism import with_point_at
+from core.project import load
+from core.study import LinkageStudy, Study
+from kindyna_gui import export_dialogs, gallery
+from kindyna_gui.export_dialogs import TablesWanted
+from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.places import example, examples
+from kindyna_gui.player import TURN
+
+LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), LinkageDesign)]
+
+
+def drawing(user: User) -> MechanismView:
+    view = user.window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    view.pull()
+    return view
+
+
+def there(user: User) -> LinkageStudy:
+    study = user.session.at(user.window.player.theta)
+    assert isinstance(study, LinkageStudy)
+    return study
+
+
+def place(user: User, point: str) -> complex:
+    """Where a point stands [mm]."""
+    return complex(there(user).points()[point][0][0]) * 1e3
+
+
+def turn(user: User, degrees: float) -> None:
+    user.window.player.set_theta(math.radians(degrees))
+    settle()
+
+
+# -- opened and drawn -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
+    """Each link is drawn where the core has it, at every tenth of a turn."""
+    user = open_user(example(name), plots=False)
+    view = drawing(user)
+    assert not view.in_trouble
+    for step in range(10):
+        turn(user, 36.0 * step)
+        assert view.scene.reading is not None
+        study, index = user.session.study, view.scene.index
+        for body, pose in study.linkage.bodies.items():
+            key = f"body.{body}"
+            if key in view.scene.parts:
+                item = view.scene.item(key)
+                assert complex(item.pos().x(), item.pos().y()) == pytest.approx(pose.z[0, index] * 1e3, abs=1e-9)
+                assert item.rotation() == pytest.approx(math.degrees(pose.angle[0, index]), abs=1e-9)
+    assert {f"label.pin.{n}" for n in ("A", "B")} & set(view.scene.parts)
+
+
+def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> None:
+    user = open_user(example("inverted_slider_crank"), plots=False)
+    turn(user, 70.0)
+    block = drawing(user).scene.item("block.3")
+    at = block.mapToScene(block.boundingRect().center())
+    assert complex(at.x(), at.y()) == pytest.approx(place(user, "A"), abs=0.2)
+
+
+def test_the_coupler_cam_is_drawn_and_exported(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    user = open_user(example("four_bar_coupler_cam"))
+    view = drawing(user)
+    for key in ("cam", "pitch", "roller", "normal", "centre"):
+        assert view.scene.item(key).isVisible(), key
+    turn(user, 130.0)
+    roller = view.scene.item("roller").pos()
+    assert complex(roller.x(), roller.y()) == pytest.approx(place(user, "C"), abs=0.05)
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path, 3600))
+    user.choose("File", "Export", "Tables...")
+    wanted = files(Study(load(example("four_bar_coupler_cam"))))
+    assert {"profile.csv", "linkage.csv", "summary.json"} <= {path.name for path in tmp_path.iterdir()}
+    for name, text in wanted.items():
+        assert (tmp_path / name).read_text(encoding="utf-8") == text
+
+
+def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path) -> None:
+    """Crank longer than what lets it turn: the player stays where the linkage can stand, and turns back there."""
+    path = tmp_path / "rocker.toml"
+    text = example("four_bar").read_text(encoding="utf-8").replace("A = [30.0, 0.0]", "A = [95.0, 0.0]")
+    path.write_text(text, encoding="utf-8")
+    user = open_user(path)
+    player = user.window.player
+    (low, high), *_ = player.ranges
+    assert 0.0 <= low < high <= TURN
+    player.set_theta(0.5 * (low + high))
+    for _ in range(400):
+        before = player.theta
+        player.advance(0.01 / player.speed)
+        assert any(a <= player.theta <= b for a, b in player.ranges)
+        assert player.theta != before
+    assert not drawing(user).in_trouble
+    assert user.faults == []
+
+
+# -- parameters and plots ---------------------------------------------------------------------------------
+
+
+def test_dimensions_are_edited_and_undone(open_user: Open) -> None:
+    user = open_user(example("four_bar"))
+    path = "linkage.links[3].points.B.x_mm"
+    before = user.design
+    user.enter(path, "75")
+    assert user.design.linkage.by_number[4].places["B"] == 75.0
+    assert user.steps[-1] == "Change b x to 75 mm"
+    assert abs(place(user, "B") - 100.0) == pytest.approx(75.0, abs=1e-9)
+    user.choose("Edit", user.action("Edit").menu().actions()[0].text().replace("&", ""))  # type: ignore[union-attr]
+    assert user.design == before
+
+
+def test_a_length_that_cannot_be_is_refused_beside_its_field(open_user: Open) -> None:
+    user = open_user(example("four_bar"))
+    before = user.design
+    user.enter("linkage.links[2].points.B.x_mm", "300")
+    assert user.design == before
+    assert "do not meet" in user.field("linkage.links[2].points.B.x_mm").trouble or "put together" in user.field(
+        "linkage.links[2].points.B.x_mm"
+    ).trouble
+    assert user.steps == []
+
+
+def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    above = place(user, "B").imag
+    editor = user.field("linkage.branch.B").editor
+    editor.setCurrentIndex(editor.findData(-1))  # type: ignore[union-attr]
+    editor.activated.emit(editor.currentIndex())  # type: ignore[union-attr]
+    settle()
+    assert user.design.linkage.sides["B"] == -1
+    assert above > 0.0 > place(user, "B").imag
+
+
+def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
+    user = open_user(example("lecture_six_bar"))
+    turn(user, 45.0)
+    view = user.window.show_view("velocity")
+    wait_for(lambda: view.up_to_date and view.on_screen())
+    assert [row.quantity for row in view.rows] == ["link.3_velocity", "link.4_velocity", "link.5_velocity"]  # type: ignore[attr-defined]
+    assert view.plot.readings()[1].startswith("2.154")  # type: ignore[attr-defined]  # 20.566558 rpm
+    graph = user.window.show_view("graph")
+    wait_for(lambda: graph.up_to_date and graph.on_screen())
+    graph.tree.item_of("point.D_vx").setCheckState(0, Qt.CheckState.Checked)  # type: ignore[attr-defined]
+    settle()
+    assert "point.D_vx" in [row.quantity for row in graph.drawn]  # type: ignore[attr-defined]
+
+
+def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
+    user = open_user(example("lecture_six_bar"))
+    for name in ("motion", "flywheel"):
+        view = user.window.show_view(name)
+        wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
+        assert view.not_here
+        assert view._trouble.text().endswith(".")
+
+
+# -- joints drawn elsewhere -------------------------------------------------------------------------------
+
+
+def pixel(view: MechanismView, at: complex) -> QPoint:
+    """The pixel of a place [mm]."""
+    return view.canvas.viewportTransform().map(QPointF(at.real, at.imag)).toPoint()
+
+
+def drag(view: MechanismView, start: complex, end: complex) -> None:
+    viewport = view.canvas.viewport()
+    one, other = pixel(view, start), pixel(view, end)
+    QTest.mousePress(viewport, Qt.MouseButton.LeftButton, pos=one)
+    for part in (0.3, 0.7, 1.0):
+        QTest.mouseMove(viewport, one + (other - one) * part)
+    QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, pos=other)
+    settle()
+
+
+@pytest.mark.parametrize(("name", "point", "way"), [("four_bar", "B", 8 + 5j), ("four_bar", "C", -9 + 4j), ("watt_six_bar", "D", 6 - 7j)])
+def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(name: str, point: str, way: complex, open_user: Open) -> None:
+    user = open_user(example(name), plots=False)
+    view = drawing(user)
+    turn(user, 60.0)
+    before, start = user.design, place(user, point)
+    drag(view, start, start + way)
+    assert place(user, point) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now)
+    assert user.steps == [f"Move joint {point}"]
+    assert faults(user.design) == []
+    user.session.stack.undo()
+    assert user.design == before
+
+
+def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    turn(user, 90.0)
+    drag(drawing(user), place(user, "A"), place(user, "A") + 6.0 + 10.0j)
+    assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
+    assert user.design.linkage.by_number[2].places["A"].imag == 0.0
+    assert user.design.linkage.by_number[3].places["A"] == 0.0
+    assert user.design.linkage.by_number[3].places["B"].imag == 0.0
+
+
+def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> None:
+    """The ground pivot goes as far as the links, which keep their lengths, can be put together; beyond it is refused."""
+    user = open_user(example("four_bar"), plots=False)
+    view = drawing(user)
+    view.canvas.zoom(0.3, QPointF(200.0, 200.0))
+    refused: list[object] = []
+    user.session.refused.connect(refused.append)
+    drag(view, 100.0 + 0j, 400.0 + 0j)
+    assert refused
+    assert not view.in_trouble
+    pivot = user.design.linkage.by_number[1].places["O4"]
+    assert pivot.real < 30.0 + 90.0 + 70.0
+    assert user.design.linkage.by_number[4] == load(example("four_bar")).linkage.by_number[4]
+
+
+def test_only_what_meets_at_the_joint_changes() -> None:
+    """Poses at this angle stay; the joint is where it was wanted to the last bits."""
+    design = load(example("stephenson_six_bar"))
+    study = Study(design).at_theta(np.array([1.2]))
+    bodies = study.linkage.bodies
+    wanted = complex(bodies["link5"].point("D")[0, 0]) + 0.004 - 0.003j
+    moved = with_point_at(design, study.linkage, "D", wanted, 12)
+    after = Study(moved).at_theta(np.array([1.2])).linkage.bodies
+    assert complex(after["link5"].point("D")[0, 0]) == pytest.approx(wanted, abs=1e-13)
+    for body in ("link2", "link3", "link4"):
+        assert after[body].z[0, 0] == bodies[body].z[0, 0]
+    changed = [a.number for a, b in zip(design.linkage.links, moved.linkage.links, strict=True) if a != b]
+    assert changed == [5, 6]
+
+
+# -- among other designs ----------------------------------------------------------------------------------
+
+
+def test_cams_and_linkages_follow_each_other(user: User) -> None:
+    """With every dock looked at, undo between, and all layers on."""
+    names = ["four_bar", "transfer_lift", "four_bar_coupler_cam", "card_picker", "rear_suspension", "lecture_six_bar"]
+    for dock in user.window.docks:
+        user.window.show_view(dock)
+    for before, name in pairwise([*names, *reversed(names)]):
+        user.window.documents.open_example(example(name))
+        settle()
+        for action in drawing(user).layer_actions():
+            action.setChecked(True)
+        user.window.show_view("graph")
+        settle()
+        user.window.show_view("mechanism")
+        turn(user, 50.0)
+        path = "linkage.driver.speed_rpm" if isinstance(user.design, LinkageDesign) else "shaft.speed_rpm"
+        assert user.session.edit(path, 31.0, "Change speed"), (before, name)
+        settle()
+        user.session.stack.undo()
+        settle()
+        assert not drawing(user).in_trouble
+    assert user.faults == []
+
+
+# -- chosen by picture ------------------------------------------------------------------------------------
+
+
+def test_the_gallery_has_the_layouts_and_the_linkages_as_pictures(user: User) -> None:
+    dialog = gallery.Gallery(user.window)
+    dialog.show()
+    assert [choice.name for choice in dialog.layouts.choices] == list(LAYOUTS)
+    assert len(dialog.presets.choices) == len(LINKAGES)
+    while dialog.layouts.paint_next() or dialog.presets.paint_next():
+        pass
+    for pictures in (dialog.layouts, dialog.presets):
+        seen = set()
+        for row in range(pictures.count()):
+            image = pictures.item(row).icon().pixmap(gallery.THUMB).toImage()
+            colours = {image.pixel(x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)}
+            assert len(colours) > 5, pictures.item(row).text()
+            seen.add(bytes(image.constBits()))
+        assert len(seen) == pictures.count()
+    dialog.close()
+    dialog.deleteLater()
+
+
+@pytest.mark.parametrize("letter", LAYOUTS)
+def test_each_layout_begins_a_sound_mechanism(letter: str) -> None:
+    design = gallery.layout_design(letter)
+    assert isinstance(design, SingleCam)
+    assert faults(design) == []
+    assert [f for f in Study(design, 180).findings(("linkage", "cam")) if f.severity == "error"] == []
+
+
+def test_a_preset_that_is_chosen_begins_a_design(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    choice = next(c for c in gallery.presets() if c.name == "Watt six bar")
+    monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent: choice)
+    user.choose("Compo", "Choose a mechanism...")
+    assert user.design == load(example("watt_six_bar"))
+    assert user.session.path is None
+    assert not drawing(user).in_trouble

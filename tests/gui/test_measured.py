@@ -1,0 +1,360 @@
+"""kindyna_gui.measured_*: a measured table is read, corrected, fitted and put into the design the way a user does it."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QComboBox, QWidget
+from window_user import User, settle, wait_for
+
+from core.design import Spline
+from core.project import load
+from kindyna_gui import measured_dialog
+from kindyna_gui.measured_asked import spelled, symbol
+from kindyna_gui.measured_dialog import MeasuredDialog
+
+CHANCE = np.random.default_rng(8)
+ANGLES = np.arange(0.0, 360.0, 2.0)
+LIFT = 75.0 - 75.0 * np.cos(np.deg2rad(ANGLES)) + 0.05 * CHANCE.normal(size=ANGLES.size)
+HEADER = "cam_angle_deg,displacement_mm"
+
+Import = Callable[[str], MeasuredDialog]
+"""Opens a file of this content through the menu."""
+
+
+def table(header: str = HEADER, values: np.ndarray = LIFT, mark: str = ",") -> str:
+    return header + "\n" + "".join(f"{a:g}{mark}{v:.3f}\n" for a, v in zip(ANGLES, values, strict=True))
+
+
+@pytest.fixture
+def lift(open_user: Callable[..., User]) -> User:
+    """A user at the lift example, without plots."""
+    return open_user(plots=False)
+
+
+@pytest.fixture
+def imports(lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Import:
+    path = tmp_path / "lift.csv"
+    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: path)
+
+    def choose(text: str) -> MeasuredDialog:
+        path.write_text(text, encoding="utf-8")
+        lift.choose("File", "Import measured motion...")
+        dialog = lift.window.findChild(MeasuredDialog)
+        assert isinstance(dialog, MeasuredDialog)
+        wait_for(dialog.isVisible)
+        return dialog
+
+    return choose
+
+
+def click(widget: QWidget) -> None:
+    assert widget.isEnabled()
+    QTest.mouseClick(widget, Qt.MouseButton.LeftButton)
+    settle()
+
+
+def enter(user: User, box: QWidget, text: str) -> None:
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    user.type(text)
+    user.press(Qt.Key.Key_Return)
+
+
+def pick(box: QComboBox, text: str) -> None:
+    """Walk to an entry with the arrow keys."""
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_Home)
+    for _ in range(box.count()):
+        if box.currentText() == text:
+            break
+        QTest.keyClick(box, Qt.Key.Key_Down)
+    settle()
+    assert box.currentText() == text
+
+
+def found(dialog: MeasuredDialog) -> list[tuple[str, ...]]:
+    return [row.cells for row in dialog.found.rows.rows]
+
+
+def shown(dialog: MeasuredDialog) -> dict[str, str]:
+    return {name: box.currentText() for name, box in dialog.form.boxes.items()}
+
+
+# -- the way through --------------------------------------------------------------------------------------
+
+
+def test_a_table_becomes_the_motion_as_one_step_that_can_be_undone(lift: User, imports: Import, tmp_path: Path) -> None:
+    before = lift.design
+    dialog = imports(table())
+    assert shown(dialog) == {
+        "delimiter": "Comma", "decimal": "Point  ( . )", "angle_column": "1  cam_angle_deg", "angle_unit": "degrees",
+        "column": "2  displacement_mm", "quantity": "displacements", "value_unit": "mm",
+    }  # fmt: skip
+    assert dialog.error.value == pytest.approx(0.05, rel=0.2), "as the rows scatter"
+    enter(lift, dialog.error, "0.05")
+    assert dialog.isVisible(), "Enter confirms the number, not the dialog"
+    fit = dialog.answer.fit
+    assert fit is not None
+    assert (fit.error, fit.rms) == (0.05, pytest.approx(0.05))
+    assert lift.design == before, "nothing happens before it is put"
+    click(dialog.put_button)
+    assert lift.design.drive.motion == fit.motion
+    assert lift.steps == ["Import lift.csv"]
+    lift.choose("Edit", "Undo Import lift.csv")
+    assert lift.design == before
+    lift.choose("Edit", "Redo Import lift.csv")
+    lift.session.save(tmp_path / "d.toml")
+    assert load(tmp_path / "d.toml").drive.motion == fit.motion
+    assert isinstance(lift.design.drive.motion.segments[0].curve, Spline)
+
+
+def test_cancel_leaves_the_design_alone(lift: User, imports: Import) -> None:
+    before = lift.design
+    dialog = imports(table())
+    dialog.error.setFocus()
+    lift.press(Qt.Key.Key_Escape)
+    assert lift.design is before
+    assert lift.steps == []
+    settle()
+    assert lift.window.findChild(MeasuredDialog) is None or not dialog.isVisible()
+
+
+def test_without_a_file_nothing_opens(lift: User, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: None)
+    lift.choose("File", "Import measured motion...")
+    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: tmp_path / "gone.csv")
+    lift.choose("File", "Import measured motion...")
+    assert lift.window.findChild(MeasuredDialog) is None
+    assert lift.faults == [
+        (
+            "gone.csv cannot be read.",
+            [f"{tmp_path / 'gone.csv'}: cannot be read: no such file or folder; check the spelling"],
+        )
+    ]
+
+
+def test_the_file_is_asked_for_where_the_last_one_was(
+    lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "a.txt").write_text(table())
+    asked: list[tuple[str, str]] = []
+
+    def pick(parent: QWidget, title: str, folder: str, filters: str) -> tuple[str, str]:
+        asked.append((folder, filters))
+        return (str(tmp_path / "a.txt"), filters) if len(asked) == 1 else ("", "")
+
+    monkeypatch.setattr(measured_dialog.QFileDialog, "getOpenFileName", pick)
+    lift.choose("File", "Import measured motion...")
+    dialog = lift.window.findChild(MeasuredDialog)
+    assert dialog is not None
+    dialog.reject()
+    lift.choose("File", "Import measured motion...")
+    assert "*.csv *.txt" in asked[0][1]
+    assert asked[1][0] == str(tmp_path)
+
+
+# -- the error, live --------------------------------------------------------------------------------------
+
+
+def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports: Import) -> None:
+    dialog = imports(table())
+    enter(lift, dialog.error, "0.05")
+    for error in ("0.08", "0.2", "0"):
+        enter(lift, dialog.error, error)
+        fit = dialog.answer.fit
+        assert fit is not None
+        assert fit.rms == pytest.approx(float(error), abs=1e-9)
+        _, curve = dialog.rows_plot.line.getData()
+        assert curve[:-1:8] == pytest.approx(fit.curve(ANGLES), abs=1e-9)
+        lines = [limit.value for limit in dialog.residual_plot.limits]
+        assert lines == pytest.approx([float(error), -float(error)] if float(error) else [], rel=1e-12)
+        assert dialog._figures["rms residual"].text() == f"{float(error):g} mm"
+    before = dialog.error.value
+    enter(lift, dialog.error, "0.1")
+    dialog.error.setFocus()
+    QTest.keyClick(dialog.error, Qt.Key.Key_Up)
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.error == dialog.error.value > 0.1 > before
+    click(dialog.estimate)
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.guessed
+    assert dialog.error.value == pytest.approx(0.05, rel=0.2)
+
+
+@pytest.mark.parametrize(("text", "words"), [("99", "allowed: 0 ... 53."), ("-1", "allowed: 0 or more"), ("much", "")])
+def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
+    text: str, words: str, lift: User, imports: Import
+) -> None:
+    dialog = imports(table())
+    last = dialog.rows_plot.line.getData()[1]
+    enter(lift, dialog.error, text)
+    assert dialog.error.refused
+    assert words in dialog.told.text()
+    assert dialog.rows_plot.line.getData()[1] is last
+    assert dialog.put_button.isEnabled() == (text != "99"), "what stands there is not what would be put"
+    enter(lift, dialog.error, "0.1")
+    assert not dialog.error.refused
+    assert dialog.put_button.isEnabled()
+
+
+def test_the_lowest_position_moves_the_motion(lift: User, imports: Import) -> None:
+    dialog = imports(table())
+    assert abs(dialog.lowest.value) < 0.1
+    enter(lift, dialog.lowest, "12.5")
+    enter(lift, dialog.error, "0.06")
+    click(dialog.put_button)
+    y = lift.session.study.motion.y[0]
+    assert y.min() == pytest.approx(0.0125, abs=1e-6)
+    assert y.max() - y.min() == pytest.approx(0.15, abs=5e-4)
+
+
+# -- corrections ------------------------------------------------------------------------------------------
+
+
+def test_units_and_columns_can_be_corrected(lift: User, imports: Import) -> None:
+    other = np.rad2deg(np.deg2rad(ANGLES))
+    text = "a,b,c\n" + "".join(f"{a:g},{i},{v / 25.4:.5f}\n" for i, (a, v) in enumerate(zip(other, LIFT, strict=True)))
+    dialog = imports(text)
+    assert any("column 2 (b) is taken for the values" in cells[1].lower() for cells in found(dialog))
+    pick(dialog.form.boxes["column"], "3  c")
+    pick(dialog.form.boxes["value_unit"], "in")
+    assert dialog.units["error"].text() == "in"
+    fit = dialog.answer.fit
+    assert fit is not None
+    assert fit.stroke == pytest.approx(150.0, abs=0.5)
+    pick(dialog.form.boxes["quantity"], "velocities")
+    assert dialog.form.boxes["value_unit"].currentText() == "mm/s", "another quantity, another unit"
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.table.layout.quantity == "velocity"
+    pick(dialog.form.boxes["value_unit"], "in/°")
+    assert dialog.units["error"].text() == "in/°"
+    assert any("does not tell where the follower stands" in cells[1] for cells in found(dialog))
+
+
+def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Import) -> None:
+    dialog = imports(table())
+    stroke = dialog.answer.fit.stroke if dialog.answer.fit else 0.0
+    pick(dialog.form.boxes["delimiter"], "Semicolon")
+    assert dialog.answer.fit is None
+    assert not dialog.put_button.isEnabled()
+    assert "No row holds two numbers" in dialog.told.text()
+    pick(dialog.form.boxes["delimiter"], "Comma")
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.stroke == stroke
+
+
+def test_a_table_of_a_follower_that_swings_needs_a_unit(lift: User, imports: Import) -> None:
+    dialog = imports(table("cam_angle_deg,arm_angle_deg"))
+    assert "the follower slides: lengths are wanted" in dialog.told.text()
+    pick(dialog.form.boxes["value_unit"], "cm")
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.stroke == pytest.approx(1500.0, abs=5.0)
+
+
+# -- what is wrong ----------------------------------------------------------------------------------------
+
+
+def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
+    lift: User, imports: Import, tmp_path: Path
+) -> None:
+    wrong = table().replace("\n20,", "\n2O,").replace("\n40,", "\n40;")
+    dialog = imports(wrong)
+    assert [cells[0] for cells in found(dialog)] == ["12", "22"]
+    assert found(dialog)[0][1].startswith("'2O' in column 1 (cam_angle_deg): wanted: a number")
+    assert dialog.told.text().startswith("2 rows are wrong")
+    assert not dialog.put_button.isEnabled()
+    assert dialog.rows_plot.line.getData()[0] is None or not len(dialog.rows_plot.line.getData()[0])
+    (tmp_path / "lift.csv").write_text(table())
+    click(dialog.again)
+    assert dialog.answer.fit is not None
+    assert dialog.put_button.isEnabled()
+    (tmp_path / "lift.csv").unlink()
+    click(dialog.again)
+    assert [what for what, _ in lift.faults] == ["lift.csv cannot be read."]
+
+
+def test_a_typing_error_is_listed_and_a_click_shows_where(lift: User, imports: Import) -> None:
+    values = LIFT.copy()
+    values[30] += 4.0
+    dialog = imports(table(values=values))
+    line, told = found(dialog)[0]
+    assert line == "32"
+    assert told.startswith("60°: ")
+    assert told.endswith("mm off the curve, left out")
+    assert dialog.rows_plot.bad.getData()[0] == pytest.approx([60.0])
+    assert not dialog.rows_plot.cursor.isVisible()
+    at = dialog.found.visualRect(dialog.found.rows.index(0, 1)).center()
+    QTest.mouseClick(dialog.found.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    for plot in (dialog.rows_plot, dialog.residual_plot):
+        assert plot.cursor.isVisible()
+        assert plot.cursor.value() == 60.0
+    stroke = dialog.answer.fit.stroke if dialog.answer.fit else 0.0
+    click(dialog.keep_all)
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.left_out == ()
+    assert dialog.answer.fit.stroke != stroke
+
+
+def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_stays(lift: User, imports: Import) -> None:
+    before = lift.design
+    dialog = imports(table(values=20.0 * LIFT))
+    click(dialog.put_button)
+    assert dialog.isVisible()
+    assert lift.design is before
+    assert "cam angle" in dialog.told.text()
+    click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
+    assert lift.steps == []
+
+
+# -- looks ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("unit", "sign"),
+    [
+        ("mm", "mm"),
+        ("um", "µm"),
+        ("deg", "°"),
+        ("mm/s2", "mm/s²"),
+        ("mm/deg2", "mm/°²"),
+        ("rad/s", "rad/s"),
+        ("in/deg", "in/°"),
+        ("g", "g"),
+    ],
+)
+def test_units_are_written_as_printers_do(unit: str, sign: str) -> None:
+    assert symbol(unit) == sign
+
+
+def test_sentences_of_the_core_are_written_so_too() -> None:
+    told = "line 3 (120 deg): 1 mm/deg2, 2 um/s off; smoothing 3 deg^5; from deg to deg"
+    assert spelled(told) == "line 3 (120°): 1 mm/°², 2 µm/s off; smoothing 3 °⁵; from deg to deg"
+
+
+def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) -> None:
+    dialog = imports(table())
+    dialog.resize(dialog.minimumSize())
+    settle()
+    for widget in (
+        dialog.again,
+        dialog.estimate,
+        dialog.keep_all,
+        dialog.put_button,
+        dialog.error,
+        *dialog.units.values(),
+    ):
+        assert widget.width() >= widget.minimumSizeHint().width(), widget
+        assert dialog.rect().contains(
+            widget.geometry().translated(widget.parentWidget().mapTo(dialog, widget.rect().topLeft()))
+        )
+    assert dialog.rows_plot.height() > 120
+    assert dialog.residual_plot.height() > 80
+    assert math.isclose(dialog.rows_plot._view.width(), dialog.residual_plot._view.width()), (
+        "one cam angle above the other"
+    )
+    assert QApplication.focusWidget() is not None

@@ -1,0 +1,415 @@
+"""kindyna_gui.motion_picker, motion_curve, motion_points: a law is picked from pictures, and its curve is shaped."""
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QImage, QPainter
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView, QApplication
+from window_user import Open, User, settle, wait_for
+
+from core.design import CURVES, End, Named, Point, Polynomial, Scca, Spline, edited
+from core.laws import LAWS, peaks
+from core.project import load
+from kindyna_gui.motion_fields import EndField, OptionalBox
+from kindyna_gui.motion_law_box import LawBox
+from kindyna_gui.motion_laws import OWN, found, groups, law_tip, peaks_text, short_label
+from kindyna_gui.motion_picker import LawPicker
+from kindyna_gui.motion_points import PointsTable
+from kindyna_gui.pictures.laws import curves_of, paint_law, prescribed
+from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.units import short
+from kindyna_gui.places import example
+from kindyna_gui.segments_model import LAW
+from kindyna_gui.wording import law_label, name_of
+
+LIFT = load(example("transfer_lift"))
+EVERY = (*LAWS, *CURVES)
+EDITING = QAbstractItemView.State.EditingState
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """Without plots, for which no test here has eyes, and without its mechanism's limits of reach."""
+    made = open_user(plots=False)
+    made.session.stages_on_screen = tuple
+    return made
+
+
+def curve(user: User, segment: int = 1) -> Named | Scca | Polynomial | Spline:
+    return user.design.drive.motion.segments[segment].curve
+
+
+def picker(user: User, row: int = 1, key: Qt.Key = Qt.Key.Key_Return) -> LawPicker:
+    """Open the picker of a cell by a key."""
+    view = user.motion()
+    view.choose(row, LAW)
+    view.table.setFocus()
+    user.press(key)
+    wait_for(lambda: isinstance(QApplication.activePopupWidget(), LawPicker))
+    made = QApplication.activePopupWidget()
+    assert isinstance(made, LawPicker)
+    return made
+
+
+def closed(user: User) -> bool:
+    return user.motion().table.state() != EDITING
+
+
+# -- the laws in their groups -----------------------------------------------------------------------------
+
+
+def test_every_law_stands_in_one_group() -> None:
+    told = [slug for slugs in groups().values() for slug in slugs]
+    assert sorted(told) == sorted(EVERY)
+    assert "Others" not in groups()
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_peaks_are_those_of_the_core(slug: str) -> None:
+    text = peaks_text(slug)
+    if slug in OWN:
+        assert text == OWN[slug]
+    elif slug == "dwell":
+        assert text == ""
+    else:
+        told = peaks(LAWS[slug])
+        assert text.split() == ["Cv", short(told.cv, 3), "Ca", short(told.ca, 3), "Cj", short(told.cj, 3)]
+
+
+def test_peaks_read_as_in_the_books() -> None:
+    assert peaks_text("modified-sine") == "Cv 1.76  Ca 5.53  Cj 69.5"
+    assert peaks_text("parabolic") == "Cv 2  Ca 4  Cj ∞"
+
+
+def test_laws_are_found_by_words_of_name_and_group() -> None:
+    assert [s for slugs in found("3-4-5").values() for s in slugs] == ["3-4-5"]
+    assert set(found("blending return")) == {"Elementary curves for blending: return"}
+    assert [s for slugs in found("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
+    assert found("wobble") == {}
+    assert found("  ") == groups()
+
+
+def test_a_tip_says_where_a_law_would_jump() -> None:
+    assert "acceleration jumps where it meets a dwell" in law_tip("simple-harmonic")
+    assert "velocity jumps where it meets a dwell" in law_tip("c1")
+    assert "jumps" not in law_tip("cycloidal")
+    assert law_tip("dwell") == "S = 0"
+    assert all(law_tip(slug) for slug in EVERY)
+
+
+def test_short_names_are_shorter() -> None:
+    assert all(len(short_label(slug)) <= 11 for slug in EVERY)
+    assert len({short_label(slug) for slug in EVERY}) == len(EVERY)
+
+
+# -- pictures ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_a_picture_shows_the_law(slug: str) -> None:
+    (u, s), (_, a) = curves_of(slug)
+    assert (u[0], u[-1]) == (0.0, pytest.approx(1.0))
+    law = LAWS.get(slug)
+    if slug == "dwell":
+        assert not s.any()
+        return
+    returns = law is not None and law.rises < 0
+    assert (s[0], s[-1]) == pytest.approx((1.0, 0.0) if returns else (0.0, 1.0), abs=1e-9)
+    assert np.abs(a).max() == pytest.approx(0.0 if law is not None and peaks(law).ca == 0.0 else 1.0)
+    if law is not None:
+        inside = slice(1, -1)  # at joins inside the law the table gives the right-hand limit
+        wanted = 1.0 - law(u)[0] if returns else law(u)[0]
+        assert s[inside] == pytest.approx(wanted[inside], abs=1e-9)
+
+
+def test_the_picture_of_a_spline_passes_its_points() -> None:
+    (u, s), _ = curves_of("spline")
+    points = prescribed("spline")
+    assert len(points) == 3
+    for place, value in points:
+        assert float(np.interp(place, u, s)) == pytest.approx(value, abs=0.01)
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_a_picture_stays_in_its_box(slug: str) -> None:
+    image = QImage(140, 70, QImage.Format.Format_RGB32)
+    image.fill(Qt.GlobalColor.white)
+    painter = QPainter(image)
+    paint_law(painter, QRectF(20.0, 14.0, 100.0, 42.0), slug, LIGHT)
+    painter.end()
+    white = image.pixel(0, 0)
+    inked = [(x, y) for x in range(140) for y in range(70) if image.pixel(x, y) != white]
+    assert inked
+    assert min(x for x, _ in inked) >= 17
+    assert max(x for x, _ in inked) <= 123
+    assert min(y for _, y in inked) >= 11
+    assert max(y for _, y in inked) <= 59
+
+
+# -- picking ----------------------------------------------------------------------------------------------
+
+
+def test_a_law_is_picked_by_mouse(user: User) -> None:
+    view = user.motion()
+    view.choose(1, LAW)
+    box = view.table.visualRect(view.model.index(1, LAW))
+    QTest.mouseClick(view.table.viewport(), Qt.MouseButton.LeftButton, pos=box.center())
+    QTest.mouseDClick(view.table.viewport(), Qt.MouseButton.LeftButton, pos=box.center())
+    wait_for(lambda: isinstance(QApplication.activePopupWidget(), LawPicker))
+    shown = QApplication.activePopupWidget()
+    assert isinstance(shown, LawPicker)
+    assert shown.grid.current == "modified-sine"
+    place = shown.grid.box("cycloidal").center()
+    QTest.mouseMove(shown.grid, place)
+    wait_for(lambda: shown.grid.current == "cycloidal")
+    QTest.mouseClick(shown.grid, Qt.MouseButton.LeftButton, pos=place)
+    wait_for(lambda: closed(user))
+    assert curve(user) == Named("cycloidal")
+    assert user.steps == ["Change law of segment 2 to Cycloidal"]
+
+
+def test_a_law_is_picked_by_arrows(user: User) -> None:
+    shown = picker(user)
+    user.press(Qt.Key.Key_Right)
+    assert shown.grid.current == "modified-trapezoid"
+    user.press(Qt.Key.Key_Left, Qt.Key.Key_Left, Qt.Key.Key_Up)
+    assert shown.grid.current == "dwell"
+    user.press(Qt.Key.Key_Up)
+    assert shown.grid.current == "dwell"
+    user.press(Qt.Key.Key_Down, Qt.Key.Key_Down, Qt.Key.Key_Right)
+    assert shown.grid.current == "parabolic"
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: closed(user))
+    assert curve(user) == Named("parabolic")
+
+
+def test_a_law_is_found_by_typing(user: User) -> None:
+    """The first letter opens the picker, the next ones narrow it down."""
+    shown = picker(user, key=Qt.Key.Key_F)
+    assert shown.words.text() == "f"
+    user.type("reud")
+    assert [cell.slug for cell in shown.grid.cells] == ["freudenstein-1-3", "freudenstein-1-3-5"]
+    user.press(Qt.Key.Key_Right, Qt.Key.Key_Return)
+    wait_for(lambda: closed(user))
+    assert curve(user) == Named("freudenstein-1-3-5")
+
+
+def test_what_is_not_found_is_told(user: User) -> None:
+    shown = picker(user)
+    user.type("wobble")
+    assert shown.nothing.isVisible()
+    user.press(Qt.Key.Key_Return)
+    assert shown.isVisible()
+    user.press(Qt.Key.Key_Escape)
+    wait_for(lambda: closed(user))
+    assert user.design == LIFT
+
+
+def test_the_list_shows_the_law_that_is_chosen(user: User) -> None:
+    shown = picker(user)
+    for _ in range(12):
+        user.press(Qt.Key.Key_Down)
+    assert shown.grid.current == "spline"
+    assert (
+        shown.area.viewport()
+        .rect()
+        .contains(shown.grid.mapTo(shown.area.viewport(), shown.grid.box("spline").center()))
+    )
+    user.press(Qt.Key.Key_Escape)
+
+
+def test_picking_the_same_law_keeps_its_parameters(user: User) -> None:
+    user.session.edit("motion.segments[1].crossover", 0.4, "x")
+    picker(user)
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: closed(user))
+    assert curve(user) == Named("modified-sine", 0.4)
+    assert user.steps == ["x"]
+
+
+def test_the_cell_of_a_law_forgets_its_picker(user: User) -> None:
+    picker(user)
+    box = user.motion().table.findChild(LawBox)
+    assert box is not None
+    user.press(Qt.Key.Key_Escape)
+    wait_for(lambda: closed(user))
+    settle()
+    assert QApplication.activePopupWidget() is None
+    assert user.motion().table.hasFocus()
+
+
+# -- curves with parameters -------------------------------------------------------------------------------
+
+
+def test_a_crossover_is_typed(user: User) -> None:
+    user.enter("motion.segments[1].crossover", "0.4")
+    assert curve(user) == Named("modified-sine", 0.4)
+    assert user.steps == ["Change segment 2, crossover to 0.4"]
+    user.enter("motion.segments[1].crossover", "1.2")
+    field = user.motion().curve.fields["motion.segments[1].crossover"]
+    assert field.trouble.startswith("Outside its range")
+    assert curve(user) == Named("modified-sine", 0.4)
+
+
+def test_only_what_can_be_shaped_has_a_form(user: User) -> None:
+    view = user.motion()
+    for slug, keys in (("modified-sine", ["crossover"]), ("constant-velocity", []), ("c1", []), ("double-harmonic", []),
+                       ("scca", ["cv_fraction", "ramp_fraction", "flat_fraction"])):  # fmt: skip
+        user.session.edit("motion.segments[1].law", slug, "x")
+        view.choose(1)
+        assert [path.rpartition(".")[2] for path in view.curve.fields] == keys, slug
+    view.choose(0)
+    assert view.curve.fields == {}
+
+
+def test_widths_are_typed_and_refused_where_they_are_too_much(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "scca", "x")
+    user.enter("motion.segments[1].flat_fraction", "0.5")
+    assert curve(user) == Scca(0.0, 0.25, 0.5)
+    user.enter("motion.segments[1].ramp_fraction", "0.6")
+    assert "more than the whole" in user.motion().curve.fields["motion.segments[1].ramp_fraction"].trouble
+    assert curve(user) == Scca(0.0, 0.25, 0.5)
+
+
+def test_the_ends_of_a_polynomial_are_typed(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "polynomial", "x")
+    user.enter("motion.segments[1].start.velocity", "-2.5")
+    assert curve(user) == Polynomial(End(-2.5))
+    assert user.steps[-1] == "Change segment 2, start velocity to -2.5 mm/°"
+    user.enter("motion.segments[1].end.jerk", "0.01")
+    assert curve(user) == Polynomial(End(-2.5), End(jerk=0.01))
+    user.enter("motion.segments[1].end.jerk", "0")
+    assert curve(user) == Polynomial(End(-2.5), End(jerk=0.0))
+
+
+def test_a_jerk_is_left_free(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "polynomial", "x")
+    field = user.field("motion.segments[1].start.jerk")
+    assert isinstance(field, EndField)
+    box = field.editor
+    assert isinstance(box, OptionalBox)
+    assert (box.text(), box.lineEdit().placeholderText()) == ("", "free")
+    user.press(Qt.Key.Key_Return)  # nothing was typed
+    assert curve(user) == Polynomial()
+    user.type("0.02")
+    user.press(Qt.Key.Key_Return)
+    assert curve(user) == Polynomial(End(jerk=0.02))
+    box.selectAll()
+    user.press(Qt.Key.Key_Delete, Qt.Key.Key_Return)
+    assert curve(user) == Polynomial()
+    assert box.text() == ""
+    assert user.steps[-1] == "Leave segment 2, start jerk free"
+    user.type("much")
+    user.press(Qt.Key.Key_Return)
+    assert field.trouble == "A number is wanted, or nothing"
+    user.press(Qt.Key.Key_Escape)
+    assert (box.text(), field.trouble) == ("", "")
+    user.choose("Edit", "Undo Leave segment 2, start jerk free")
+    assert box.text() == "0.02"
+
+
+def points(user: User) -> PointsTable:
+    user.motion().choose(1)
+    made = user.motion().curve.points
+    assert made is not None
+    return made
+
+
+def enter_point(user: User, row: int, column: int, text: str) -> None:
+    """Type over a cell of the points, and Enter; an empty text clears it."""
+    table = points(user).table
+    table.setCurrentIndex(points(user).model.index(row, column))
+    table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: table.state() == EDITING)
+    if text:
+        user.type(text)
+    else:
+        user.press(Qt.Key.Key_Delete)
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: table.state() != EDITING)
+
+
+def test_the_points_of_a_spline_come_and_go(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "spline", "x")
+    user.window.player.step(55.75)
+    before = user.session.study.motion.y[0].copy()
+    QTest.mouseClick(points(user).add_button, Qt.MouseButton.LeftButton)
+    assert curve(user) == Spline((Point(20.75, -75.0),))
+    assert user.session.study.motion.y[0] == pytest.approx(before, abs=1e-12)  # it lies on the curve
+    points(user).table.setFocus()
+    user.press(Qt.Key.Key_Insert)  # the cam stands on the point: the longest stretch is halved
+    added = curve(user)
+    assert isinstance(added, Spline)
+    assert [p.at_deg for p in added.points] == [10.375, 20.75]
+    assert user.steps[1:] == ["Add point to segment 2"] * 2
+    points(user).table.setCurrentIndex(points(user).model.index(0, 1))
+    user.press(Qt.Key.Key_Delete)
+    assert curve(user) == Spline((Point(20.75, -75.0),))
+    QTest.mouseClick(points(user).remove_button, Qt.MouseButton.LeftButton)
+    assert curve(user) == Spline()
+    assert not points(user).remove_button.isEnabled()
+
+
+def test_points_are_typed(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "spline", "x")
+    points(user).add()
+    enter_point(user, 0, 0, "15")
+    enter_point(user, 0, 1, "-40")
+    enter_point(user, 0, 2, "-5")
+    assert curve(user) == Spline((Point(15.0, -40.0, -5.0),))
+    assert user.steps[-3:] == [
+        "Change segment 2, point 1 angle to 15°",
+        "Change segment 2, point 1 value to -40 mm",
+        "Change segment 2, point 1 velocity to -5 mm/°",
+    ]
+    study = user.session.study
+    there = study.program.state(study.program.angles(np.deg2rad(np.array([50.0])))).y[:, 0]
+    assert there[0] == pytest.approx(0.110, abs=1e-9)
+    assert there[1] == pytest.approx(-0.005 * 180.0 / math.pi, abs=1e-9)
+    enter_point(user, 0, 1, "")
+    assert curve(user) == Spline((Point(15.0, None, -5.0),))
+    assert user.steps[-1] == "Leave segment 2, point 1 value free"
+
+
+def test_a_point_that_cannot_be_is_told(user: User) -> None:
+    user.session.edit("motion.segments[1].law", "spline", "x")
+    points(user).add()
+    good = curve(user)
+    enter_point(user, 0, 0, "50")
+    assert curve(user) == good
+    assert user.motion().message.text().startswith("Beyond its segment; allowed: 0 ... 41.5 deg")
+    assert points(user).model.refused(0, 0)
+    enter_point(user, 0, 1, "")  # a point that says nothing
+    assert user.motion().message.text().endswith("says nothing; allowed: value, velocity or acceleration")
+    enter_point(user, 0, 1, "-60")
+    assert not user.motion().message.isVisible()
+
+
+def test_points_on_top_of_one_another_are_refused(open_user: Open) -> None:
+    """There is no curve through them; with the motion in sight that is told, and nothing changes."""
+    user = open_user(plots=False)
+    user.session.edit("motion.segments[1].law", "spline", "x")
+    user.window.player.step(55.0)
+    points(user).add()
+    points(user).add()
+    good = curve(user)
+    enter_point(user, 0, 0, "30.75000000001")
+    assert curve(user) == good
+    assert user.motion().message.text().startswith("Motion: two points of the spline are less than")
+
+
+def test_every_parameter_has_a_name(user: User) -> None:
+    """Names for sentences: what is refused, and what was done."""
+    for slug, path, name in (
+        ("polynomial", "motion.segments[1].start.velocity", "Segment 2, start velocity"),
+        ("polynomial", "motion.segments[1].end.jerk", "Segment 2, end jerk"),
+        ("scca", "motion.segments[1].cv_fraction", "Segment 2, constant velocity"),
+        ("spline", "motion.segments[1].points[2].at_deg", "Segment 2, point 3 angle"),
+        ("spline", "motion.segments[1].points[0]", "Segment 2, point 1"),
+    ):
+        assert name_of(edited(LIFT, "motion.segments[1].law", slug), path) == name
+    assert [law_label(slug) for slug in CURVES] == ["SCCA", "Polynomial", "Spline"]

@@ -1,0 +1,198 @@
+"""kindyna_gui.reads: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
+
+import pytest
+from PySide6.QtCore import QEvent, QObject
+from PySide6.QtWidgets import QWidget
+from window_user import Open, User, settle, wait_for
+
+from core.project import load
+from core.study import Study, clear_caches, evaluations, stages
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.graph_choice import Choice
+from kindyna_gui.graph_view import GraphView
+from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.places import example
+from kindyna_gui.reads import READS
+from kindyna_gui.shown import stages_of
+from kindyna_gui.view import View
+
+NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
+NEEDS["dynamics"] = {*NEEDS["cam"], "dynamics"}
+NEEDS["stability"] = set()  # of a rigid shaft nothing is computed
+NO_PLOTS = ("mechanism", "graph", "laws", "stability", "centres", "circle")
+PLOTS = {name: row for name, row in VIEWS.items() if row.picture and name not in NO_PLOTS}
+ALL = ("motion", "linkage", "cam", "dynamics")
+
+
+def closure(read: tuple[str, ...]) -> set[str]:
+    """Stages with all that they need."""
+    return {need for stage in read for need in NEEDS[stage]}
+
+
+def computed() -> set[str]:
+    """What has been evaluated; the flywheel belongs to the dynamics."""
+    return {"dynamics" if stage == "flywheel" else stage for stage in evaluations}
+
+
+def empty(user: User) -> GraphView:
+    """Everything closed but a graph that shows nothing."""
+    for dock in user.window.docks.values():
+        dock.hide()
+    graph = user.window.show_view("graph")
+    assert isinstance(graph, GraphView)
+    graph.choice = Choice(plots=[[]])
+    graph._changed()
+    settle()
+    return graph
+
+
+@pytest.fixture
+def alone(open_user: Open) -> User:
+    """A window whose status line counts nothing by itself, so that what is seen is the view's own doing."""
+    user = open_user(plots=False)
+    empty(user)
+    user.window.session.stages_on_screen = tuple
+    return user
+
+
+def views(user: User) -> dict[str, View]:
+    return {name: user.window.show_view(name) for name in VIEWS}
+
+
+def test_the_table_is_what_the_views_say(user: User) -> None:
+    for name, view in views(user).items():
+        wanted = stages_of(view.quantities) if name in PLOTS else READS.get(name, ())  # type: ignore[attr-defined]
+        if name == "graph":
+            wanted = ("motion",)
+        assert view.stages == wanted, name
+    assert user.window.bar.stages == READS["player"]
+    assert set(VIEWS) <= {*READS, *PLOTS, "graph"}
+    assert set().union(*READS.values()) <= set(Study.stages)
+
+
+def test_each_view_alone_computes_its_stages_and_no_others(alone: User) -> None:
+    for name in VIEWS:
+        empty(alone)
+        clear_caches()
+        alone.window.session.start(load(example("transfer_lift")))
+        settle()
+        assert computed() == set(), "an empty graph reads nothing"
+        view = alone.window.show_view(name)
+        if name == "graph":
+            view._ticked("phi", True)  # type: ignore[attr-defined]
+        wait_for(lambda view=view: view.up_to_date)
+        alone.window.player.step(1.0)
+        settle()
+        assert view.on_screen()
+        # a cam has no linkage of its own for those that show linkages
+        assert computed() == (set() if view.not_here else closure(view.stages)), name
+
+
+def test_an_empty_graph_computes_what_is_ticked(alone: User) -> None:
+    clear_caches()
+    graph = alone.window.view("graph")
+    assert isinstance(graph, GraphView)
+    for name, wanted in (("displacement", {"motion"}), ("phi", NEEDS["linkage"]), ("radius", NEEDS["cam"])):
+        graph._ticked(name, True)
+        settle()
+        assert computed() == wanted
+        assert set(graph.stages) <= wanted
+
+
+def test_forces_are_read_only_while_they_are_drawn(user: User) -> None:
+    view = user.window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    view.show_layer("forces", True)
+    assert view.stages == READS["mechanism with forces"]
+    view.show_layer("forces", False)
+    assert view.stages == READS["mechanism"]
+
+
+EDITS = {
+    "name": ("name", "Another name", set()),
+    "assumed": ("assumed", frozenset({"follower.rod_mm"}), set()),
+    "flywheel": ("shaft.flywheel_inertia_kg_m2", 40.0, {"flywheel"}),
+    "fluctuation": ("shaft.speed_fluctuation", 0.03, {"flywheel"}),
+    "speed": ("shaft.speed_rpm", 21.0, {"dynamics", "flywheel"}),
+    "mass": ("loads.arm_mass_kg", 600.0, {"dynamics", "flywheel"}),
+    "friction": ("loads.friction", 0.01, {"dynamics", "flywheel"}),
+    "rotation": ("shaft.rotation", "cw", {"cam", "dynamics", "flywheel"}),
+    "base radius": ("cam.base_radius_mm", 402.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "roller": ("cam.roller_radius_mm", 149.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "rod": ("follower.rod_mm", 850.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "stroke": ("motion.stroke", 151.0, {*ALL, "flywheel"}),
+}
+
+
+def turns() -> dict[str, int]:
+    """How often each stage has been computed for a whole turn; what is asked at one cam angle is not remembered."""
+    rows = {name: getattr(stages, f"{name}_stage").cache_info().misses for name in ALL}
+    return {**rows, "flywheel": evaluations["flywheel"]}
+
+
+def test_an_edit_recomputes_only_what_depends_on_it(user: User) -> None:
+    for name, (path, value, wanted) in EDITS.items():
+        before = turns()
+        assert user.session.edit(path, value, name)
+        settle()
+        after = turns()
+        assert {stage for stage in after if after[stage] != before[stage]} == wanted, name
+        assert all(after[stage] - before[stage] <= 1 for stage in after), "no stage twice"
+        user.session.stack.undo()
+        settle()
+        assert turns() == after, f"{name}: an earlier design computes nothing"
+        user.session.end_gesture()
+
+
+# -- what is hidden rests -----------------------------------------------------------------------------------
+
+
+def test_what_cannot_be_seen_neither_computes_nor_draws(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VIEWS:
+        alone.window.show_view(name)
+        settle()
+    empty(alone)
+    drawn: list[str] = []
+    monkeypatch.setattr(CurvePlot, "set_curves", lambda plot, *_: drawn.append("curves"))
+    monkeypatch.setattr(CurvePlot, "set_angle", lambda plot, *_: drawn.append("angle"))
+    monkeypatch.setattr(View, "pull", lambda view: drawn.append(type(view).__name__))
+    painted = Painted()
+    for dock in alone.window.docks.values():
+        for widget in dock.findChildren(QWidget):
+            widget.installEventFilter(painted)
+    clear_caches()
+    assert alone.session.edit("motion.stroke", 160.0, "a")
+    alone.window.player.step(1.0)
+    settle()
+    assert set(drawn) <= {"GraphView", "PlayerBar", "angle"}
+    assert computed() <= {"motion"}, "the empty graph follows no angle"
+    assert painted.widgets == []
+
+
+def test_a_dock_behind_another_does_not_paint(user: User) -> None:
+    user.window.show_view("velocity")
+    settle()
+    user.window.show_view("displacement")
+    settle()
+    behind, painted = user.window.view("velocity"), Painted()
+    assert behind is not None
+    for widget in [behind, *behind.findChildren(QWidget)]:
+        widget.installEventFilter(painted)
+    user.session.edit("motion.stroke", 160.0, "a")
+    user.window.player.step(5.0)
+    settle()
+    assert painted.widgets == []
+
+
+class Painted(QObject):
+    """Notes which widgets have been painted."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.widgets: list[str] = []
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            self.widgets.append(type(watched).__name__)
+        return False

@@ -1,0 +1,97 @@
+"""kindyna_gui.shares: docks keep their part of the window when it shrinks and grows."""
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+from window_user import Open, User, settle
+
+NAMES = ("parameters", "motion", "displacement", "pressure_angle", "torque", "findings")
+
+
+def sizes(user: User) -> dict[str, tuple[int, int]]:
+    return {name: user.window.docks[name].size().toTuple() for name in NAMES}
+
+
+def resize(user: User, width: int, height: int) -> None:
+    user.window.resize(width, height)
+    for _ in range(3):
+        settle()
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    made = open_user(size=(1440, 900))
+    for _ in range(3):
+        settle()
+    return made
+
+
+def near(one: dict[str, tuple[int, int]], other: dict[str, tuple[int, int]]) -> bool:
+    return all(abs(a - b) <= 2 for name in NAMES for a, b in zip(one[name], other[name], strict=True))
+
+
+@pytest.mark.parametrize("way", [[(1024, 640)], [(1280, 720), (1000, 700)], [(1800, 1000), (1000, 640), (1300, 800)]])
+def test_a_window_that_shrinks_and_grows_again_looks_as_before(way: list[tuple[int, int]], user: User) -> None:
+    before = sizes(user)
+    for width, height in way:
+        resize(user, width, height)
+        assert sizes(user)["displacement"] != before["displacement"]
+    resize(user, 1440, 900)
+    assert near(sizes(user), before)
+
+
+def test_plots_take_their_part_of_a_larger_window_and_forms_what_they_need(user: User) -> None:
+    before = sizes(user)
+    resize(user, 1900, 1000)
+    after = sizes(user)
+    assert after["displacement"][0] == pytest.approx(before["displacement"][0] * 1900 / 1440, abs=2)
+    assert after["parameters"][0] == before["parameters"][0]
+    assert after["findings"][1] == before["findings"][1]
+
+
+def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
+    """Between the drawing and the plots the mouse takes the edge and draws it to the left."""
+    window: QWidget = user.window
+    dock = user.window.docks["pressure_angle"]
+    edge = QPoint(dock.geometry().left() - 3, dock.geometry().center().y())
+    before = dock.width()
+    QTest.mousePress(window, Qt.MouseButton.LeftButton, pos=edge)
+    for step in (20, 60, 100):
+        QTest.mouseMove(window, edge - QPoint(step, 0))
+        QTest.qWait(5)
+    QTest.mouseRelease(window, Qt.MouseButton.LeftButton, pos=edge - QPoint(100, 0))
+    for _ in range(3):
+        settle()
+    drawn = dock.width()
+    assert drawn == pytest.approx(before + 100, abs=6)
+    resize(user, 1100, 700)
+    assert dock.width() < drawn
+    resize(user, 1440, 900)
+    assert dock.width() == pytest.approx(drawn, abs=2)
+
+
+def test_another_dock_is_no_reason_to_move_the_others(user: User) -> None:
+    resize(user, 1200, 760)
+    before = sizes(user)["parameters"][0]
+    user.window.docks["motion"].hide()
+    settle()
+    user.window.docks["motion"].show()
+    for _ in range(3):
+        settle()
+    assert sizes(user)["parameters"][0] == before
+
+
+def test_the_first_layout_comes_back_from_the_menu(user: User) -> None:
+    before = {name: size[0] for name, size in sizes(user).items()}
+    user.window.resizeDocks([user.window.docks["torque"]], [560], Qt.Orientation.Horizontal)
+    for _ in range(3):
+        settle()
+    assert user.window.docks["torque"].width() == 560
+    user.choose("View", "Reset layout")
+    for _ in range(3):
+        settle()
+    assert {name: size[0] for name, size in sizes(user).items()} == before
+    resize(user, 1100, 700)
+    resize(user, 1440, 900)
+    assert {name: size[0] for name, size in sizes(user).items()} == before

@@ -1,0 +1,20 @@
+"""tests/benchmarks/window.py measures what it says: every plot on screen, each edit painted, a bare repaint beside it."""
+
+import pytest
+from benchmarks import window
+from PySide6.QtWidgets import QApplication
+
+
+def test_edits_and_frames_are_measured_beside_a_bare_repaint(
+    app: QApplication, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(window, "WARM", 0)
+    rows = window.measure(rounds=1)
+    edits = [name for name, _, _ in window.EDITS]
+    assert [(row.kernel, row.method, row.n) for row in rows] == [
+        (kernel, method, plots)
+        for plots in (8, 12)
+        for kernel, methods in (("edit to paint", [*edits, "bare repaint"]), ("animation", ["frame", "bare repaint"]))
+        for method in methods
+    ]
+    assert all(row.seconds > 0.0 for row in rows)

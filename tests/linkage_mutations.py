@@ -1,0 +1,138 @@
+"""The changes of ``mutations.py`` that concern linkages: file -> (what stands there, what shall, the test that must fail)."""
+
+MECHANISM, CENTRES, STUDY = (f"tests/core/test_{name}.py::" for name in ("mechanism", "instant_centres", "linkage_study"))
+DYNAMICS, FILES = (f"tests/core/test_{name}.py::" for name in ("linkage_dynamics", "linkage_files"))
+LECTURE = "tests/validation/test_velocity_lecture.py::"
+
+CLOSES = MECHANISM + "test_any_linkage_closes_and_stands_where_it_was_drawn"
+COMPLEX = MECHANISM + "test_velocities_are_complex_step_derivatives"
+SERIES = MECHANISM + "test_three_derivatives_are_those_of_a_power_series"
+GROUP = MECHANISM + "test_a_group_is_solved_like_the_others"
+PARALLEL = MECHANISM + "test_a_parallelogram_stays_one_through_its_change_points"
+THROUGH = MECHANISM + "test_a_slider_goes_on_through_the_pivot"
+SWINGS = MECHANISM + "test_a_crank_that_cannot_turn_moves_between_two_dead_centres"
+DOUBT = MECHANISM + "test_the_stated_condition_bounds_the_error"
+NEAR_END = MECHANISM + "test_near_a_dead_centre_errors_stay_below_condition_times_four_eps"
+REACTIONS = DYNAMICS + "test_every_reaction_is_a_multiplier_of_the_loop_equations"
+GROUP_FORCES = DYNAMICS + "test_a_groups_reactions_too"
+BALANCE = DYNAMICS + "test_power_and_momentum_balance"
+CAM = DYNAMICS + "test_the_cam_takes_the_place_of_the_driver"
+LIFT_FORCES = DYNAMICS + "test_the_lift_as_a_linkage_has_the_lifts_forces"
+ONE_LINE = CENTRES + "test_any_three_bodies_centres_lie_on_one_line"
+ONE_VELOCITY = CENTRES + "test_two_bodies_have_one_velocity_at_their_centre"
+RATIOS = CENTRES + "test_ratios_by_centres_are_those_of_the_loop_equations"
+KENNEDY = CENTRES + "test_kennedys_construction_finds_the_centres_that_velocities_give"
+LIFT_CAM = STUDY + "test_the_lift_seen_as_a_linkage_gets_the_lifts_cam"
+RATES = STUDY + "test_rates_are_by_time_with_the_cranks_sense"
+
+LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
+    "core/mechanism/dyads.py": [
+        ("(square + difference) * scale", "(square - difference) * scale", CLOSES),
+        ("to_a.imag = to_b.imag = k * scale", "to_a.imag = to_b.imag = -k * scale", CLOSES),
+        ("turn = 0.5 * k", "turn = -0.5 * k", COMPLEX),
+        ("+ a2 * between - b2 * (lb * lb)", "- a2 * between - b2 * (lb * lb)", SERIES),
+        ("+ a2 * (la * la) - b2 * between", "+ a2 * (la * la) + b2 * between", SERIES),
+        ("* inverse + a2 * a1", "* inverse - a2 * a1", SERIES),
+        ("* inverse + b2 * b1", "* inverse", SERIES),
+        ("slide[0] = c - dot(path[0], t[0])", "slide[0] = c + dot(path[0], t[0])", CLOSES),
+        ("-cross(known, t[0]) * inverse", "cross(known, t[0]) * inverse", COMPLEX),
+        ("-dot(known, to_joint) * inverse", "dot(known, to_joint) * inverse", COMPLEX),
+        ("offset = own.imag - other.imag", "offset = own.imag + other.imag", CLOSES),
+        ("beta[order - 1] = cross(t[0], known) * inverse", "beta[order - 1] = -cross(t[0], known) * inverse", COMPLEX),
+        ("- 1j * y * t1, (4, n))", "+ 1j * y * t1, (4, n))", CLOSES),
+    ],
+    "core/mechanism/closing.py": [
+        ("factor.real, factor.imag = -3.0 * w * rates[1]", "factor.real, factor.imag = 3.0 * w * rates[1]", SERIES),
+        ("return -(w * w) * u", "return (w * w) * u", SERIES),
+        ("(1.0, 3.0, 3.0)", "(1.0, 3.0, 2.0)", SERIES),
+        ("cross(t1[0], known) * inverse", "-cross(t1[0], known) * inverse", CLOSES),
+    ],
+    "core/mechanism/groups.py": [
+        ("-= dot(direction, gap) / group.size", "+= dot(direction, gap) / group.size", CLOSES + " " + GROUP),
+        ("arm = 1j * held.point", "arm = -1j * held.point", GROUP),
+        ("(1.0, 2.0, 1.0)", "(1.0, 1.0, 1.0)", GROUP),
+    ],
+    "core/mechanism/solving.py": [
+        ("z[0] += on.point\n        return", "z[0] -= on.point\n        return", CLOSES),
+        ("turning(-own.point * heading, q)", "turning(own.point * heading, q)", CLOSES),
+    ],
+    "core/mechanism/way.py": [
+        ("np.where(passed % 2 == 0, stated, -stated)", "stated", PARALLEL),
+        ("by_q[1] * v,", "-by_q[1] * v,", PARALLEL),
+        ("by_q[2] * v * v + by_q[1] * a,", "by_q[1] * a,", THROUGH),
+    ],
+    "core/mechanism/course.py": [
+        ("angle + TURN * np.rint((np.interp(", "angle - TURN * np.rint((np.interp(",
+         MECHANISM + "test_angles_do_not_jump_within_the_turn"),
+        ("if (gap(place + scale", "if True or (gap(place + scale", MECHANISM + "test_a_gap_between_samples_is_found"),
+    ],
+    "core/mechanism/ranges.py": [
+        ("for sign in (1.0, -1.0):", "for sign in ():", MECHANISM + "test_a_gap_between_samples_is_found"),
+        ("good, bad = np.where(moving & keeps, middle, good)", "good, bad = np.where(moving & ~keeps, middle, good)", SWINGS),
+    ],
+    "core/mechanism/rounding.py": [
+        ("closed.reach * (2.0 +", "1e-3 * closed.reach * (2.0 +", DOUBT),
+    ],
+    "core/linkage/triangle.py": [
+        ("* room * (small + gap)", "* room * (small - gap)", NEAR_END),
+    ],
+    "core/mechanism/grashof.py": [
+        ("if surplus > 0.0:", "if surplus < 0.0:", MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
+        ('"coupler": rods[1 - frame_side]', '"coupler": rods[frame_side]',
+         MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
+    ],
+    "core/mechanism/assembly.py": [
+        ("found[f\"slide{joint.name}\"] = _slide(bodies, joint)", "found[f\"slide{joint.name}\"] = -_slide(bodies, joint)",
+         STUDY + "test_the_columns_of_the_six_bar_hold_what_their_names_say"),
+        ("travel = forward / np.abs(forward)", "travel = 1j * forward / np.abs(forward)", LIFT_CAM),
+    ],
+    "core/mechanism/dragging.py": [
+        ("(to - complex(pose.z[0, index]))", "(to + complex(pose.z[0, index]))",
+         MECHANISM + "test_a_dragged_joint_lies_where_it_was_dropped_and_the_rest_stays"),
+    ],
+    "core/instant_centres/linkage.py": [
+        ("+ 1j * (b.z[1] - a.z[1])", "- 1j * (b.z[1] - a.z[1])", ONE_VELOCITY),
+        ("across = 1j * pair.axis", "across = pair.axis", LECTURE + "test_the_circle_diagram_of_the_slider_crank"),
+        ("rest = length <= _AT_REST * speed", "rest = length < 0.0", CENTRES + "test_a_body_at_rest_has_the_limit_of_its_centres"),
+    ],
+    "core/instant_centres/construction.py": [
+        ("best = np.cross(lines[0], lines[1], axis=0)", "best = lines[0] + lines[1]", KENNEDY),
+        ("if len(triangles) > 1 else None", "if len(triangles) > 0 else None", KENNEDY),
+    ],
+    "core/instant_centres/velocities.py": [
+        ("other.point * common.weight", "other.point * -common.weight", RATIOS),
+        ("own.weight * above / (other.weight * below)", "other.weight * above / (own.weight * below)", RATIOS),
+    ],
+    "core/instant_centres/cam.py": [
+        ("turn * pole.point / pole.weight, point)", "-turn * pole.point / pole.weight, point)",
+         STUDY + "test_a_cam_under_a_coupler_moves_its_four_bar[60.0]"),
+    ],
+    "core/dynamics/linkage.py": [
+        ("(1j * c2 * q1 - 1j * c1 * q2)", "(1j * c2 * q1 + 1j * c1 * q2)", REACTIONS),
+        ("turning = walk.about(a, pin_b) + walk.about(b, pin_b)", "turning = walk.about(a, pin_b) - walk.about(b, pin_b)", REACTIONS),
+        ("both = walk.force[a] + walk.force[b]", "both = walk.force[b]", REACTIONS),
+        ("couple = -self.about(body, at)", "couple = self.about(body, at)", REACTIONS),
+        ("self.load(other, at, -force, -couple)", "self.load(other, at, -force, couple)", REACTIONS + " " + BALANCE),
+        ("(loading.gravity - square * centre[2])", "(loading.gravity + square * centre[2])", REACTIONS),
+        ("(cross(at, pull) + couple)", "(cross(at, pull) - couple)", GROUP_FORCES + " " + CAM),
+        ("pressing = -needed / _walked(newton)", "pressing = needed / _walked(newton)", CAM),
+        ("camshaft = -sense * cross", "camshaft = sense * cross", CAM),
+        ("needed = -dot(t, walk.force[driver])", "needed = dot(t, walk.force[driver])",
+         DYNAMICS + "test_a_driver_that_slides_is_given_a_force"),
+    ],
+    "core/study/linkage.py": [
+        ("return speed if self.by_crank else abs(speed)", "return abs(speed)", RATES),
+        ("np.sign(self.design.linkage.driver.speed_rpm)", "abs(np.sign(self.design.linkage.driver.speed_rpm))",
+         STUDY + "test_a_cam_under_a_coupler_moves_its_four_bar[-60.0]"),
+    ],
+    "core/study/linkage_quantities.py": [
+        ("coordinates[name][order] * s.omega**order", "coordinates[name][order]", RATES),
+        ("return at * study.omega**order", "return at", RATES),
+    ],
+    "core/design/topology.py": [
+        ("3 * (len(linkage.links) - 1) - 2 * pair_count(linkage)", "3 * len(linkage.links) - 2 * pair_count(linkage)",
+         MECHANISM + "test_three_links_on_one_pin_are_two_pairs"),
+        ("sum(len(pin.links) - 1 for pin", "sum(1 for pin", MECHANISM + "test_three_links_on_one_pin_are_two_pairs"),
+    ],
+}  # fmt: skip
+"""Several tests, parted by a blank: one of them must fail."""

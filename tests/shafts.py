@@ -1,0 +1,100 @@
+"""Flexible camshafts for tests: Kim1990's cam as a design and as plain formulas, and others that are harder."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import mpmath
+import numpy as np
+from mechanisms import LAYOUT_DESIGNS, LIFT, levels, with_drive
+
+from core.design import (
+    Drive,
+    Elastic,
+    Motion,
+    Named,
+    RollerCam,
+    Segment,
+    Shaft,
+    SingleCam,
+    Translating,
+    TranslatingLoads,
+)
+from core.stability import Coefficients, Stability
+from core.study import Study
+
+A = 1.5  # Kim1990's safety factor
+KIM_SHAFT = Elastic(0.000324, 85.0, spring="retuned", spring_factor=A)
+
+KIM = SingleCam(
+    "Kim1990",
+    Shaft("ccw", 1500.0, elastic=KIM_SHAFT),
+    Drive(
+        Motion(
+            0.0,
+            (
+                Segment(90.0, 9.0, Named("simple-harmonic")),
+                Segment(90.0, -9.0, Named("simple-harmonic")),
+                Segment(180.0, 0.0),
+            ),
+        ),
+        Translating(),
+        RollerCam(30.0, 10.0),
+        TranslatingLoads(follower_mass_kg=0.2, spring_rate_n_per_mm=15.0, preload_n=20.0),
+    ),
+)
+
+
+def with_elastic(design: SingleCam, **values: Any) -> SingleCam:
+    """The design with some numbers of its flexible shaft changed; Kim's shaft where it has none."""
+    elastic = replace(design.shaft.elastic or KIM_SHAFT, **values)
+    return replace(design, shaft=replace(design.shaft, elastic=elastic))
+
+
+def of(design: SingleCam) -> Stability:
+    return Study(design).flexible_shaft()
+
+
+def coefficients(design: SingleCam) -> Coefficients:
+    return of(design).coefficients
+
+
+def moved(*steps: tuple[float, float, str], spring: str = "retuned") -> SingleCam:
+    """Kim's machine with another motion, by (span, level at its end, law)."""
+    return with_elastic(with_drive(KIM, motion=levels(0.0, *steps)), spring=spring)
+
+
+# Jumps of acceleration at rest, in the middle of a rise and at the top; no dwell, one, two.
+HARD = {
+    "kim": KIM,
+    "fixed": with_elastic(KIM, spring="fixed"),
+    "no dwell": moved((180.0, 9.0, "simple-harmonic"), (180.0, 0.0, "cycloidal")),
+    "parabolic": moved((120.0, 9.0, "parabolic"), (120.0, 0.0, "parabolic"), (120.0, 0.0, "dwell")),
+    "high dwell": moved(
+        (90.0, 9.0, "simple-harmonic"), (60.0, 9.0, "dwell"), (120.0, 0.0, "simple-harmonic"), (90.0, 0.0, "dwell"),
+        spring="fixed",
+    ),
+    "layout c": with_elastic(LAYOUT_DESIGNS["c"], camshaft_inertia_kg_m2=0.5, stiffness_nm_per_rad=900.0, spring="fixed"),
+    "lift": with_elastic(LIFT, camshaft_inertia_kg_m2=60.0, stiffness_nm_per_rad=1.6e6, spring="retuned"),
+}  # fmt: skip
+
+
+# -- Kim's cam in formulas --------------------------------------------------------------------------------
+
+
+def kim(theta: Any) -> tuple[Any, Any, Any, Any, Any]:
+    """d, C, U, κ, ψ of X = (X_m/2)(1 - cos 2θ) on 0 ... π and rest on π ... 2π, by the calculus of plain functions."""
+    theta = theta % (2 * mpmath.mp.pi) if isinstance(theta, mpmath.mpf) else math.fmod(theta, 2.0 * math.pi)
+    m: Any = mpmath if isinstance(theta, mpmath.mpf) else math
+    if theta >= m.pi:
+        return (theta * 0,) * 5
+    x, x1, x2 = (1 - m.cos(2 * theta)) / 2, m.sin(2 * theta), 2 * m.cos(2 * theta)
+    x3 = -4 * m.sin(2 * theta)
+    return x1 * x1, x1 * x2, 2 * A * x * x1, x2 * x2 + x1 * x3, 2 * A * (x1 * x1 + x * x2)
+
+
+def kim_table(theta: np.ndarray) -> np.ndarray:
+    """The same (5, ...) at many cam angles."""
+    return np.array([kim(float(t)) for t in theta.ravel()]).T.reshape(5, *theta.shape)
