@@ -51,8 +51,8 @@ class Difference:
 
 
 def velocity_differences(train: Train) -> Iterator[Difference]:
-    """The triangles of a train: of every moving body for each two of its points, A being its pivot on the frame or the one nearer to the driver;
-    then of every sliding pair."""
+    """The triangles of a train: of every moving body for each two of its points, A being its pivot on the frame or the
+    one nearer to the driver; then of every sliding pair."""
     for name, body in train.bodies.items():
         if name != FRAME:
             for a, p in combinations(_outwards(train, name), 2):
@@ -139,7 +139,7 @@ def velocity_polygon(train: Train) -> VelocityPolygon:
     images: dict[str, tuple[Corner, ...]] = {}
 
     def corner(point: str, body: str, velocity: np.ndarray, owner: str) -> Corner:
-        key = POLE if point in fixed and not body or body == FRAME else (point, body)
+        key = POLE if (point in fixed and not body) or body == FRAME else (point, body)
         if key != POLE and key not in corners:
             corners[key] = velocity
             sides.append(Side(ABSOLUTE, owner, POLE, key, velocity))

@@ -95,21 +95,25 @@ class CentreMarks:
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.far(table.size) for key, centres in table.centres.items()}
         self.only: frozenset[Key] | None = None
+        self._placed: list[tuple[_Mark, complex]] = []
         self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
 
-    def move(self, i: int) -> None:
-        room, placed = self._room(), []
+    def dots(self, i: int, room: Room) -> None:
+        """Put the marks where their centres are; their numbers follow once all else has its place."""
+        self._placed = []
         for mark in self.marks:
             centres = self._table.centres[mark.key]
             point, weight = complex(centres.point[i]), float(centres.weight[i])
-            lost = point == 0.0 and weight == 0.0
-            wanted = self.only is None or mark.key in self.only
-            mark.show(wanted and not lost)
-            if not wanted or lost:
-                continue
-            far = bool(self._far[mark.key][i])
-            placed.append((mark, mark.place(point if far else point / weight * MM, far, self._sight, room)))
-        for mark, here in placed:
+            shown = (self.only is None or mark.key in self.only) and not point == weight == 0.0
+            mark.show(shown)
+            if shown:
+                far = bool(self._far[mark.key][i])
+                here = mark.place(point if far else point / weight * MM, far, self._sight, room)
+                self._placed.append((mark, here))
+
+    def move(self, i: int) -> None:
+        room = self._room()
+        for mark, here in self._placed:
             room.settle(mark.tag, (here,))
 
 

@@ -15,7 +15,7 @@ from core.study import Study
 from kindyna_gui.pictures import cam_parts, framing, parts, vectors
 from kindyna_gui.pictures.construct import OF_STEP, Construct
 from kindyna_gui.pictures.framing import MARGIN_UNITS
-from kindyna_gui.pictures.items import Loop, Part, Tag
+from kindyna_gui.pictures.items import Loop, Part
 from kindyna_gui.pictures.labels import Labels
 from kindyna_gui.pictures.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, Layer, layers_of
 from kindyna_gui.pictures.overlay import Overlay, Scale
@@ -158,13 +158,7 @@ class MechanismScene(QGraphicsScene):
                 self._take(part)
 
     def _texts(self) -> list[QRectF]:
-        """Boxes of the labels that are shown, in pixels of the whole scene."""
-        boxes = []
-        for key, part in self.parts.items():
-            if key.startswith("label.") and part.item.isVisible() and isinstance(part.item, Tag):
-                place = part.item.pos() * self.sight.scale
-                boxes.append(part.item.pixel_box().translated(place.x(), -place.y()))
-        return boxes
+        return self._labels.boxes(self.sight.scale) if self._labels is not None else []
 
     def show_step(self, step: int | None, draw: bool = True) -> None:
         """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.

@@ -116,7 +116,8 @@ def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
     view = drawing(user)
     view.show_layer("centres", True)
     at(user, 40.0)
-    assert view.scene.construct is not None and view.scene.construct.marks is not None
+    assert view.scene.construct is not None
+    assert view.scene.construct.marks is not None
     mark = next(m for m in view.scene.construct.marks.marks if m.name == "14")
     assert mark.arrow.isVisible()
     assert mark.arrow.rotation() == pytest.approx(-90.0)  # across the guide
@@ -170,7 +171,8 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> N
             assert triangle.first in view.diagram.solid
             assert triangle.second in view.diagram.solid
         scene = drawing(six_bar).scene
-        assert scene.construct is not None and scene.construct.kennedy is not None
+        assert scene.construct is not None
+        assert scene.construct.kennedy is not None
         assert {row[0].key for row in scene.construct.kennedy.rows if row[2].isVisible()} <= {wanted.key}
         assert view.count.text() == f"{step} of 8"
     assert not view.next.isEnabled()
