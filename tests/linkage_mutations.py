@@ -70,6 +70,8 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if (gap(place + scale", "if True or (gap(place + scale", MECHANISM + "test_a_gap_between_samples_is_found"),
     ],
     "core/mechanism/ranges.py": [
+        ("(low * right + high * left) / (left + right)", "(low * left + high * right) / (left + right)",
+         PROOF + "test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle"),
         ("for sign in (1.0, -1.0):", "for sign in ():", MECHANISM + "test_a_gap_between_samples_is_found"),
         ("good, bad = np.where(moving & keeps, middle, good)", "good, bad = np.where(moving & ~keeps, middle, good)", SWINGS),
     ],
@@ -88,10 +90,10 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if turns_fully and locked:", "if turns_fully and not locked:",
          PROOF + "test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles"),
         ("at = degrees(change.at) if", "at = change.at if", PROOF + "test_change_points_are_told_where_the_circuits_meet"),
-        ("lowest < degrees(AT_DEAD_CENTRE)", "lowest < 0.0", PROOF + "test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle"),
     ],
     "core/mechanism/assembly.py": [
-        ("z[0] + held.point * pose.unit", "z[0] + 1.01 * held.point * pose.unit", PROOF + "test_newtons_residual_stands_in_the_certificate"),
+        ("z[0] + held.point * pose.unit", "z[0] + 1.01 * held.point * pose.unit",
+         PROOF + "test_newtons_residual_stands_in_the_certificate"),
         ("found[f\"slide{joint.name}\"] = _slide(bodies, joint)", "found[f\"slide{joint.name}\"] = -_slide(bodies, joint)",
          STUDY + "test_the_columns_of_the_six_bar_hold_what_their_names_say"),
         ("travel = forward / np.abs(forward)", "travel = 1j * forward / np.abs(forward)", LIFT_CAM),
