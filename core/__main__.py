@@ -16,7 +16,7 @@ from types import MappingProxyType
 from typing import NoReturn
 
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
-from core.centring import centres_data
+from core.centring import Snapshot, centres_data, snapshot
 from core.charting import stability_command, stability_words
 from core.design import require_single_cam
 from core.errors import KindynaError
@@ -35,8 +35,8 @@ DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 MOST_LINES = 100
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
-Painter = Callable[[Study | Chart], Mapping[str, bytes]]
-"""Paints a study or a chart of stability: file name -> content."""
+Painter = Callable[[Study | Chart | Snapshot], Mapping[str, bytes]]
+"""Paints a study, a chart of stability or a linkage at one angle: file name -> content."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -199,6 +199,7 @@ def blend_motion(words: argparse.Namespace, painter: Painter | None) -> int:
 def _centres_words(parser: argparse.ArgumentParser) -> None:
     _design(parser)
     parser.add_argument("--angle", type=_angle, required=True, metavar="DEG", help="of the driver")
+    parser.add_argument("--out", type=_folder, metavar="DIR", help="also write them there, with pictures")
 
 
 def _angle(text: str) -> float:
@@ -212,12 +213,18 @@ def _angle(text: str) -> float:
 
 
 def centres(words: argparse.Namespace, painter: Painter | None) -> int:
-    """Instant centres and velocities of a linkage at one position, as JSON."""
-    print(to_json(centres_data(Study(load(words.design)), words.angle)), end="")
+    """Instant centres and velocities of a linkage at one position, as JSON; with a folder also drawn."""
+    study = Study(load(words.design))
+    text = to_json(centres_data(study, words.angle))
+    if words.out is not None:
+        made: dict[str, str | bytes] = {"centres.json": text}
+        made.update(_pictures(snapshot(study, words.angle), painter))
+        write_all(words.out, made)
+    print(text, end="")
     return DONE
 
 
-def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
+def _pictures(study: Study | Snapshot, painter: Painter | None) -> Mapping[str, bytes]:
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}
