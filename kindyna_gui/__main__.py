@@ -19,7 +19,7 @@ from kindyna_gui.display import lacking, obstacle
 from kindyna_gui.places import default_design
 
 if TYPE_CHECKING:
-    from core.__main__ import Painter
+    from core.commands import Painter
     from core.stability import Chart
     from core.study import Study
 
