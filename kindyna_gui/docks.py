@@ -60,6 +60,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
         "centres": ViewRow("Centres", lazily("centres_view", "CentresView"), LEFT, "motion", shown=False),
         "circle": ViewRow("Circle diagram", lazily("circle_view", "CircleView"), LEFT, "motion", shown=False),
+        "polygon": ViewRow(
+            "Velocity polygon", lazily("polygon_view", "PolygonView"), LEFT, "motion", shown=False, picture=True
+        ),
         "displacement": ViewRow("Displacement", _plot("displacement"), RIGHT, picture=True),
         "velocity": ViewRow("Velocity", _plot("velocity"), RIGHT, "displacement", picture=True),
         "acceleration": ViewRow("Acceleration", _plot("acceleration"), RIGHT, "displacement", picture=True),

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QFrame, QGraphicsView, QLabel, QVBoxLayout
 from core.design import LinkageDesign
 from core.design.linkage_paths import place_of
 from core.errors import NoAnswer
+from core.instant_centres import CHAINS
 from core.mechanism import with_point_at
 from core.study import Study
 from kindyna_gui.look import WRONG, coloured
@@ -305,6 +306,8 @@ class MechanismView(View):
         for name, shown in self._layers_wanted.items():
             if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
+                if self.canvas.fitted and name in CHAINS:  # their list stands above the mechanism
+                    self.canvas.fit(keep_labels=True)
 
     # -- as a file ----------------------------------------------------------------------------------------
 

@@ -16,7 +16,6 @@ from core.instant_centres import (
     collinearity,
     kennedy,
     line_of,
-    velocity_differences,
 )
 from core.instant_centres.linkage import CentreTable
 from core.mechanism import course_of, unit_speed_train
@@ -142,15 +141,6 @@ def test_a_body_at_rest_has_the_limit_of_its_centres() -> None:
         assert math.hypot(np.linalg.norm(there[:2]) / SIZE, there[2]) == pytest.approx(1.0), key
         middle = before + np.sign(before @ after) * after
         assert np.linalg.norm(np.cross(there, middle)) < 1e-4 * np.linalg.norm(middle), key
-
-
-def test_velocity_differences_close_the_polygon() -> None:
-    train, _ = at(four_bar(100.0, 30.0, 90.0, 70.0), 0.7, 2.0)
-    rows = {(d.body, d.a, d.p): d for d in velocity_differences(train)}
-    assert set(rows) == {("link2", "O2", "A"), ("link3", "A", "B"), ("link4", "B", "O4")}
-    for d in rows.values():
-        assert np.abs(d.v_p - train.bodies[d.body].point(d.p)[1]).max() < 1e-16
-        assert np.abs((d.v_pa * (d.at_p - d.at_a).conjugate()).real).max() < 1e-18, "across the line between them"
 
 
 def test_a_centre_is_told_from_infinity_by_its_weight() -> None:
