@@ -18,7 +18,6 @@ from typing import NoReturn
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
 from core.centring import centres_data
 from core.charting import stability_command, stability_words
-from core.design import require_single_cam
 from core.errors import KindynaError
 from core.export import export, files
 from core.files import write_all
@@ -191,7 +190,7 @@ def blend_motion(words: argparse.Namespace, painter: Painter | None) -> int:
     )
     found = best(request, words.best) if words.best else blend(request)
     if words.into is not None:
-        save(into_design(require_single_cam(load(words.into)), found), words.into)
+        save(into_design(load(words.into), found), words.into)
     print(to_json(curves_data(found)) if words.json else blend_text(found), end="")
     return DONE
 
