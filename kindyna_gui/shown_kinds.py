@@ -11,6 +11,9 @@ NO_MOTION = (
 )
 
 
+NO_SHAFT = "Stability is studied for the shaft of a cam; a linkage has none here."
+
+
 class NotHere(KindynaError):
     """This kind of design has nothing that a view could show; the sentence says where to look instead."""
 
