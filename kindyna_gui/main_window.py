@@ -30,6 +30,7 @@ from kindyna_gui.settings import Settings
 from kindyna_gui.shares import Shares
 from kindyna_gui.shown_kinds import is_linkage, ranges_of
 from kindyna_gui.status_line import StatusLine
+from kindyna_gui.titles import Titles
 from kindyna_gui.view import View, in_sight
 
 FIRST_SIZE = (1440, 900)
@@ -71,13 +72,10 @@ class MainWindow(QMainWindow):
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.status = StatusLine(session, player, lambda: self.show_view("findings"))
         self.setStatusBar(self.status)
-        self._titles = QTimer(self, singleShot=True, interval=0)
-        self._titles.timeout.connect(self._title_docks)
+        self.titles = Titles(self)
         self._lay_out()
         self.shares = Shares(self, self.docks.values())
         self._connect()
-        self._name_window()
-        self._name_steps()
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
@@ -96,14 +94,13 @@ class MainWindow(QMainWindow):
         self._restored = self.settings.restore_layout(self)
 
     def _connect(self) -> None:
-        session, player, stack = self.session, self.player, self.session.stack
+        session, player = self.session, self.player
         session.stages_on_screen = self.stages_on_screen
-        session.file_changed.connect(self._name_window)
         session.started.connect(partial(setattr, self, "_begun", True))
         session.file_changed.connect(self._front_dock)
+        session.stack.indexChanged.connect(self._steps_changed)
+        session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._tell_refusal)
-        stack.indexChanged.connect(self._name_steps)
-        stack.cleanChanged.connect(self._name_window)
         self.documents.told.connect(self.status.tell)
         self.exports.told.connect(self.status.tell)
         self.designing.told.connect(self.status.tell)
@@ -197,21 +194,9 @@ class MainWindow(QMainWindow):
     def _tell_refusal(self, refusal: Refusal) -> None:
         self.status.tell(f"Refused: {refusal.told[0][1]}: {refusal.told[0][2]}")
 
-    def _name_steps(self) -> None:
-        stack = self.session.stack
-        for key, able, text in (
-            ("undo", stack.canUndo(), stack.undoText()),
-            ("redo", stack.canRedo(), stack.redoText()),
-        ):
-            action, word = self.actions_by_key[key], key.capitalize()
-            action.setEnabled(able)
-            action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
-            action.setToolTip(f"{word} {text}".rstrip())
-
-    def _name_window(self) -> None:
-        self.setWindowTitle(f"{self.documents.name}[*] \u2013 KINDYNA")
-        self.setWindowModified(self.session.modified)
-        self.setWindowFilePath(str(self.session.path or ""))
+    def _steps_changed(self, *_: object) -> None:
+        self.titles.name_steps()
+        self.titles.name_window()
 
     def reverse(self, on: bool) -> None:
         """Play the other way round."""
@@ -237,13 +222,8 @@ class MainWindow(QMainWindow):
         self._front_dock()
 
     def _docks_moved(self, *_: object) -> None:
-        self._titles.start()
+        self.titles.docks_moved()
         self.status.recount()
-
-    def _title_docks(self) -> None:
-        for dock in self.docks.values():
-            others = [d for d in self.tabifiedDockWidgets(dock) if not d.isHidden()]
-            dock.show_title(dock.isFloating() or not others)
 
     # -- events -------------------------------------------------------------------------------------------
 

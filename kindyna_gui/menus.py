@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar
 
-from kindyna_gui import submenus
+from kindyna_gui import linkage_menus, submenus
 from kindyna_gui.look import icon
 
 if TYPE_CHECKING:
@@ -118,6 +118,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
+            Submenu("D&river", linkage_menus.fill_drivers, "drivers"),
+            Submenu("Cam &roller", linkage_menus.fill_rollers, "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
             _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),

@@ -7,7 +7,7 @@ from core.errors import KindynaError
 from core.study import LinkageStudy, Study
 
 NO_MOTION = (
-    "The crank turns at constant speed: there is no motion to lay out. Compo > Driver > Motion makes its driver follow one."
+    "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
 )
 
 
