@@ -9,6 +9,7 @@ from dataclasses import replace
 from core.design.edits import with_segment_inserted, without_segment
 from core.design.joins import with_join_moved
 from core.design.kinds import D, Design, kind_row
+from core.design.linkage import CRANK, MOTION
 from core.design.mirror import stroke_mirrored
 from core.design.parts import Motion
 from core.errors import DesignError, Fault
@@ -23,8 +24,8 @@ def require_motion(design: Design) -> Motion:
     """The motion program. Raises DesignError where there is none."""
     motion = motion_of(design)
     if motion is None:
-        why = "the driver turns at constant speed; no motion moves it"
-        raise DesignError([Fault("motion", "", why, "a driver of kind motion")])
+        problem = "turns at constant speed: there is no motion to change"
+        raise DesignError([Fault("linkage.driver.kind", CRANK, problem, MOTION)])
     return motion
 
 
