@@ -11,11 +11,10 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
-from core.design import Design, edited, faults
+from core.design import Design, edited, faults, motion_of
 from core.errors import Fault, KindynaError, NoAnswer
 from core.project import load, save
 from core.study import Study
-from kindyna_gui.shown_kinds import motion_of
 from kindyna_gui.wording import name_of, named, sentence
 
 SAMPLES = 1800

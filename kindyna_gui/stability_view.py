@@ -34,7 +34,7 @@ from kindyna_gui.pictures.style import LIGHT, VERMILION
 from kindyna_gui.pictures.xy import Line, XYPlot
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
-from kindyna_gui.shown_kinds import NotHere, only_cams
+from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, only_cams
 from kindyna_gui.stability_chart import StabilityChart
 from kindyna_gui.stability_words import (
     bands_table,
@@ -198,7 +198,7 @@ class StabilityView(View):
         self.wanted = None
         self.use.hide()
         self.found = None
-        design = only_cams(study.design, "Stability is studied for the shaft of a cam; a linkage has none here.")
+        design = only_cams(study.design, NO_SHAFT)
         if design.shaft.elastic is None:
             raise NotHere(RIGID)
         self.found = found = study.flexible_shaft()

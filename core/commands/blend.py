@@ -7,7 +7,6 @@ from pathlib import Path
 
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
 from core.commands import DONE, Painter
-from core.design import require_single_cam
 from core.making import blend_text, curves_data, into_design
 from core.project import load, save
 from core.summary import to_json
@@ -63,6 +62,6 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     )
     found = best(request, words.best) if words.best else blend(request)
     if words.into is not None:
-        save(into_design(require_single_cam(load(words.into)), found), words.into)
+        save(into_design(load(words.into), found), words.into)
     print(to_json(curves_data(found)) if words.json else blend_text(found), end="")
     return DONE
