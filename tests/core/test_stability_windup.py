@@ -102,7 +102,7 @@ def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -
     left += (TAU * eta) ** 2 * beta[2]
     away = np.abs(np.mod(theta, np.pi) - np.pi / 2) < np.pi / 2 - 0.1
     assert np.abs((left - TAU * q * u)[away]).max() < 1e-4 * max(1.0, np.abs(TAU * q * u).max())
-    assert np.abs(first - gone.at(y)[1]).max() < 1e-6
+    assert np.abs(first - gone.at(y)[1])[away].max() < 1e-6
 
 
 # -- derivatives ------------------------------------------------------------------------------------------
