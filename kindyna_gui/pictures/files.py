@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
@@ -13,7 +14,6 @@ from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
 from core.channels import Channel, channels, existing
-from core.stability import Chart
 from core.study import Study
 from kindyna_gui.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
@@ -22,6 +22,9 @@ from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.shown_kinds import has_cam, is_linkage
+
+if TYPE_CHECKING:
+    from core.stability import Chart
 
 RATIO = 2.0  # dots per pixel of a PNG
 ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
