@@ -51,7 +51,7 @@ def told(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
 
 
 def _figure(value: float) -> str:
-    return digits(value if abs(value) > 1e-9 else 0.0, FIGURES)
+    return digits(float(f"{value:.9g}") if abs(value) > 1e-9 else 0.0, FIGURES)
 
 
 class _Dimension:

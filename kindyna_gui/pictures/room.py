@@ -22,13 +22,19 @@ class Room:
 
     def __init__(self, sight: Sight, ink: Ink, texts: Iterable[QRectF]) -> None:
         self._sight = sight
-        self._place = ink.place[0].conj() * sight.scale
+        self._x, self._y = ink.place[0].real * sight.scale, -ink.place[0].imag * sight.scale
         self._radius, self._weight = ink.radius * sight.scale, ink.weight
-        self._boxes = list(texts)
+        self._boxes: list[tuple[float, float, float, float]] = []  # middles and halves
+        for box in texts:
+            self.take(box)
+        seen, scale = sight.visible, sight.scale
+        left, right, top, low = (v * scale for v in (seen.left(), seen.right(), -seen.bottom(), -seen.top()))
+        self._sheet = (left + EDGE, top + EDGE, right - EDGE, low - EDGE)
 
     def take(self, box: QRectF) -> None:
         """Nothing else shall stand there."""
-        self._boxes.append(box)
+        middle = box.center()
+        self._boxes.append((middle.x(), middle.y(), 0.5 * box.width(), 0.5 * box.height()))
 
     def dot(self, place: complex, radius: float) -> None:
         """No text shall cover a mark at a place [mm]; radius in pixels."""
@@ -37,39 +43,42 @@ class Room:
 
     def cost(self, centres: np.ndarray, width: float, height: float) -> np.ndarray:
         """How bad it is that boxes of this size stand about ``centres`` (c,): 0 where all is free (c,)."""
-        half = complex(width / 2.0 + PAD, height / 2.0 + PAD)
-        apart = centres[:, None] - self._place
-        x = np.maximum(np.abs(apart.real) - half.real, 0.0)
-        y = np.maximum(np.abs(apart.imag) - half.imag, 0.0)
-        found = np.minimum((np.hypot(x, y) < self._radius) @ self._weight, PART)
-        for box in self._boxes:
-            middle = box.center()
-            found += COVERS * (
-                (np.abs(centres.real - middle.x()) < half.real + box.width() / 2.0)
-                & (np.abs(centres.imag - middle.y()) < half.imag + box.height() / 2.0)
-            )
-        seen, scale = self._sight.visible, self._sight.scale
-        out = (centres.real - half.real < seen.left() * scale + EDGE) | (centres.real + half.real > seen.right() * scale - EDGE)
-        out |= (centres.imag - half.imag < -seen.bottom() * scale + EDGE) | (
-            centres.imag + half.imag > -seen.top() * scale - EDGE
-        )
+        x, y = centres.real, centres.imag
+        wide, high = width / 2.0 + PAD, height / 2.0 + PAD
+        near = np.abs(self._x - 0.5 * (x.min() + x.max())) < self._radius + wide + 0.5 * (x.max() - x.min())
+        near &= np.abs(self._y - 0.5 * (y.min() + y.max())) < self._radius + high + 0.5 * (y.max() - y.min())
+        over = np.maximum(np.abs(x[:, None] - self._x[near]) - wide, 0.0) ** 2
+        over += np.maximum(np.abs(y[:, None] - self._y[near]) - high, 0.0) ** 2
+        found = np.minimum((over < self._radius[near] ** 2) @ self._weight[near], PART)
+        if self._boxes:
+            across, along, half_wide, half_high = np.array(self._boxes).T
+            beside = np.abs(x[:, None] - across) >= wide + half_wide
+            beside |= np.abs(y[:, None] - along) >= high + half_high
+            found += COVERS * (~beside).sum(axis=1)
+        left, top, right, low = self._sheet
+        out = (x - wide < left) | (x + wide > right) | (y - high < top) | (y + high > low)
         return np.asarray(found + LEAVES * out)
 
     def settle(self, tag: Tag, places: Sequence[complex], gaps: tuple[float, ...] = GAPS) -> None:
-        """Put a text beside one of some places [mm], rather the first, where it covers least; far from it a thin line
-        leads there."""
+        """Put a text beside one of some places [mm], rather the first and rather near, where it covers least; far from
+        it a thin line leads there."""
         width, height = tag.size
-        scale = self._sight.scale
-        reach = np.array(gaps)[:, None]
-        shifts = (_WAYS.real * (reach + width / 2.0) - 1j * _WAYS.imag * (reach + height / 2.0)).ravel()
-        pixels = np.conj(places)[:, None] * scale
-        cost = self.cost((pixels + shifts).ravel(), width + 4.0, height).reshape(len(places), -1)
-        cost += FURTHER * (np.arange(shifts.size) // _WAYS.size + np.arange(len(places))[:, None])
-        which, best = divmod(int(np.argmin(cost)), shifts.size)
-        place, shift, pixel = places[which], complex(shifts[best]), complex(pixels[which, 0])
+        reach = np.repeat(gaps, _WAYS.size)
+        ways = np.tile(_WAYS, len(gaps))
+        shifts = ways.real * (reach + width / 2.0) - 1j * ways.imag * (reach + height / 2.0)
+        further = FURTHER * np.repeat(np.arange(len(gaps)), _WAYS.size)
+        best, least = (places[0], 0), np.inf
+        for number, place in enumerate(places):
+            cost = self.cost(place.conjugate() * self._sight.scale + shifts, width + 4.0, height) + further + FURTHER * number
+            side = int(np.argmin(cost))
+            if cost[side] < least:
+                best, least = (place, side), float(cost[side])
+            if least < PART:
+                break
+        place, side = best
+        shift = complex(shifts[side])
         tag.setPos(QPointF(place.real, place.imag))
         tag.shift(shift.real, shift.imag)
-        tag.lead(best >= _WAYS.size)
-        box = QRectF(0.0, 0.0, width + 4.0, height)
-        box.moveCenter(QPointF((pixel + shift).real, (pixel + shift).imag))
-        self.take(box)
+        tag.lead(side >= _WAYS.size)
+        middle = place.conjugate() * self._sight.scale + shift
+        self._boxes.append((middle.real, middle.imag, width / 2.0 + 2.0, height / 2.0))

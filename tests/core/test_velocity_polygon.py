@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from linkages import assemblies, four_bar, link, slider_crank
+from assembled import cases
+from linkages import KINDS, four_bar, link, slider_crank
 from mechanisms import LIFT
 
 from core.design import Driver, Linkage, LinkageDesign, Slider
@@ -41,22 +41,21 @@ def triangles(train: Train) -> dict[tuple[str, str, str], Difference]:
     return {(d.body, d.a, d.p): d for d in velocity_differences(train)}
 
 
-@settings(max_examples=60, derandomize=True, database=None)
-@given(assemblies())
-def test_every_triangle_closes(drawn: tuple[LinkageDesign, float]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_triangle_closes(kind: str) -> None:
     """V_A and V_P are those of the poses, V_PA that of the turning or of the guide alone."""
-    design, q = drawn
-    train = moving(design, q)
-    rows = list(velocity_differences(train))
-    sliding = [d for d in rows if d.kind == "sliding"]
-    assert len(sliding) == len(design.linkage.sliders)
-    points = [len(body.points) - sum(p.isdecimal() for p in body.points) for n, body in train.bodies.items() if n != "frame"]
-    assert len(rows) - len(sliding) == sum(n * (n - 1) // 2 for n in points)
-    for d in rows:
-        size = float(np.abs(d.v_a[0])) + float(np.abs(d.v_p[0])) + 0.1 * (1.0 + float(np.abs(train.bodies[d.body].angle[1, 0])))
-        assert d.gap[0] <= 1e-13 * size
-        across = (d.v_pa * (d.at_p - d.at_a).conjugate()).real
-        assert np.abs(across).max() <= 1e-13 * size, "across the line between them"
+    for case in cases(kind):
+        train = case.train
+        rows = list(velocity_differences(train))
+        sliding = [d for d in rows if d.kind == "sliding"]
+        assert len(sliding) == len(case.design.linkage.sliders)
+        points = [len(body.points) - sum(p.isdecimal() for p in body.points) for n, body in train.bodies.items() if n != "frame"]
+        assert len(rows) - len(sliding) == sum(n * (n - 1) // 2 for n in points)
+        for d in rows:
+            size = float(np.abs(d.v_a[0])) + float(np.abs(d.v_p[0])) + 0.1 * (1.0 + float(np.abs(train.bodies[d.body].angle[1, 0])))
+            assert d.gap[0] <= 1e-13 * size
+            across = (d.v_pa * (d.at_p - d.at_a).conjugate()).real
+            assert np.abs(across).max() <= 1e-13 * size, "across the line between them"
 
 
 def test_the_four_bars_triangles() -> None:
@@ -112,27 +111,26 @@ def test_a_block_on_a_turning_arm_slides_along_it(q: float) -> None:
     assert ("sliding", ("A", "link4"), ("A", "")) in [(s.kind, s.start, s.end) for s in polygon.sides]
 
 
-@settings(max_examples=40, derandomize=True, database=None)
-@given(assemblies())
-def test_the_polygon_is_one_picture_from_one_pole(drawn: tuple[LinkageDesign, float]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_polygon_is_one_picture_from_one_pole(kind: str) -> None:
     """Each vector leads from corner to corner; the image of a body is the body turned by a right angle, ω times its size."""
-    design, q = drawn
-    train = moving(design, q)
-    polygon = velocity_polygon(train)
-    place = {POLE: np.zeros(1), **polygon.corners}
-    size = float(polygon.longest.max()) + 0.1
-    for side in polygon.sides:
-        assert np.abs(place[side.start] + side.vector - place[side.end]).max() <= 1e-13 * size * (
-            1.0 + float(np.abs(train.bodies[side.body].angle[1]).max())
-        )
-    for name, corners in polygon.images.items():
-        body = train.bodies[name]
-        own = [p for p in body.points if not p.isdecimal()]
-        for one, other in ((0, 1), (1, 2)):
-            between = 1j * body.angle[1] * (body.point(own[other])[0] - body.point(own[one])[0])
-            assert np.abs(place[corners[other]] - place[corners[one]] - between).max() <= 1e-12 * size * (
-                1.0 + float(np.abs(body.angle[1]).max())
+    for case in cases(kind):
+        train = case.train
+        polygon = velocity_polygon(train)
+        place = {POLE: np.zeros(1), **polygon.corners}
+        size = float(polygon.longest.max()) + 0.1
+        for side in polygon.sides:
+            assert np.abs(place[side.start] + side.vector - place[side.end]).max() <= 1e-13 * size * (
+                1.0 + float(np.abs(train.bodies[side.body].angle[1]).max())
             )
+        for name, corners in polygon.images.items():
+            body = train.bodies[name]
+            own = [p for p in body.points if not p.isdecimal()]
+            for one, other in ((0, 1), (1, 2)):
+                between = 1j * body.angle[1] * (body.point(own[other])[0] - body.point(own[one])[0])
+                assert np.abs(place[corners[other]] - place[corners[one]] - between).max() <= 1e-12 * size * (
+                    1.0 + float(np.abs(body.angle[1]).max())
+                )
 
 
 def test_a_cams_follower_has_its_polygon_too() -> None:
@@ -147,27 +145,26 @@ def test_a_cams_follower_has_its_polygon_too() -> None:
 # -- velocity ratios by distances -------------------------------------------------------------------------
 
 
-@settings(max_examples=40, derandomize=True, database=None)
-@given(assemblies())
-def test_directed_distances_give_the_ratio(drawn: tuple[LinkageDesign, float]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_directed_distances_give_the_ratio(kind: str) -> None:
     """Each way of comparing bodies reaches every one of them; distances are those between the centres."""
-    design, q = drawn
-    train = moving(design, q)
-    table = all_centres(train, 0.1)
-    bodies = {name for name in train.bodies if name not in ("frame", "link2")}
-    for rows in (to_driver(table, "link2"), link_by_link(table, "link2")):
-        assert {body for body, _ in rows} == bodies
-        for body, base in rows:
-            arms = ratio_arms(table, body, base)
-            one, other = train.bodies[body].angle[1, 0], train.bodies[base].angle[1, 0]
-            if not (np.isfinite(arms.base_arm[0]) and np.isfinite(arms.body_arm[0])) or arms.body_arm[0] == 0.0:
-                continue
-            at = {key: table.centres[key].finite[0] for key in (arms.other, arms.own, arms.common)}
-            assert arms.base_arm[0] == pytest.approx(abs(at[arms.common] - at[arms.other]), rel=1e-6, abs=1e-12)
-            assert abs(arms.body_arm[0]) == pytest.approx(abs(at[arms.common] - at[arms.own]), rel=1e-6, abs=1e-12)
-            assert arms.base_arm[0] * other == pytest.approx(
-                arms.body_arm[0] * one, rel=1e-8, abs=1e-9 * (1.0 + abs(arms.base_arm[0] * other))
-            )
+    for case in cases(kind):
+        train = case.train
+        table = case.table
+        bodies = {name for name in train.bodies if name not in ("frame", "link2")}
+        for rows in (to_driver(table, "link2"), link_by_link(table, "link2")):
+            assert {body for body, _ in rows} == bodies
+            for body, base in rows:
+                arms = ratio_arms(table, body, base)
+                one, other = train.bodies[body].angle[1, 0], train.bodies[base].angle[1, 0]
+                if not (np.isfinite(arms.base_arm[0]) and np.isfinite(arms.body_arm[0])) or arms.body_arm[0] == 0.0:
+                    continue
+                at = {key: table.centres[key].finite[0] for key in (arms.other, arms.own, arms.common)}
+                assert arms.base_arm[0] == pytest.approx(abs(at[arms.common] - at[arms.other]), rel=1e-6, abs=1e-12)
+                assert abs(arms.body_arm[0]) == pytest.approx(abs(at[arms.common] - at[arms.own]), rel=1e-6, abs=1e-12)
+                assert arms.base_arm[0] * other == pytest.approx(
+                    arms.body_arm[0] * one, rel=1e-8, abs=1e-9 * (1.0 + abs(arms.base_arm[0] * other))
+                )
 
 
 def test_a_sliders_velocity_is_a_distance_times_the_cranks() -> None:
