@@ -10,7 +10,7 @@ from itertools import accumulate
 from typing import Any
 
 from core.blend import Blended
-from core.design import Motion, Segment, mirrored, require_motion, with_motion
+from core.design import Motion, Segment, SingleCam, join_levels, mirrored, require_motion, with_motion
 from core.design.edits import back_at_start, rest, still
 from core.design.kinds import D, Design
 from core.design.motions import with_marks_of, without_marks
@@ -162,8 +162,13 @@ def _turn(design: D, runs: Sequence[tuple[float, Sequence[Segment]]], after: flo
     for dwell, curves in runs:
         segments += [*([Segment(dwell, 0.0)] if dwell > 0.0 else []), *curves]
     segments += [Segment(after, 0.0)] if after > 0.0 else []
-    motion = Motion(start, tuple(segments), require_motion(design).unit)
+    motion = Motion(rest(start, (-_lowest(design),)), tuple(segments), require_motion(design).unit)
     return without_marks(with_motion(design, motion))
+
+
+def _lowest(design: Design) -> float:
+    """Where a motion over the whole turn has its lowest level: a cam's on the base circle, that of a link where it was."""
+    return 0.0 if isinstance(design, SingleCam) else min(join_levels(require_motion(design)))
 
 
 def _there_and_back(design: D, blended: Blended) -> D:

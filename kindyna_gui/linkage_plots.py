@@ -89,12 +89,12 @@ def _names(study: Study) -> tuple[str, ...]:
 
 _TITLES: Mapping[str, str] = MappingProxyType(
     {
-        r"link\.\d+": "Link angles",
+        r"link\.\d+": "Angle",
         r"link\.\d+_velocity": "Angular velocity",
-        r"link\.\d+_acceleration": "Angular acceleration",
+        r"link\.\d+_acceleration": "Angular accel.",
         r"slide\.\d+": "Slide",
         r"slide\.\d+_velocity": "Slide velocity",
-        r"slide\.\d+_acceleration": "Slide acceleration",
+        r"slide\.\d+_acceleration": "Slide accel.",
         r"transmission\..*": "Transmission angle",
         r"force\..*_size": "Joint forces",
         "driver_torque": "Driver torque",

@@ -198,7 +198,8 @@ class Session(QObject):
         try:
             # only what is on screen: it is computed anyway once the design is in place
             for stage in self.stages_on_screen():
-                getattr(study, stage)
+                if stage in study.stages:  # another kind of linkage may lack what is shown now
+                    getattr(study, stage)
         except NoAnswer as error:
             told = named(design, str(error).removeprefix(f"{error.field}: "))
             return ((error.field, name_of(design, error.field), told),)

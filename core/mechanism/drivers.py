@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from itertools import product
-from math import floor, log10, pi
+from itertools import islice, product
+from math import floor, inf, isfinite, log10, pi
 
 import numpy as np
 
@@ -28,15 +28,18 @@ from core.design.linkage_rules import sided_joints
 from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
 from core.mechanism.assembly import body_name
-from core.mechanism.course import TURN, Course, course_of
+from core.mechanism.course import TURN, Course, Range, course_of
+from core.mechanism.driving import swept
 from core.mechanism.plan import plan_of
 from core.mechanism.solving import at_driver
+from core.motion import program
 from core.train import Train
 
 SWING, SLIDE = np.deg2rad(30.0), 0.1  # of a first motion: radians of a pinned link, parts of the size of one that slides
 ROLLER_SIZE = 0.08  # of a first roller, parts of the size
 LAW, SPANS = "cycloidal", (60.0, 120.0, 60.0, 120.0)
 _SAME = 1e-6  # of the size: a position this near is the same
+_NEAR = 1e-3  # of a range: a position this near to its end is its dead centre
 _MOST = 256  # ways of assembly that are tried
 
 
@@ -66,13 +69,19 @@ def with_driver(design: LinkageDesign, driver: Driver, train: Train) -> LinkageD
         return replace(design, linkage=replace(design.linkage, driver=driver))
     linkage = replace(design.linkage, driver=driver, branch=())
     place = driver_place(linkage, train)
-    linkage, course = _assembled(linkage, train, place)
     if driver.kind == CRANK:
+        linkage, _ = _assembled(linkage, train, place % TURN, 0.0, TURN)
         gone = ("motion.", "cam.")
         assumed = tuple(path for path in design.assumed if not path.startswith(gone))
         return replace(design, linkage=linkage, motion=None, cam=None, assumed=assumed)
+    half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
+    _, room = _assembled(linkage, train, place, place - half, place + half)
+    motion = _first_motion(linkage, room, place)
+    # sides hold from the driver's lowest position on, which is another one now
+    low, high = swept(program(motion))
+    linkage, _ = _assembled(linkage, train, min(max(place, low), high), low, high)  # its start is rounded
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
-    changed = replace(design, linkage=linkage, motion=_first_motion(linkage, course, place), assumed=assumed)
+    changed = replace(design, linkage=linkage, motion=motion, assumed=assumed)
     marks = tuple(path for path in kind_row(changed).paths(changed) if path.startswith("motion."))
     return replace(changed, assumed=(*marks, *assumed))
 
@@ -122,46 +131,46 @@ def driver_place(linkage: Linkage, train: Train) -> float:
     return float(train.coordinates[name][0, 0]) if name in train.coordinates else float(train.bodies[name].angle[0, 0])
 
 
-def _reach(linkage: Linkage, place: float) -> tuple[float, float]:
-    """Between which places of the driver its course is looked at [rad or m]."""
-    half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
-    return place - half, place + half
-
-
-def _assembled(linkage: Linkage, train: Train, place: float) -> tuple[Linkage, Course]:
-    """The linkage with the sides that it has in this position, and its course there."""
+def _assembled(linkage: Linkage, train: Train, place: float, low: float, high: float) -> tuple[Linkage, Range]:
+    """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
-    low, high = (0.0, TURN) if linkage.driver.kind == CRANK else _reach(linkage, place)
-    at = place % TURN if linkage.driver.kind == CRANK else place
-    for sides in list(product((1, -1), repeat=len(joints)))[:_MOST]:
+    for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
         tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
         course = course_of(tried, low, high)
-        if course.ranges and _apart(course, train, at) < _SAME * course.plan.size:
-            return tried, course
+        here = next((r for r in course.ranges if r.low <= place <= r.high), None)
+        if here is not None and _away(here, place) and _apart(course, train, place) < _SAME * course.plan.size:
+            return tried, here
     raise NoPosition(
         f"link {linkage.driver.link} cannot lead the linkage from this position", "linkage.driver.link",
-        "turn it to another position first: here it stands at a dead centre, or stands in its way",
+        "turn it to another position first: here it stands at a dead centre, or beyond one",
     )  # fmt: skip
 
 
+def _away(here: Range, place: float) -> bool:
+    """Not at a dead centre, from which no push would bring it on."""
+    least = _NEAR * (here.high - here.low)
+    return not ((here.low_joint and place - here.low < least) or (here.high_joint and here.high - place < least))
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
 def _apart(course: Course, train: Train, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
     poses = course.solve(at_driver(np.array([place]))).poses
     apart = [
-        abs(complex(poses[link].at(at)[0, 0]) - complex(train.bodies[body_name(link)].point(name)[0, 0]))
+        abs(poses[link].derivative(at, 0)[0] - train.bodies[body_name(link)].derivative(at, 0)[0])
         for link, places in course.plan.points.items()
-        for name, at in places.items()
+        for at in places.values()
     ]
-    return float(np.nan_to_num(max(apart, key=lambda gap: np.nan_to_num(gap, nan=np.inf)), nan=np.inf))
+    worst = float(np.max(apart))
+    return worst if isfinite(worst) else inf
 
 
-def _first_motion(linkage: Linkage, course: Course, place: float) -> Motion:
+def _first_motion(linkage: Linkage, here: Range, place: float) -> Motion:
     """Dwell, rise, dwell, return from here, to the side with more room, half of it at most."""
     unit = _unit(linkage)
     scale = 180.0 / pi if unit == "deg" else 1e3
-    here = next((r for r in course.ranges if r.low <= place <= r.high), course.ranges[0])
     ahead, behind = here.high - place, place - here.low
-    most = SWING if unit == "deg" else SLIDE * course.plan.size
+    most = SWING if unit == "deg" else SLIDE * plan_of(linkage).size
     rise = _readable(min(most, 0.5 * max(ahead, behind)) * scale) * (1.0 if ahead >= behind else -1.0)
     spans = [Segment(span, 0.0) for span in SPANS]
     spans[1] = Segment(SPANS[1], rise, curve_of(LAW))
