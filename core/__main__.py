@@ -27,7 +27,7 @@ from core.making import blend_text, curves_data, into_design, laws_data, laws_te
 from core.measured import measured_motion, measured_words
 from core.project import load, save
 from core.report import finding_line, printable, report
-from core.stability import Chart
+from core.stability import Chart, Figure
 from core.study import SAMPLES, Study
 from core.summary import to_json
 
@@ -35,8 +35,8 @@ DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 MOST_LINES = 100
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
-Painter = Callable[[Study | Chart], Mapping[str, bytes]]
-"""Paints a study or a chart of stability: file name -> content."""
+Painter = Callable[[Study | Chart | Figure], Mapping[str, bytes]]
+"""Paints a study, or a chart or another figure of stability: file name -> content."""
 
 
 class _Parser(argparse.ArgumentParser):
