@@ -10,14 +10,14 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from core.stability import Chart
+    from core.stability import Chart, Figure
     from core.study import Study
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Painter = Callable[["Study | Chart"], Mapping[str, bytes]]
-"""Paints a study or a chart of stability: file name -> content."""
+Painter = Callable[["Study | Chart | Figure"], Mapping[str, bytes]]
+"""Paints a study, or a chart or another figure of stability: file name -> content."""
 
 
 @dataclass(frozen=True)
