@@ -40,7 +40,7 @@ class Row:
     note: str
 
 
-WINDOW = ("edit to paint", "drag to paint", "animation")  # kernels of the window, which windows.py measures
+WINDOW = ("edit to paint", "drag to paint", "animation", "start")  # kernels of the window, which window.py measures
 COLUMNS = tuple(field.name for field in fields(Row))
 
 
@@ -55,9 +55,10 @@ class Plan:
     settings: int = 99
     longest: float = 1.2
     rounds: int = 25  # of the window
+    starts: int = 5
 
 
-FULL, QUICK = Plan(), Plan(usual=0.5, growth=0.2, sizes=3, settings=2, longest=0.1, rounds=3)
+FULL, QUICK = Plan(), Plan(usual=0.5, growth=0.2, sizes=3, settings=2, longest=0.1, rounds=3, starts=1)
 
 
 def _text(setting: Any) -> str:
@@ -135,7 +136,7 @@ def in_the_window(plan: Plan) -> list[Row]:
     """Edits, drags and frames of the animation; their yardstick is a bare repaint of the same widgets."""
     from benchmarks import window
 
-    told = window.measure(plan.rounds)
+    told = window.measure(plan.rounds) + window.starts(plan.starts)
     bare = {(row.kernel, row.n): row.seconds for row in told if row.method == window.BARE}
     nan = math.nan
     return [

@@ -92,7 +92,7 @@ def _window(rows: Sequence[Row]) -> str:
     if not told:
         return ""
     lines = ["", "| in the window | plots beside the drawing | time by a bare repaint of the same widgets |", "|---|---|---|"]
-    lines += [f"| {r.kernel}: {r.method} | {r.n} | {times(r.times_yardstick)} |" for r in told]
+    lines += [f"| {r.kernel}: {r.method} | {r.n or ''} | {times(r.times_yardstick)} |" for r in told]
     return "\n".join(lines) + "\n"
 
 
