@@ -25,9 +25,20 @@ def locked(value: T) -> T:
         for part in value:
             locked(part)
     elif is_dataclass(value):
-        for field in fields(value):
-            locked(vars(value).get(field.name))
+        held = vars(value)
+        for name in _field_names(type(value)):
+            part = held.get(name)
+            if part is not None and type(part) not in _PLAIN:
+                locked(part)
     return value
+
+
+_PLAIN = frozenset({float, int, str, bool, complex})
+
+
+@lru_cache(maxsize=256)
+def _field_names(kind: type) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
 
 
 class WhenAsked(Generic[T]):

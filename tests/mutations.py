@@ -49,6 +49,7 @@ GUIDE = DYNAMICS + "test_the_guide_solves_its_equation_or_jams[1.9-0.5-1.0-5.0]"
 WAVE = SHAFT + "test_a_wave_of_torque_comes_to_the_motor_smaller_and_later[even-0.5-1]"
 STIFF_WAVE = SHAFT + "test_a_wave_of_torque_comes_to_the_motor_smaller_and_later[even-0.001-1]"
 STEP = SHAFT + "test_a_step_of_torque_reaches_the_motor_exponentially[1.0]"
+DIGITS = SHAFT + "test_what_the_flywheel_does_within_a_panel_keeps_its_digits"
 MEAN = SHAFT + "test_a_wave_has_its_mean_and_swings_by_twice_its_integral[1-halves]"
 COLUMNS = CHANNELS + "test_every_column_holds_what_its_name_says[c]"
 MOVES = MOTION + "test_a_motion_keeps_to_its_laws_at_any_cam_angle"
@@ -350,18 +351,22 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("1.0, (-1.0, 2.0)", "1.0, (1.0, 2.0)", MEAN),
         ("sum(axis=0)).sum() / TURN)", "sum(axis=0)).sum() / pi)", MEAN),
         ("power / np.arange(1, NODES + 1)[:, None]).sum", "power / np.arange(2, NODES + 2)[:, None]).sum", MEAN),
-        ("np.exp(-np.outer(rest, np.minimum(z, _STIFF)))", "np.exp(-np.outer(1.0 - rest, np.minimum(z, _STIFF)))", WAVE),
-        ("by_step[0] = -np.expm1(-stiff)", "by_step[0] = np.expm1(-stiff)", STIFF_WAVE),
-        ("(1.0 - k * by_step[k - 1])", "(1.0 + k * by_step[k - 1])", STIFF_WAVE),
+        ("value = (1.0 - z * value)", "value = (1.0 + z * value)", WAVE),
+        ("(1.0, 14)", "(1.0, 9)", DIGITS + "[1.0]"),
+        ("(_PARTED, 22)", "(_PARTED, 15)", DIGITS + "[4.0]"),
+        ("_PARTED = 4.0", "_PARTED = 9.0", DIGITS + "[8.5]"),
+        ("_PARTED = 4.0", "_PARTED = 0.5", DIGITS + "[2.7]"),
+        ("out[0] = -np.expm1(-z)", "out[0] = np.expm1(-z)", STIFF_WAVE),
+        ("(1.0 - k * out[k - 1])", "(1.0 + k * out[k - 1])", STIFF_WAVE),
         ("    power[0] -= curve.mean\n    decay", "    decay", STEP + " " + WAVE),
         ("decay = np.exp(-rate", "decay = np.exp(rate", WAVE),
-        ("decay[i] * x[i] + gain[i]", "decay[i] * x[i] - gain[i]", STEP),
-        ("x[-1] / -np.expm1(-rate * TURN)", "x[-1] / np.expm1(-rate * TURN)", STEP),
-        ("x0 * np.exp(-rate * curve.start[i])", "x0 * np.exp(-rate * (TURN - curve.start[i]))", STEP),
+        ("left * end + added", "left * end - added", STEP),
+        ("end / -np.expm1(-rate * TURN)", "end / np.expm1(-rate * TURN)", STEP),
+        ("* np.exp(-rate * curve.start)", "* np.exp(-rate * (TURN - curve.start))", STEP),
         ("np.exp(-rate * h) * begins[at] + h", "np.exp(-rate * h) * begins[at] - h", WAVE),
-        ("lag = inertia * speed", "lag = inertia", WAVE),
+        ("= s.flywheel_inertia * s.speed", "= s.flywheel_inertia", WAVE),
         ("curve.mean + rate * answer", "curve.mean - rate * answer", WAVE),
-        ("s.speed_fluctuation / speed / speed", "s.speed_fluctuation / speed",
+        ("s.speed_fluctuation / s.speed / s.speed", "s.speed_fluctuation / s.speed",
          SHAFT + "test_the_needed_inertia_keeps_the_speed_within_the_share"),
         ("at.max() - at.min()", "at.max()", MEAN),
         ("places.append(np.array([curve.start[panel] + root * curve.width[panel]]))", "pass", MEAN),

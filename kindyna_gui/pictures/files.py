@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from math import radians
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
@@ -13,24 +13,24 @@ from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, 
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
-from core.centring import Snapshot
 from core.channels import Channel, channels, existing
-from core.instant_centres import velocity_polygon
-from core.stability import Chart
 from core.study import Study
 from kindyna_gui.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.plot import CurvePlot
-from kindyna_gui.pictures.polygon import PolygonSheet
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.shown_kinds import has_cam, is_linkage
+
+if TYPE_CHECKING:
+    from core.centring import Snapshot
+    from core.stability import Chart, Figure
 
 RATIO = 2.0  # dots per pixel of a PNG
 ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
 SHEET = (960, 720)  # of a mechanism, pixels
-SHEET_OF_CHART, SHEET_OF_POLYGON = (960, 560), (640, 560)
+SHEET_OF_CHART = (960, 560)
 PLOT_WIDTH, PLOT_HEIGHT, PLOT_EDGES, LEAST_HEIGHT = 960, 210, 64, 340
 
 
@@ -195,42 +195,22 @@ def chart_file(chart: Chart, ending: str) -> bytes:
     return svg(plot, chart.name) if vector else png(plot)
 
 
-def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
-    """The mechanism with all centres, the lines that find them and the velocity ratios from link to link."""
-    vector = ending == ".svg"
-    scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
-    for layer in ("centres", "kennedy", "velocities", "chain"):
-        scene.set_layer(layer, True)
-    scene.update_study(snapshot.study)
-    scene.set_angle(radians(snapshot.angle_deg))
-    sheet = Sheet(scene, *SHEET)
-    return svg(sheet, snapshot.study.design.name) if vector else png(sheet)
-
-
-def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
-    """The velocity polygon."""
-    study = snapshot.study
-    sheet = PolygonSheet()
-    sheet.resize(*SHEET_OF_POLYGON)
-    sheet.frame_for(velocity_polygon(study.linkage), study.omega)
-    there = study.at_theta(np.array([radians(snapshot.angle_deg)]))
-    name = study.angle_name.capitalize()
-    sheet.show_polygon(velocity_polygon(there.linkage), study.omega, f"{name} {snapshot.angle_deg:.1f}°")
-    return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
-
-
-SNAPSHOTS: Mapping[str, Callable[[Snapshot, str], bytes]] = MappingProxyType(
-    {"centres": _centres_file, "velocity_polygon": _polygon_file}
-)
-
-
-def paint(study: Study | Chart | Snapshot) -> dict[str, bytes]:
-    """The pictures of a report, of a chart, or of a linkage at one angle: file name -> content. Raises NoAnswer where the
-    design has none."""
+def paint(drawn: Study | Chart | Figure | Snapshot) -> dict[str, bytes]:
+    """The pictures of a report, of a chart or another figure, of a linkage at one angle: file name -> content. Raises
+    NoAnswer where the design has none."""
     ensure_app(offscreen=True)
-    if isinstance(study, Snapshot):
-        return {f"{name}{ending}": draw(study, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
-    if isinstance(study, Chart):
-        return {f"stability{ending}": chart_file(study, ending) for ending in (".svg", ".png")}
-    without = () if has_cam(study) else ("cam.png",)
-    return {name: draw(study) for name, draw in PICTURES.items() if name not in without}
+    if isinstance(drawn, Study):
+        without = () if has_cam(drawn) else ("cam.png",)
+        return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
+    from core.centring import Snapshot
+
+    if isinstance(drawn, Snapshot):
+        from kindyna_gui.pictures.snapshots import snapshot_files
+
+        return snapshot_files(drawn)
+    from core.stability import Chart
+    from kindyna_gui.pictures.xy_sheet import figure_file
+
+    if isinstance(drawn, Chart):
+        return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
+    return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}

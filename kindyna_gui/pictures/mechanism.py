@@ -10,7 +10,6 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
-from core.mechanism import ROLLER, movable
 from core.study import Study
 from kindyna_gui.pictures import cam_parts, framing, parts, vectors
 from kindyna_gui.pictures.construct import OF_STEP, Construct
@@ -182,17 +181,6 @@ class MechanismScene(QGraphicsScene):
     def item(self, key: str) -> QGraphicsItem:
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
         return self.parts[key].item
-
-    def joints_now(self) -> dict[str, complex]:
-        """Where the points of a linkage stand that can be drawn elsewhere, by name [mm]; none of other designs."""
-        if self.reading is None or not self.reading.linkage:
-            return {}
-        design, found = self.reading.study.design, {}
-        for body in self.reading.bodies.values():
-            for name, place in body.points.items():
-                if name != ROLLER and not name.isdecimal() and movable(design, name):
-                    found[name] = complex(body.track(place)[self.index])
-        return found
 
     # -- layers ---------------------------------------------------------------------------------------------
 
