@@ -19,6 +19,7 @@ SHORT = {
     FROM_REST: "Nonlinear (13), from rest",
 }
 
+WORDS = {"model", "verdict"}  # columns that hold no numbers
 BRIEF = {APPROXIMATE: "(22)", EXACT: "(21)"}
 
 
@@ -100,7 +101,7 @@ def _cell(text: str, colour: str = "", right: bool = False) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[str]) -> str:
-    top = "".join(f'<td style="color:{QUIET}">{escape(text)}&nbsp;&nbsp;</td>' for text in head)
+    top = "".join(_cell(text, QUIET, right=text not in WORDS) for text in head)
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
