@@ -357,3 +357,4 @@ def test_one_command_prints_the_papers_claims_against_ours() -> None:
     assert max(map(len, text.splitlines())) <= 108
     contact = next(row for row in told if "stays on the cam" in row)
     assert "from Q = 0.3 on" in " ".join(contact.split())
+    assert "at most 0.0192 for" in " ".join(text.split())
