@@ -230,11 +230,12 @@ class MainWindow(QMainWindow):
 
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
-        from kindyna_gui.stability_shaft import flexible
+        from core.stability import flexible
 
         if self.session.design.shaft.elastic is None:
+            study = self.session.study
             try:
-                changed = flexible(self.session.study)
+                changed = flexible(study.design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.status.tell(str(error))
                 return

@@ -143,11 +143,10 @@ def shaft_text(found: Stiffness) -> str:
     """What a wanted speed asks of the shaft."""
     if found.allowed:
         return f"{speed(found.rpm)} rpm: the present {digits(found.now, 5)} N·m/rad keeps clear of every band."
-    inside = any(low <= found.now <= high for _, low, high in found.forbidden)
     softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
     return (
         f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(found.now, 5)} stands {'in' if inside else 'too near'} a band."
+        f"the present {digits(found.now, 5)} stands {'in' if found.inside else 'too near'} a band."
     )
 
 

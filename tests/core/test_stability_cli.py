@@ -15,7 +15,7 @@ from shafts import KIM, coefficients, with_elastic
 
 from core import project
 from core.__main__ import main
-from core.charting import averages_table, windup_table
+from core.shaft_tables import averages_table, windup_table
 from core.stability import Chart, Figure, histories, history, mean_wind_up
 from core.study import Study
 
@@ -88,10 +88,53 @@ def test_the_tables_hold_what_their_columns_say() -> None:
     assert {r["leaves_cam"] for r in means[14:]} == {"1.0"}
     means = means[:11]
     assert [float(r["eta"]) for r in means] == pytest.approx(list(np.arange(0.5, 1.001, 0.05)))
-    assert float(means[-1]["mean_wind_up"]) == pytest.approx(history(found.coefficients, 1.0, 0.05, 0.0, 1.0).averages()[0], rel=1e-9)
+    assert float(means[-1]["mean_wind_up"]) == pytest.approx(
+        history(found.coefficients, 1.0, 0.05, 0.0, 1.0).averages()[0], rel=1e-9
+    )
 
 
-def test_without_a_folder_nothing_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_shaft_that_a_speed_needs_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    found = Study(KIM).flexible_shaft()
+    band = found.bands[1]
+    speeds = [0.5 * (band.rpm_lo + band.rpm_hi), 1.01 * band.rpm_hi, 6000.0]
+    assert main(["stability", str(EXAMPLE), *(word for rpm in speeds for word in ("--rpm", repr(rpm)))]) == 0
+    inside, near, clear = [
+        line for line in capsys.readouterr().out.splitlines() if line.startswith("At ") and " rpm the " in line
+    ]
+    needed = found.stiffness_for(speeds[0])
+    assert f"needs at least {needed.stiffer:.6g} N·m/rad or at most {needed.softer:.6g}; the present 85" in inside
+    assert inside.endswith("stands in a forbidden band.")
+    assert near.endswith("stands too near a forbidden band.")
+    assert clear == "At 6000 rpm the present 85 N·m/rad keeps clear of every forbidden band."
+
+
+def test_the_lift_has_a_chart_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], few_averages: None
+) -> None:
+    """Its file says nothing of the shaft: a usual one is taken, and the chart shows the machine, at η = 10.25."""
+    lift, given = ROOT / "resources" / "examples" / "transfer_lift.toml", []
+    assert main(["stability", str(lift)]) == 2
+    assert "the camshaft is rigid" in capsys.readouterr().err
+
+    def painter(drawn: Chart | Figure) -> dict[str, bytes]:
+        given.append(drawn)
+        return {}
+
+    words = ["--guess", "--out", str(tmp_path), "--periods", "1", "--q", "0.05"]
+    assert main(["stability", str(lift), *words], painter=painter) == 0
+    drawn = given[0]
+    assert isinstance(drawn, Chart)
+    assert drawn.machine is not None
+    assert drawn.machine.eta == pytest.approx(10.25, rel=0.01)
+    assert drawn.eta_max > drawn.machine.eta
+    widths = np.diff(drawn.tongues["exact_21"].edges[-1], axis=1)
+    assert (widths > 1e-4).all()
+    assert "tongue 20" in (tmp_path / "report.txt").read_text(encoding="utf-8")
+
+
+def test_without_a_folder_nothing_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["stability", str(EXAMPLE)]) == 0
     assert capsys.readouterr().out.startswith("Stability of the flexible shaft\n---")
@@ -107,7 +150,18 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
         given.append(drawn)
         return {f"{drawn.name if isinstance(drawn, Figure) else 'stability'}.png": b"png"}
 
-    words = ["stability", str(EXAMPLE), "--out", str(tmp_path / "o"), "--eta-max", "2.2", "--q", "0.4", "--periods", "1"]
+    words = [
+        "stability",
+        str(EXAMPLE),
+        "--out",
+        str(tmp_path / "o"),
+        "--eta-max",
+        "2.2",
+        "--q",
+        "0.4",
+        "--periods",
+        "1",
+    ]
     assert main(words, painter=painter) == 0
     drawn, terms, averages, windup = given
     assert isinstance(drawn, Chart)
@@ -122,7 +176,9 @@ def test_the_painter_is_given_the_chart_and_the_figures_and_their_pictures_are_w
     assert capsys.readouterr().err == ""
 
 
-def test_the_papers_figures_come_out_of_its_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_averages: None) -> None:
+def test_the_papers_figures_come_out_of_its_example(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, few_averages: None
+) -> None:
     """Figs. 4 to 12, each a picture, and the tables they are drawn from."""
     given: dict[str, Chart | Figure] = {}
 
@@ -184,7 +240,9 @@ NO_SHAFT = {
 
 
 @pytest.mark.parametrize("name", NO_SHAFT)
-def test_a_design_without_an_answer_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
+def test_a_design_without_an_answer_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str
+) -> None:
     design, phrase = NO_SHAFT[name]
     path = saved(tmp_path, design)
     assert main(["stability", str(path), "--out", str(tmp_path / "o")]) == 2
@@ -212,6 +270,7 @@ def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFi
         (["--at", "0.85,-1"], "inertia ratio Q"),
         (["--periods", "0"], "turns; allowed: above 0"),
         (["--out", " "], "a folder is wanted"),
+        (["--rpm", "-5"], "speed; allowed: above 0"),
     ],
 )
 def test_wrong_words_are_refused_in_one_line(capsys: pytest.CaptureFixture[str], words: list[str], phrase: str) -> None:
