@@ -10,12 +10,12 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle, wait_for
 
-from core.design import LAYOUTS, LinkageDesign, SingleCam, faults
+from core.design import LinkageDesign, faults
 from core.export import files
 from core.mechanism import with_point_at
 from core.project import load
 from core.study import LinkageStudy, Study
-from kindyna_gui import export_dialogs, gallery
+from kindyna_gui import export_dialogs
 from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.places import example, examples
@@ -98,16 +98,20 @@ def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path
     path = tmp_path / "rocker.toml"
     text = example("four_bar").read_text(encoding="utf-8").replace("A = [30.0, 0.0]", "A = [95.0, 0.0]")
     path.write_text(text, encoding="utf-8")
-    user = open_user(path)
+    user = open_user(path, plots=False)
+    user.window.docks["centres"].hide()
     player = user.window.player
     (low, high), *_ = player.ranges
     assert 0.0 <= low < high <= TURN
     player.set_theta(0.5 * (low + high))
-    for _ in range(400):
+    ways = set()
+    for _ in range(120):
         before = player.theta
         player.advance(0.01 / player.speed)
         assert any(a <= player.theta <= b for a, b in player.ranges)
         assert player.theta != before
+        ways.add(player.theta > before)
+    assert ways == {True, False}, "it turns back at the ends"
     assert not drawing(user).in_trouble
     assert user.faults == []
 
@@ -249,7 +253,7 @@ def test_only_what_meets_at_the_joint_changes() -> None:
 
 def test_cams_and_linkages_follow_each_other(user: User) -> None:
     """With every dock looked at, undo between, and all layers on."""
-    names = ["four_bar", "transfer_lift", "four_bar_coupler_cam", "card_picker", "rear_suspension", "lecture_six_bar"]
+    names = ["lecture_six_bar", "transfer_lift", "four_bar_coupler_cam", "card_picker", "rear_suspension"]
     for dock in user.window.docks:
         user.window.show_view(dock)
     for before, name in pairwise([*names, *reversed(names)]):
@@ -268,42 +272,3 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
         settle()
         assert not drawing(user).in_trouble
     assert user.faults == []
-
-
-# -- chosen by picture ------------------------------------------------------------------------------------
-
-
-def test_the_gallery_has_the_layouts_and_the_linkages_as_pictures(user: User) -> None:
-    dialog = gallery.Gallery(user.window)
-    dialog.show()
-    assert [choice.name for choice in dialog.layouts.choices] == list(LAYOUTS)
-    assert len(dialog.presets.choices) == len(LINKAGES)
-    while dialog.layouts.paint_next() or dialog.presets.paint_next():
-        pass
-    for pictures in (dialog.layouts, dialog.presets):
-        seen = set()
-        for row in range(pictures.count()):
-            image = pictures.item(row).icon().pixmap(gallery.THUMB).toImage()
-            colours = {image.pixel(x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)}
-            assert len(colours) > 5, pictures.item(row).text()
-            seen.add(bytes(image.constBits()))
-        assert len(seen) == pictures.count()
-    dialog.close()
-    dialog.deleteLater()
-
-
-@pytest.mark.parametrize("letter", LAYOUTS)
-def test_each_layout_begins_a_sound_mechanism(letter: str) -> None:
-    design = gallery.layout_design(letter)
-    assert isinstance(design, SingleCam)
-    assert faults(design) == []
-    assert [f for f in Study(design, 180).findings(("linkage", "cam")) if f.severity == "error"] == []
-
-
-def test_a_preset_that_is_chosen_begins_a_design(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
-    choice = next(c for c in gallery.presets() if c.name == "Watt six bar")
-    monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent: choice)
-    user.choose("Compo", "Choose a mechanism...")
-    assert user.design == load(example("watt_six_bar"))
-    assert user.session.path is None
-    assert not drawing(user).in_trouble
