@@ -6,8 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtTest import QTest
+from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
 from core.design import LinkageDesign, faults
@@ -17,18 +16,10 @@ from core.project import load
 from core.study import LinkageStudy, Study
 from kindyna_gui import export_dialogs
 from kindyna_gui.export_dialogs import TablesWanted
-from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.places import example, examples
 from kindyna_gui.player import TURN
 
 LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), LinkageDesign)]
-
-
-def drawing(user: User) -> MechanismView:
-    view = user.window.view("mechanism")
-    assert isinstance(view, MechanismView)
-    view.pull()
-    return view
 
 
 def there(user: User) -> LinkageStudy:
@@ -54,7 +45,7 @@ def turn(user: User, degrees: float) -> None:
 def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     """Each link is drawn where the core has it, at every tenth of a turn."""
     user = open_user(example(name), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     assert not view.in_trouble
     for step in range(10):
         turn(user, 36.0 * step)
@@ -72,14 +63,14 @@ def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
 def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> None:
     user = open_user(example("inverted_slider_crank"), plots=False)
     turn(user, 70.0)
-    block = drawing(user).scene.item("block.3")
+    block = user.drawing().scene.item("block.3")
     at = block.mapToScene(block.boundingRect().center())
     assert complex(at.x(), at.y()) == pytest.approx(place(user, "A"), abs=0.2)
 
 
 def test_the_coupler_cam_is_drawn_and_exported(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user = open_user(example("four_bar_coupler_cam"))
-    view = drawing(user)
+    view = user.drawing()
     for key in ("cam", "pitch", "roller", "normal", "centre"):
         assert view.scene.item(key).isVisible(), key
     turn(user, 130.0)
@@ -112,7 +103,7 @@ def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path
         assert player.theta != before
         ways.add(player.theta > before)
     assert ways == {True, False}, "it turns back at the ends"
-    assert not drawing(user).in_trouble
+    assert not user.drawing().in_trouble
     assert user.faults == []
 
 
@@ -179,28 +170,13 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
 # -- joints drawn elsewhere -------------------------------------------------------------------------------
 
 
-def pixel(view: MechanismView, at: complex) -> QPoint:
-    """The pixel of a place [mm]."""
-    return view.canvas.viewportTransform().map(QPointF(at.real, at.imag)).toPoint()
-
-
-def drag(view: MechanismView, start: complex, end: complex) -> None:
-    viewport = view.canvas.viewport()
-    one, other = pixel(view, start), pixel(view, end)
-    QTest.mousePress(viewport, Qt.MouseButton.LeftButton, pos=one)
-    for part in (0.3, 0.7, 1.0):
-        QTest.mouseMove(viewport, one + (other - one) * part)
-    QTest.mouseRelease(viewport, Qt.MouseButton.LeftButton, pos=other)
-    settle()
-
-
 @pytest.mark.parametrize(("name", "point", "way"), [("four_bar", "B", 8 + 5j), ("four_bar", "C", -9 + 4j), ("watt_six_bar", "D", 6 - 7j)])
 def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(name: str, point: str, way: complex, open_user: Open) -> None:
     user = open_user(example(name), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     turn(user, 60.0)
     before, start = user.design, place(user, point)
-    drag(view, start, start + way)
+    user.drag(start, start + way)
     assert place(user, point) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now)
     assert user.steps == [f"Move joint {point}"]
     assert faults(user.design) == []
@@ -211,7 +187,7 @@ def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(name: str, point:
 def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
     user = open_user(example("four_bar"), plots=False)
     turn(user, 90.0)
-    drag(drawing(user), place(user, "A"), place(user, "A") + 6.0 + 10.0j)
+    user.drag(place(user, "A"), place(user, "A") + 6.0 + 10.0j)
     assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
     assert user.design.linkage.by_number[2].places["A"].imag == 0.0
     assert user.design.linkage.by_number[3].places["A"] == 0.0
@@ -221,11 +197,11 @@ def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
 def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> None:
     """The ground pivot goes as far as the links, which keep their lengths, can be put together; beyond it is refused."""
     user = open_user(example("four_bar"), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     view.canvas.zoom(0.3, QPointF(200.0, 200.0))
     refused: list[object] = []
     user.session.refused.connect(refused.append)
-    drag(view, 100.0 + 0j, 400.0 + 0j)
+    user.drag(100.0 + 0j, 400.0 + 0j)
     assert refused
     assert not view.in_trouble
     pivot = user.design.linkage.by_number[1].places["O4"]
@@ -259,7 +235,7 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
     for before, name in pairwise([*names, *reversed(names)]):
         user.window.documents.open_example(example(name))
         settle()
-        for action in drawing(user).layer_actions():
+        for action in user.drawing().layer_actions():
             action.setChecked(True)
         user.window.show_view("graph")
         settle()
@@ -270,5 +246,5 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
         settle()
         user.session.stack.undo()
         settle()
-        assert not drawing(user).in_trouble
+        assert not user.drawing().in_trouble
     assert user.faults == []
