@@ -118,7 +118,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
-            Submenu("D&river", linkage_menus.fill_drivers, "drivers"),
+            Submenu("Dri&ver", linkage_menus.fill_drivers, "drivers"),
             Submenu("Cam &roller", linkage_menus.fill_rollers, "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,

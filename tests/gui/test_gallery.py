@@ -145,7 +145,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
         QTest.keyClick(dialog.presets, Qt.Key.Key_Return)
 
     with answering(gallery.Gallery, choose):
-        user.choose("Compo", "Choose a mechanism...")
+        user.choose("File", "New", "Chosen by its picture...")
     assert user.design == load(example("four_bar"))
     user.enter("linkage.links[2].points.C.y_mm", "60")
     user.choose("Compo", "Driver", "Link 2 follows a motion")
@@ -153,7 +153,7 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     user.enter_cell(1, RISE, "20")
     user.enter("cam.roller_radius_mm", "9")
     assert user.steps == [
-        "Begin with Four bar", "Change c y to 60 mm", "Let link 2 follow a motion", "Put the cam roller on C of link 3",
+        "Begin with Four bar", "Change C y to 60 mm", "Let link 2 follow a motion", "Put the cam roller on C of link 3",
         "Change rise of segment 2 to 20°", "Change roller radius Rr to 9 mm",
     ]  # fmt: skip
     view = user.window.view("mechanism")

@@ -116,7 +116,7 @@ def test_dimensions_are_edited_and_undone(open_user: Open) -> None:
     before = user.design
     user.enter(path, "75")
     assert user.design.linkage.by_number[4].places["B"] == 75.0
-    assert user.steps[-1] == "Change b x to 75 mm"
+    assert user.steps[-1] == "Change B x to 75 mm"
     assert abs(place(user, "B") - 100.0) == pytest.approx(75.0, abs=1e-9)
     user.choose("Edit", user.action("Edit").menu().actions()[0].text().replace("&", ""))  # type: ignore[union-attr]
     assert user.design == before
@@ -156,6 +156,25 @@ def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
     graph.tree.item_of("point.D_vx").setCheckState(0, Qt.CheckState.Checked)  # type: ignore[attr-defined]
     settle()
     assert "point.D_vx" in [row.quantity for row in graph.drawn]  # type: ignore[attr-defined]
+
+
+def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
+    """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
+    user = open_user(example("four_bar"))
+    docks = ("displacement", "velocity", "acceleration", "pressure_angle", "torque", "contact_force")
+    wanted = {
+        "four_bar": ("Angle", "Angular velocity", "Angular accel.", "Transmission angle", "Driver torque", "Joint forces"),
+        "rear_suspension": ("Displacement", "Velocity", "Acceleration", "Transmission angle", "Driver torque", "Joint forces"),
+        "cam_slider_linkage":
+            ("Displacement", "Velocity", "Acceleration", "Pressure angle", "Camshaft torque", "Contact force"),
+        "transfer_lift": ("Displacement", "Velocity", "Acceleration", "Pressure angle", "Torque", "Contact force"),
+    }  # fmt: skip
+    for name, titles in wanted.items():
+        user.session.start(load(example(name)))
+        settle()
+        assert tuple(user.window.docks[dock].windowTitle() for dock in docks) == titles, name
+        assert set(titles) <= set(user.entries("View", "Docks"))
+        assert f"{titles[0]}..." in user.entries("Graph", "Export picture")
 
 
 def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
