@@ -144,9 +144,13 @@ def require_sense(request: Request) -> None:
             f"start {request.start:g} deg, end {request.end:g} deg: outside their range; "
             "allowed: 0 <= start < end <= 360 deg"
         )
+    meant: dict[str, str] = {}
     for name, value in request.settings.items():
         if name not in SETTINGS:
             raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
+        other = meant.setdefault(renamed(request, name), name)
+        if other != name:
+            raise BlendError(f"{other}, {name}: two names of one setting where there is only a return; give one", name)
         if not 0.0 < value < 1e100:
             unit = UNITS.get(name, "{u}").format(u=request.unit)
             raise BlendError(f"{name} = {value:g}: outside its range; allowed: > 0 {unit}", name)
