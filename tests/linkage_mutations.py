@@ -73,9 +73,6 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/mechanism/rounding.py": [
         ("closed.reach * (2.0 +", "1e-3 * closed.reach * (2.0 +", DOUBT),
     ],
-    "core/linkage/triangle.py": [
-        ("* room * (small + gap)", "* room * (small - gap)", NEAR_END),
-    ],
     "core/mechanism/grashof.py": [
         ("if surplus > 0.0:", "if surplus < 0.0:", MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
         ('"coupler": rods[1 - frame_side]', '"coupler": rods[frame_side]',

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.exact_shafts import DAMPING, SPEED, TURNS
-from benchmarks.hill import Q, A
+from benchmarks.hill import A, Q
 from benchmarks.table import Channels, Kernel, Method
 from shafts import KIM, of
 
