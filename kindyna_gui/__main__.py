@@ -19,8 +19,8 @@ from kindyna_gui.display import lacking, obstacle
 from kindyna_gui.places import default_design
 
 if TYPE_CHECKING:
-    from core.__main__ import Painter
-    from core.stability import Chart
+    from core.commands import Painter
+    from core.stability import Chart, Figure
     from core.study import Study
 
     Run = Callable[[argparse.Namespace, Painter | None], int]
@@ -52,8 +52,8 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def paint(study: Study | Chart) -> Mapping[str, bytes]:
-    """The pictures of a study or of a chart; none, and one line that says why, where Qt cannot be loaded."""
+def paint(study: Study | Chart | Figure) -> Mapping[str, bytes]:
+    """The pictures of a study, a chart or another figure; none, and one line that says why, where Qt cannot be loaded."""
     try:
         from kindyna_gui.pictures.files import paint as painted
     except ImportError as error:

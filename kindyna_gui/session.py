@@ -11,11 +11,10 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QUndoCommand, QUndoStack
 
-from core.design import Design, edited, faults
+from core.design import Design, edited, faults, motion_of
 from core.errors import Fault, KindynaError, NoAnswer
 from core.project import load, save
 from core.study import Study
-from kindyna_gui.shown_kinds import motion_of
 from kindyna_gui.wording import name_of, named, sentence
 
 SAMPLES = 1800
@@ -199,7 +198,8 @@ class Session(QObject):
         try:
             # only what is on screen: it is computed anyway once the design is in place
             for stage in self.stages_on_screen():
-                getattr(study, stage)
+                if stage in study.stages:  # another kind of linkage may lack what is shown now
+                    getattr(study, stage)
         except NoAnswer as error:
             told = named(design, str(error).removeprefix(f"{error.field}: "))
             return ((error.field, name_of(design, error.field), told),)

@@ -13,6 +13,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.places import examples
 from kindyna_gui.session import Refusal
+from kindyna_gui.titles import title_of
 from kindyna_gui.wording import choice_tip
 
 if TYPE_CHECKING:
@@ -110,8 +111,9 @@ def fill_pictures(window: MainWindow, menu: QMenu) -> None:
     for name, row in VIEWS.items():
         view = window.view(name)
         if row.picture and view is not None and view.on_screen():
-            action = menu.addAction(f"{row.title}...")
-            action.setStatusTip(f"Write the picture {row.title} as PNG or SVG")
+            title = title_of(name, window.session.design)
+            action = menu.addAction(f"{title}...")
+            action.setStatusTip(f"Write the picture {title} as PNG or SVG")
             action.triggered.connect(partial(_without_state, window.export_picture, name))
     menu.menuAction().setEnabled(not menu.isEmpty())
 

@@ -9,7 +9,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CRANK, CURVES, MOTION, Design, Entry, LinkageDesign, Unit, entries, kind_row
+from core.design import CRANK, CURVES, Design, Driver, Entry, LinkageDesign, Unit, entries, kind_row
 from core.errors import KindynaError
 from core.laws import find_law
 from core.linkage.base import LAYOUT_TABLE
@@ -19,8 +19,8 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
-    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)", CRANK: "a crank at speed",
-     MOTION: "the motion", "1": "left (+1)", "-1": "right (\u22121)"}
+    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)",
+     "1": "left (+1)", "-1": "right (\u22121)"}
 )
 """Words of the file that read better otherwise."""
 
@@ -124,7 +124,12 @@ def heading_of(design: Design, path: str) -> str:
         return f"Force at {force.point} of link {force.link}"
     if path.startswith("linkage.branch."):
         return "Way of assembly"
-    return f"Driver, link {design.linkage.driver.link}" if path.startswith("linkage.driver.") else ""
+    return driver_text(design.linkage.driver) if path.startswith("linkage.driver.") else ""
+
+
+def driver_text(driver: Driver) -> str:
+    """``Link 4 follows the motion``."""
+    return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}"
 
 
 def entry_label(design: Design, entry: Entry) -> str:

@@ -206,24 +206,6 @@ def histories(
     return tuple(told)
 
 
-def averages(
-    coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, damping: float = 0.0, periods: float = 1.0
-) -> tuple[np.ndarray, np.ndarray]:
-    """Means (L,) of |β| and |β'| over the first periods from rest, many points side by side (Kim1990 Figs. 6, 7)."""
-    eta, q = np.broadcast_arrays(np.atleast_1d(np.asarray(eta, dtype=float)), np.asarray(q, dtype=float))
-    march = March(coefficients, Points(eta, q, damping))
-    gone = march.run(march.resting(), 0.0, periods, keep=True)
-    sums = np.zeros((2, eta.size))
-    for step in gone.steps:
-        parts = np.broadcast_to(LOOKED_AT, (step.lane.size, LOOKED_AT.size))
-        y = step.y[:, None] + step.h[:, None] * parts
-        beta, rate = step.within(parts)[..., 0], _interpolated(step.rate[:, :, 0], parts)
-        for row, size in zip(sums, _sizes(y, beta, rate), strict=True):
-            np.add.at(row, step.lane, size)
-    sums[:, np.isnan(gone.y)] = np.nan
-    return sums[0] / periods, sums[1] / periods
-
-
 def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): a cubic between two looks (Hermite)."""
     width = np.diff(y, axis=1)

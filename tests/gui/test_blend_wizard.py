@@ -869,7 +869,7 @@ def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     """The linkage of the lift does not reach three metres."""
     user: User = open_user(plots=False)
     before = user.design
-    user.window.blend_motion()
+    user.window.designing.blend()
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
     wizard = Wizard(dialog)

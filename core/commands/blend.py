@@ -1,0 +1,67 @@
+"""The command ``blend``: a motion blended from elementary curves."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
+from core.commands import DONE, Painter
+from core.making import blend_text, curves_data, into_design
+from core.project import load, save
+from core.summary import to_json
+
+
+def _setting(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be NAME=NUMBER, one of {' | '.join(SETTINGS)}") from None
+
+
+def words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help="motion")
+    parser.add_argument("--stroke", required=True, type=float, metavar="S", help="of the rise (mm, or --unit)")
+    parser.add_argument("--return-stroke", type=float, default=0.0, metavar="S", help="where it differs")
+    parser.add_argument("--start", required=True, type=float, metavar="DEG", help="cam angle where it starts")
+    parser.add_argument("--end", required=True, type=float, metavar="DEG", help="cam angle where it ends")
+    parser.add_argument(
+        "--constant-velocity",
+        nargs="?",
+        const="rise",
+        default="none",
+        choices=CONSTANT_VELOCITY[1:],
+        help="plain = rise",
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=" | ".join(SETTINGS)
+    )
+    parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
+    parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
+    parser.add_argument("--unit", choices=("mm", "deg"), default="mm")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
+
+
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
+    """A blended motion, printed and perhaps written into a design."""
+    constant = words.constant_velocity
+    if constant == "rise" and words.type == "DRD-return":
+        constant = "return"  # plain: of the one stroke there is
+    request = Request(
+        type=words.type,
+        stroke=words.stroke,
+        start=words.start,
+        end=words.end,
+        constant=constant,
+        settings=dict(words.set),
+        return_stroke=words.return_stroke,
+        sequence=words.sequence,
+        unit=words.unit,
+    )
+    found = best(request, words.best) if words.best else blend(request)
+    if words.into is not None:
+        save(into_design(load(words.into), found), words.into)
+    print(to_json(curves_data(found)) if words.json else blend_text(found), end="")
+    return DONE
