@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, cast
@@ -26,7 +26,7 @@ def locked(value: T) -> T:
             locked(part)
     elif is_dataclass(value):
         held = vars(value)
-        for name in _field_names(type(value)):
+        for name in _field_names(cast(Hashable, type(value))):
             part = held.get(name)
             if part is not None and type(part) not in _PLAIN:
                 locked(part)
@@ -37,7 +37,7 @@ _PLAIN = frozenset({float, int, str, bool, complex})
 
 
 @lru_cache(maxsize=256)
-def _field_names(kind: type) -> tuple[str, ...]:
+def _field_names(kind: Any) -> tuple[str, ...]:
     return tuple(field.name for field in fields(kind))
 
 
