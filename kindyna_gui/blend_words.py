@@ -8,7 +8,7 @@ from math import isfinite
 
 from core.blend import Blended, Range
 from core.design import UNITS, Motion
-from core.making import curve_rows
+from core.making import changed_beside, curve_rows
 from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
 from kindyna_gui.wording import law_label, shortest
 
@@ -117,13 +117,11 @@ def _at_speed(value: float, symbol: str) -> str:
 
 def effect(before: Motion, after: Motion, blended: Blended) -> str:
     """What else of the motion comes to move otherwise, in a sentence."""
-    others = [(n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments]
-    was = {(s.curve, s.rise) for s in before.segments}
-    if not others:
+    if not any(s.rise and s not in blended.segments for s in after.segments):
         return "These curves and the dwells about them make the whole turn."
     if not any(s.rise for s in before.segments):
         return "Nothing else moves yet, so the same curves run backwards bring the follower back."
-    changed = next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+    changed = changed_beside(before, after, blended)
     if changed is None:
         return "The rest of the motion stays."
     n, segment = changed

@@ -20,11 +20,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from digit_mutations import DIGIT_MUTATIONS
 from linkage_mutations import LINKAGE_MUTATIONS
 from shaft_mutations import MUTATIONS as SHAFT_MUTATIONS
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("core", "tests", "resources", "pyproject.toml")
+COPIED = ("core", "kindyna_gui", "tests", "resources", "pyproject.toml")
 LONGEST = 300  # [s] one test may take
 
 LAWS, MOTION, LINKAGE, CAM = (f"tests/core/test_{name}.py::" for name in ("laws", "motion", "linkage", "cam"))
@@ -431,9 +432,10 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("value if not isinstance(value, float) or math.isfinite(value) else None", "value",
          CHANNELS + "test_findings_stand_in_the_summary_with_all_that_a_program_needs"),
     ],
-    **LINKAGE_MUTATIONS,
-    **SHAFT_MUTATIONS,
 }  # fmt: skip
+for _more in (LINKAGE_MUTATIONS, SHAFT_MUTATIONS, DIGIT_MUTATIONS):
+    for _file, _rows in _more.items():
+        MUTATIONS[_file] = [*MUTATIONS.get(_file, []), *_rows]
 
 
 @dataclass(frozen=True)
@@ -464,7 +466,7 @@ def copied(folder: Path) -> Path:
     for name in COPIED:
         source, target = ROOT / name, folder / name
         if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", "gui"))
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy2(source, target)
     return folder

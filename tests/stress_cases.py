@@ -22,6 +22,7 @@ from mechanisms import (
     posed,
     with_cam,
     with_drive,
+    with_follower,
     with_loads,
     with_shaft,
 )
@@ -341,6 +342,12 @@ def _over_the_pivot(by: float) -> Sample:
     return cam(UPRIGHT, angle_where(UPRIGHT, cosine, by, 0))
 
 
+def _hardly_moves(after: float) -> Sample:
+    """A follower that has hardly left its dwell: the normal all but along its guide."""
+    central = with_follower(PUSHER, offset_mm=0.0)
+    return cam(central, float(Program(central.drive.motion).starts[1]) + after)
+
+
 def _span(degrees: float) -> Sample:
     """A rise and a return within so many degrees each."""
     rest = (360.0 - 2.0 * degrees) / 2.0
@@ -480,6 +487,7 @@ CASES: tuple[Case, ...] = (
     Case("Roller over the pivot", "cosine to the line of centres", POWERS[:13], _over_the_pivot, 4),
     Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(by)), 4),
     Case("Pressure angle to 90°: forces", "sine to the line of centres", POWERS[:11], lambda by: forces(SWING, _on_the_line(by)), 3),
+    Case("Pressure angle to 0°", "cam angle after the dwell [rad]", POWERS[1:9], _hardly_moves, 3),
     Case("Rod across the guide", "cosine of the rod angle", POWERS[:11], _rod_across, 3),
     Case("Short spans", "span [°]", (*tuple(179.0 * 10.0 ** (-k) for k in range(8)), 1e-06), _span, 4),
     Case("Small strokes", "stroke [mm]", tuple(10.0**k for k in range(3, -10, -1)), _stroke, 4),

@@ -136,7 +136,7 @@ def wrong_number(request: Request) -> BlendError:
     if not rows:
         known = " | ".join(str(s) for s in sequences(request.type, request.constant))
         return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {known}")
-    counts = sorted({(c.freedom, str(c.sequence)) for c in rows})
+    counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
     given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
     named = {name for opening in openings(request) for name in opening.settings}

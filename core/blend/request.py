@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from math import isfinite
 from types import MappingProxyType
 
@@ -91,21 +92,30 @@ class Candidate:
 
 def candidates(request: Request) -> list[Candidate]:
     """The sequences of a type of motion with their freedoms, fewest curves first."""
+    rise, back = _strokes(request)
+    made = _candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back)
+    return list(made)
+
+
+@lru_cache(maxsize=64)
+def _candidates(
+    motion_type: str, constant: str, only: str, wanted_mirrored: bool | None, equal: bool
+) -> tuple[Candidate, ...]:
     found = []
-    for sequence in sequences(request.type, request.constant):
-        if request.sequence and request.sequence.upper() != str(sequence):
+    for sequence in sequences(motion_type, constant):
+        if only and only != str(sequence):
             continue
         backwards = len(sequence.rise) < 2 and len(sequence.back) > 1
         shown = _run_backwards(sequence) if backwards or not sequence.rise else sequence
         backwards = shown is not sequence
         plain = Family(shown)
-        if _symmetric(shown) and len(shown.rise) > 1 and request.mirrored is not False:
+        if _symmetric(shown) and len(shown.rise) > 1 and wanted_mirrored is not False:
             mirrored = Family(shown, mirrored=True)
-            if mirrored.freedom < plain.freedom and _strokes(request)[0] == _strokes(request)[1]:
+            if mirrored.freedom < plain.freedom and equal:
                 found.append(Candidate(sequence, mirrored, backwards))
-        if request.mirrored is not True:
+        if wanted_mirrored is not True:
             found.append(Candidate(sequence, plain, backwards))
-    return found
+    return tuple(found)
 
 
 def problem_of(request: Request, candidate: Candidate, wishes: Iterable[Wish]) -> Problem:
@@ -144,9 +154,13 @@ def require_sense(request: Request) -> None:
             f"start {request.start:g} deg, end {request.end:g} deg: outside their range; "
             "allowed: 0 <= start < end <= 360 deg"
         )
+    meant: dict[str, str] = {}
     for name, value in request.settings.items():
         if name not in SETTINGS:
             raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
+        other = meant.setdefault(renamed(request, name), name)
+        if other != name:
+            raise BlendError(f"{other}, {name}: two names of one setting where there is only a return; give one", name)
         if not 0.0 < value < 1e100:
             unit = UNITS.get(name, "{u}").format(u=request.unit)
             raise BlendError(f"{name} = {value:g}: outside its range; allowed: > 0 {unit}", name)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
     from core.centring import Snapshot
@@ -17,8 +17,11 @@ if TYPE_CHECKING:
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Painter = Callable[["Study | Chart | Figure | Snapshot"], Mapping[str, bytes]]
-"""Paints a study, a chart or another figure of stability, or a linkage at one angle: file name -> content."""
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability."""
+
+Painter = Callable[[Drawn], Mapping[str, bytes]]
+"""Paints it: file name -> content."""
 
 
 @dataclass(frozen=True)

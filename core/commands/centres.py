@@ -1,4 +1,4 @@
-"""The command ``centres``: instant centres and velocities of a linkage at one position, as JSON and as pictures."""
+"""The command ``centres``: instant centres and velocities of a linkage at one position, as JSON."""
 
 from __future__ import annotations
 

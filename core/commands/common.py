@@ -1,4 +1,4 @@
-"""Words that several commands take, the exit code that findings ask for, and pictures where someone paints."""
+"""Words that several commands take, and the exit code that findings ask for."""
 
 from __future__ import annotations
 
@@ -6,14 +6,10 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from core.commands import DONE, DONE_WITH_ERRORS, Painter
+from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.findings import ERROR
 from core.study import SAMPLES, Study
-
-if TYPE_CHECKING:
-    from core.centring import Snapshot
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
@@ -52,8 +48,8 @@ def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
 
 
-def pictures(drawn: Study | Snapshot, painter: Painter | None) -> Mapping[str, bytes]:
-    """What is painted: file name -> content; nothing, and a line that says so, where nobody paints."""
+def pictures(drawn: Drawn, painter: Painter | None) -> Mapping[str, bytes]:
+    """File name -> content; where nobody paints, that is said."""
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}

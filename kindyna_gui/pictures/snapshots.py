@@ -1,4 +1,4 @@
-"""A linkage at one angle as files: its centres with the lines that find them, and its velocity polygon."""
+"""A linkage at one angle, as pictures: its centres, and its velocity polygon."""
 
 from __future__ import annotations
 
@@ -16,15 +16,14 @@ from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.polygon import PolygonSheet
 from kindyna_gui.pictures.style import LIGHT
 
-POLYGON = (640, 560)  # pixels
-_LAYERS = ("centres", "kennedy", "velocities", "chain")
+SHEET_OF_POLYGON = (640, 560)  # pixels
 
 
-def _centres(snapshot: Snapshot, ending: str) -> bytes:
-    """The mechanism with all centres, the lines that find them, velocities, and their ratios from link to link."""
+def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
+    """The mechanism with all centres, the lines that find them and the velocity ratios from link to link."""
     vector = ending == ".svg"
     scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
-    for layer in _LAYERS:
+    for layer in ("centres", "kennedy", "velocities", "chain"):
         scene.set_layer(layer, True)
     scene.update_study(snapshot.study)
     scene.set_angle(radians(snapshot.angle_deg))
@@ -32,10 +31,11 @@ def _centres(snapshot: Snapshot, ending: str) -> bytes:
     return svg(sheet, snapshot.study.design.name) if vector else png(sheet)
 
 
-def _polygon(snapshot: Snapshot, ending: str) -> bytes:
+def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
+    """The velocity polygon."""
     study = snapshot.study
     sheet = PolygonSheet()
-    sheet.resize(*POLYGON)
+    sheet.resize(*SHEET_OF_POLYGON)
     sheet.frame_for(velocity_polygon(study.linkage), study.omega)
     there = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
@@ -44,10 +44,5 @@ def _polygon(snapshot: Snapshot, ending: str) -> bytes:
 
 
 SNAPSHOTS: Mapping[str, Callable[[Snapshot, str], bytes]] = MappingProxyType(
-    {"centres": _centres, "velocity_polygon": _polygon}
+    {"centres": _centres_file, "velocity_polygon": _polygon_file}
 )
-
-
-def snapshot_files(snapshot: Snapshot) -> dict[str, bytes]:
-    """File name -> content."""
-    return {f"{name}{ending}": draw(snapshot, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}

@@ -116,4 +116,5 @@ KERNEL = Kernel(
         Method("mechanism", peers.four_bar, needs=("mechanism",), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4,  # as of the cam's own linkage, whose triangle it is
+    digits=2e-15,
 )

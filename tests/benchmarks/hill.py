@@ -246,6 +246,7 @@ TONGUES = Kernel(
         *(replace(m, name=f"trace on a grid, {m.name}", one_by_one=True) for m in _solvers(solved_trace, (1e-8, 1e-6))),
     ),
     roundings=8,
+    digits=2e-15,
     sizes=(1, 4, 16, 64),
     usual=1,
     between=1,
@@ -264,6 +265,7 @@ MONODROMY = Kernel(
     ),
     # the product of the panels, each good to some roundings
     roundings=32,
+    digits=4e-15,
     sizes=(10, 100, 1000, 10_000),
     usual=100,
     between=1,

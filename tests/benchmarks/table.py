@@ -54,6 +54,7 @@ class Kernel:
     methods  ours first
     roundings  of the numbers that go in and of what is made of them, in our method; with the condition of the exact values
                it bounds our error where no larger one is wanted
+    digits   some four times our error, far below its bound: a digit that is lost is seen
     """
 
     name: str
@@ -62,11 +63,11 @@ class Kernel:
     grid: Callable[[int], np.ndarray]
     methods: tuple[Method, ...]
     roundings: float
+    digits: float
     sizes: tuple[int, ...] = SIZES
     usual: int = USUAL
     between: int = field(default=720)  # angles among which the exact ones stand, for methods that go from one to the next
     unit: str = "cam angles"  # what n counts
-    digits: float = 1e-14  # our error stays below, far below its bound, so that a lost digit is seen
 
     @property
     def ours(self) -> Method:

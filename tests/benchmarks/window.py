@@ -22,10 +22,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
-ROOT = Path(__file__).parents[2]
-
 if __name__ == "__main__":
-    sys.path.insert(0, str(ROOT))
+    sys.path.insert(0, str(Path(__file__).parents[2]))
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
 from PySide6.QtCore import QEvent, QPointF, Qt
@@ -44,6 +42,7 @@ from kindyna_gui.plots_view import PlotView
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
 from kindyna_gui.segments_view import SegmentsView
 
+ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)
 ROWS = 4  # plots one below the other
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve

@@ -89,5 +89,5 @@ KERNEL = Kernel(
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
-    digits=1.2e-13,  # β is a hundredth of a turn: a rounding of the fifth turn is 9e-14 of it
+    digits=3e-13,  # β is a hundredth of a turn: a rounding of the fifth turn is 9e-14 of it
 )

@@ -121,6 +121,14 @@ def test_the_least_acceleration_is_an_end() -> None:
         ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
         ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
         ({"sequence": "C1-C1"}, "sequence 'C1-C1': not of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        (
+            {"type": "DRD-return", "constant": "return", "settings": {"vcv": 0.1, "vcv2": 0.2}},
+            "vcv, vcv2: two names of one setting where there is only a return; give one",
+        ),
+        (
+            {"constant": "both", "settings": {"h1": 1.0, "h3": 1.0, "peak": 200.0}},
+            "C1-CV1-H2-H3-CV2-C4 (mirrored) takes 2 settings; C1-CV1-H2-H3-CV2-C4 takes 4 settings",
+        ),
         ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),
         ({"settings": {"h1": 1.0, "h2": 1.0, "h3": 1.0, "h4": 1.0}}, "settings given: h1, h2, h3, h4; "),
     ],

@@ -903,3 +903,13 @@ def test_a_refusal_without_a_field_is_told_below(ask: Ask) -> None:
     wizard.questions.show_error(BlendError("these settings leave no range; change one of them"))
     assert wizard.questions.general.isVisible()
     assert wizard.questions.general.text() == "these settings leave no range; change one of them"
+
+
+def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
+    wizard = ask(PICKER, 1)
+    wizard.dialog.resize(wizard.dialog.minimumSize())
+    settle()
+    head = wizard.dialog.panel.table.horizontalHeader()
+    for column, title in enumerate(h.title for h in wizard.dialog.panel.table.rows._headings):
+        assert head.fontMetrics().horizontalAdvance(title) + 8 <= head.sectionSize(column), title
+    assert sum(head.sectionSize(i) for i in range(head.count())) <= wizard.dialog.panel.table.viewport().width()
