@@ -236,6 +236,26 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
     assert lowest > highest
 
 
+def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
+    user = open_user(example("stephenson_six_bar"), plots=False)
+    view = drawing(user)
+    for layer in ("centres", "chain"):
+        view.show_layer(layer, True)
+    arrows = 0
+    for degrees in (80.0, 100.0, 120.0):
+        at(user, degrees)
+        scale, made = view.canvas.scale_now, view.scene.construct
+        assert made is not None
+        assert made.marks is not None
+        tags = [tag for _, _, tag in made.ratios["chain"].rows]
+        boxes = [tag.pixel_box().translated(tag.pos().x() * scale, -tag.pos().y() * scale) for tag in tags]
+        for mark in made.marks.marks:
+            if mark.arrow.isVisible():
+                arrows += 1
+                assert not any(box.contains(mark.arrow.pos().x() * scale, -mark.arrow.pos().y() * scale) for box in boxes)
+    assert arrows
+
+
 # -- numbers never stand on parts -------------------------------------------------------------------------
 
 
