@@ -10,7 +10,7 @@ from types import MappingProxyType
 from core.blend.curves import CONSTANT, CONSTANT_VELOCITY, MOTION_TYPES, Sequence, sequences
 from core.blend.family import Family, Solution, Task
 from core.blend.solver import Problem
-from core.blend.wishes import POINT, SETTINGS, Wish
+from core.blend.wishes import MAY_VANISH, POINT, SETTINGS, Wish
 from core.design import Named, Segment
 from core.errors import KindynaError
 
@@ -22,7 +22,6 @@ _MIRRORED_SETTING = {
     "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
 }  # fmt: skip
 _OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
-VANISHING = ("h2", "h5", "length")  # a constant velocity may have no length: the curves about it meet
 ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
 
@@ -153,8 +152,8 @@ def require_sense(request: Request) -> None:
         other = meant.setdefault(renamed(request, name), name)
         if other != name:
             raise BlendError(f"{other}, {name}: two names of one setting where there is only a return; give one", name)
-        least = ">=" if name in VANISHING else ">"
-        if not 0.0 <= value < 1e100 or (value == 0.0 and name not in VANISHING):
+        least = ">=" if name in MAY_VANISH else ">"
+        if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
             unit = UNITS.get(name, "{u}").format(u=request.unit)
             raise BlendError(f"{name} = {value:g}: outside its range; allowed: {least} 0 {unit}", name)
     for at, value in request.points:
