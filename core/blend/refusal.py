@@ -45,7 +45,7 @@ def _redundant(request: Request, fitting: Sequence[Candidate], wishes: Sequence[
             others = [w for w in wishes if w is not wish]
             by = determining(request, candidate, wish, others)
             ranges = ranges_by(request, [candidate], by, wish) if by is not None else []
-            if by is not None and ranges:
+            if by is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
                 name, unit = _name(request, wish), _unit(request, wish.name)
                 cause = f" by {', '.join(_named(request, w) for w in by)}" if by else ""
                 values = " or ".join(f"{r.low:.9g}" for r in ranges)
@@ -100,7 +100,7 @@ def _told(request: Request, wish: Wish, ranges: Sequence[Range], beside: Sequenc
     tail = f" beside {others}" if others else ""
     name, allowed = _name(request, wish), hull(ranges)
     text = f"{_named(request, wish)} {unit} is not feasible{tail}"
-    if isfinite(allowed[1]) and allowed[1] - allowed[0] <= SAME * max(map(abs, allowed)):
+    if _is_one(*allowed):
         text = f"{_named(request, wish)} {unit}: determined already{tail}: {allowed[0]:.9g} {unit}; set another one"
         return BlendError(text, name, allowed)
     told = " or ".join(range_text(r, name) for r in ranges)
@@ -108,6 +108,11 @@ def _told(request: Request, wish: Wish, ranges: Sequence[Range], beside: Sequenc
         text = f"{_named(request, wish)} {unit}: many motions have it{tail}: it leaves them undetermined"
         return BlendError(f"{text}; set another one, or one within {told} {unit}", name, allowed)
     return BlendError(f"{text}; feasible: {told} {unit}", name, allowed)
+
+
+def _is_one(low: float, high: float) -> bool:
+    """Whether there is but one value."""
+    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
 def _is_well_within(found: Range, value: float) -> bool:

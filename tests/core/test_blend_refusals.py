@@ -177,3 +177,16 @@ def test_an_end_that_is_nothing_but_rounding_is_none() -> None:
     given = {"length": 1.8921432953866058, "h2": 0.06133885217638034}
     found = feasible_ranges(Request("DRRD", 0.09095859025469943, 0.0, 158.90470856369362, "rise", given), "h1")
     assert [r.low for r in found] == [0.0]
+
+
+def test_the_greater_of_two_accelerations_is_not_determined_by_the_less() -> None:
+    """Height and span of the rise say what its acceleration is; that of the return may still be greater."""
+    given = {"h1": 15.4886802, "peak": 6.4848472}
+    wish = Request("DRRD", 20.0, 0.0, 20.0, "return", {**given, "acceleration": 4.0})
+    with pytest.raises(BlendError, match=r"not feasible beside .*; feasible: acceleration >= 7\.63694") as caught:
+        blend(wish)
+    assert caught.value.allowed is not None
+    least, most = caught.value.allowed
+    assert most == math.inf
+    assert solves(wish, "acceleration", least * (1 + 1e-6))
+    assert not solves(wish, "acceleration", least * (1 - 1e-6))
