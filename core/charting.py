@@ -11,33 +11,35 @@ from pathlib import Path
 import numpy as np
 
 from core.design import require_single_cam
-from core.export import TONGUES, csv, tongues_table
 from core.files import write_all
 from core.findings import ERROR
 from core.project import load
-from core.report import columns, finding_line, report, stability_text
+from core.report import finding_line, report, stability_text
+from core.shaft_tables import claims_text, needed_text, profile_plot, profile_table, tables
 from core.stability import (
-    EQUATIONS,
     ETA_MAX,
     Chart,
+    Figure,
+    History,
     Stability,
-    averages,
+    averages_plots,
     chart,
     claims,
-    count_up_to,
+    coefficients_plot,
+    flexible,
     histories,
-    tongues,
+    history_plot,
 )
+from core.stability.claims import FIGURES, ROWS
+from core.stability.guess import USUAL_ETA, USUAL_Q
 from core.study import Study
 from core.summary import summary, to_json
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
-FIRST_ETA, ETA_STEP = 0.5, 0.05  # of the table of averages (Kim1990 Figs. 6, 7)
-SAMPLES_PER_TURN = 100
-COEFFICIENT_ROWS = 720
+UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 
-ChartPainter = Callable[[Chart], Mapping[str, bytes]]
-"""Paints a chart: file name -> content."""
+ChartPainter = Callable[[Chart | Figure], Mapping[str, bytes]]
+"""Paints a chart or another figure: file name -> content."""
 
 
 # -- words ------------------------------------------------------------------------------------------------
@@ -77,10 +79,18 @@ def stability_words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml) with a flexible shaft")
     parser.add_argument("--out", type=_folder, metavar="DIR", help="write tables, report and chart there")
     parser.add_argument(
-        "--q", action="append", default=[], type=_q, metavar="Q", help="rows of the table (the machine's own)"
+        "--q",
+        action="append",
+        default=[],
+        type=_q,
+        metavar="Q",
+        help="rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
     )
     parser.add_argument(
-        "--eta-max", type=_eta, default=ETA_MAX, metavar="ETA", help=f"tongues up to there ({ETA_MAX:g})"
+        "--eta-max",
+        type=_eta,
+        metavar="ETA",
+        help=f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)",
     )
     parser.add_argument(
         "--at",
@@ -93,7 +103,22 @@ def stability_words(parser: argparse.ArgumentParser) -> None:
     periods = _number(0.0, MOST_PERIODS, "turns")
     parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
     parser.add_argument(
-        "--claims", action="store_true", help="what Kim1990 says of its cam against what comes out here"
+        "--rpm",
+        action="append",
+        default=[],
+        type=_number(0.0, 1e5, "speed"),
+        metavar="RPM",
+        help="tell how stiff the shaft must be to run at this speed",
+    )
+    parser.add_argument(
+        "--guess",
+        action="store_true",
+        help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}",
+    )
+    parser.add_argument(
+        "--claims",
+        action="store_true",
+        help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
     )
 
 
@@ -101,19 +126,23 @@ def stability_words(parser: argparse.ArgumentParser) -> None:
 
 
 def stability_command(words: argparse.Namespace, painter: ChartPainter | None) -> int:
-    """The section of the report on the terminal; with a folder the tables, the report and the chart as files."""
+    """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     study = Study(require_single_cam(load(words.design)))
+    if words.guess and study.design.shaft.elastic is None:
+        study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     found = study.flexible_shaft()
     if words.claims:
-        text = claims_text(found)
+        text = claims_text(claims(found))
         if words.out is not None:
-            write_all(words.out, {"claims.txt": text})
+            write_all(words.out, {"claims.txt": text, **paper_files(study, found, words, painter)})
         print(text, end="")
         return 0
     text = stability_text(study)
     if words.out is not None:
         write_all(words.out, stability_files(study, found, words, painter))
     print(text, end="")
+    for rpm in words.rpm:
+        print(needed_text(found.stiffness_for(rpm)))
     told = study.findings(("stability",))
     for finding in told:
         print(finding_line(finding))
@@ -124,65 +153,60 @@ def stability_files(
     study: Study, found: Stability, words: argparse.Namespace, painter: ChartPainter | None
 ) -> dict[str, str | bytes]:
     """File name -> content of all that the command writes."""
-    damping, rows = found.machine.damping, np.array(words.q or [found.machine.q])
-    count = count_up_to(words.eta_max)
+    rows = np.array(words.q or [found.machine.q])
+    gone = _followed(found, words.at or [(found.machine.eta, found.machine.q)], words.periods)
+    means = found.averages(words.q, words.eta_max or ETA_MAX)
     made: dict[str, str | bytes] = {
-        TONGUES: tongues_table([tongues(found.coefficients, rows, count, e, damping, error=1e-11) for e in EQUATIONS]),
-        "windup.csv": windup_table(found, words.at or [(found.machine.eta, found.machine.q)], words.periods),
-        "windup_averages.csv": averages_table(found, rows, words.eta_max),
-        "coefficients.csv": coefficients_table(found),
+        **tables(found, rows, gone, means, words.eta_max or ETA_MAX),
         "report.txt": report(study),
         "summary.json": to_json(summary(study, study.stages)),
     }
+    title, machine, eta_max = study.design.name, found.machine, words.eta_max or found.eta_max
+    drawn = chart(
+        found.coefficients, machine, title, eta_max=eta_max, damping=machine.damping, marked=words.q, error=UNSEEN
+    )
+    return made | _painted(
+        painter,
+        drawn,
+        Figure("coefficients", title, (coefficients_plot(found.coefficients),)),
+        Figure("windup_averages", title, averages_plots(means)),
+        Figure("windup", title, tuple(history_plot(each) for each in gone)),
+    )
+
+
+def _followed(found: Stability, points: Sequence[tuple[float, float]], periods: float) -> tuple[History, ...]:
+    eta, q = np.array(points).T
+    return histories(found.coefficients, eta, q, found.machine.damping, periods, contact=found.contact)
+
+
+def _painted(painter: ChartPainter | None, *drawn: Chart | Figure) -> dict[str, bytes]:
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
-        return made
-    drawn = chart(
-        found.coefficients, found.machine, study.design.name, eta_max=words.eta_max, damping=damping, marked=words.q
-    )
-    made.update(painter(drawn))
-    return made
+        return {}
+    return {name: data for each in drawn for name, data in painter(each).items()}
 
 
-# -- tables -----------------------------------------------------------------------------------------------
+# -- the figures of the paper -----------------------------------------------------------------------------
 
 
-def windup_table(found: Stability, points: Sequence[tuple[float, float]], periods: float) -> str:
-    """Histories from rest, one below the other: time in turns of the input, wind-up β and its slope β', contact force as a
-    multiple of M X''m ω² where there is a cam."""
-    eta, q = np.array(points).T
-    parts = []
-    for gone in histories(found.coefficients, eta, q, found.machine.damping, periods, contact=found.contact):
-        y = np.arange(int(gone.ended * SAMPLES_PER_TURN) + 1) / SAMPLES_PER_TURN
-        beta, slope = gone.at(y)
-        parts.append([np.full(y.size, gone.eta), np.full(y.size, gone.q), y, beta, slope, gone.force(y)])
-    names = ["eta", "q", "input_turns", "wind_up", "wind_up_slope", "contact_force_ratio"]
-    table = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return csv(*((names[:-1], table[:-1]) if found.contact is None else (names, table)))
-
-
-def averages_table(found: Stability, q: np.ndarray, eta_max: float) -> str:
-    """Means of |β| and |β'| over the first turn from rest by η (Kim1990 Figs. 6, 7); what cannot be followed is left
-    out."""
-    eta = FIRST_ETA + ETA_STEP * np.arange(max(1, round((eta_max - FIRST_ETA) / ETA_STEP) + 1))
-    every_eta, every_q = np.tile(eta, q.size), np.repeat(q, eta.size)
-    mean, slope = averages(found.coefficients, every_eta, every_q, found.machine.damping)
-    there = np.isfinite(mean)
-    names = ["q", "eta", "mean_wind_up", "mean_wind_up_slope"]
-    return csv(names, [column[there] for column in (every_q, every_eta, mean, slope)])
-
-
-def coefficients_table(found: Stability) -> str:
-    """What the equation is made of by cam angle (Kim1990 Fig. 5 is ψ): inertia share d, C, U, κ, ψ."""
-    degrees = 360.0 * np.arange(COEFFICIENT_ROWS) / COEFFICIENT_ROWS
-    rows = found.coefficients.panels.at(np.deg2rad(degrees), 5)
-    return csv(["cam_angle_deg", "inertia", "centripetal", "load", "curvature", "psi"], [degrees, *rows])
-
-
-def claims_text(found: Stability) -> str:
-    """Kim1990's claims against ours."""
-    lines = []
-    for claim in claims(found):
-        lines += columns([(f"{claim.where}:", claim.verdict)], left=2)
-        lines += [f"    the paper: {claim.paper}", f"    here:      {claim.here}", ""]
-    return "\n".join(lines)
+def paper_files(
+    study: Study, found: Stability, words: argparse.Namespace, painter: ChartPainter | None
+) -> dict[str, str | bytes]:
+    """Kim1990's Figs. 4 to 12: the tables they are drawn from, and a picture of each."""
+    gone = _followed(found, [(eta, q) for _, eta, q, _ in FIGURES], words.periods)
+    eta_max = words.eta_max or ETA_MAX
+    means = found.averages(ROWS, eta_max)
+    made = tables(found, np.array(sorted({q for _, _, q, _ in FIGURES})), gone, means, eta_max)
+    wind_up, slope = averages_plots(means)
+    numbered = {
+        4: profile_plot(study, found),
+        5: coefficients_plot(found.coefficients, ("ψ",)),
+        6: wind_up,
+        7: slope,
+        **{number: history_plot(each) for (number, *_), each in zip(FIGURES, gone, strict=True)},
+    }
+    figures = [Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items()]
+    drawn = chart(found.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
+    pictures = _painted(painter, drawn, *figures)
+    chart_named = {name.replace("stability", "figure_8"): data for name, data in pictures.items()}
+    return {**made, "figure_4.csv": profile_table(study, found), **chart_named}

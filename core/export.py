@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
 from core.design import Design, SingleCam
 from core.files import write_all
-from core.stability import EQUATIONS, Tongues
 from core.study import Study
 from core.summary import summary, to_json
+
+if TYPE_CHECKING:
+    from core.stability import Tongues
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
 TONGUES, SUMMARY = "tongues.csv", "summary.json"
@@ -58,6 +61,8 @@ def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
     made = {name: table(study, name, wanted) for name in TABLES}
     told = {name: text for name, text in made.items() if text is not None}
     if "stability" in wanted and study.stability is not None:
+        from core.stability import EQUATIONS  # no design without a flexible shaft loads it
+
         told[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
     told[SUMMARY] = to_json(summary(study, wanted))
     return told

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, cast
@@ -25,9 +25,20 @@ def locked(value: T) -> T:
         for part in value:
             locked(part)
     elif is_dataclass(value):
-        for field in fields(value):
-            locked(vars(value).get(field.name))
+        held = vars(value)
+        for name in _field_names(cast(Hashable, type(value))):
+            part = held.get(name)
+            if part is not None and type(part) not in _PLAIN:
+                locked(part)
     return value
+
+
+_PLAIN = frozenset({float, int, str, bool, complex})
+
+
+@lru_cache(maxsize=256)
+def _field_names(kind: Any) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
 
 
 class WhenAsked(Generic[T]):

@@ -62,6 +62,9 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
         "centres": ViewRow("Centres", lazily("centres_view", "CentresView"), LEFT, "motion", shown=False),
         "circle": ViewRow("Circle diagram", lazily("circle_view", "CircleView"), LEFT, "motion", shown=False),
+        "polygon": ViewRow(
+            "Velocity polygon", lazily("polygon_view", "PolygonView"), LEFT, "motion", shown=False, picture=True
+        ),
         "displacement": _plot("Displacement", "", "displacement"),
         "velocity": _plot("Velocity", "displacement", "velocity"),
         "acceleration": _plot("Acceleration", "displacement", "acceleration"),

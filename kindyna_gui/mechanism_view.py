@@ -11,6 +11,7 @@ from PySide6.QtGui import QAction, QKeyEvent
 from PySide6.QtWidgets import QLabel, QVBoxLayout
 
 from core.errors import KindynaError, NoAnswer
+from core.instant_centres import CHAINS
 from core.mechanism import joints_of, move_joint
 from core.study import Study
 from kindyna_gui.canvas import Canvas
@@ -143,6 +144,8 @@ class MechanismView(View):
         for name, shown in self._layers_wanted.items():
             if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
+                if self.canvas.fitted and name in CHAINS:  # their list stands above the mechanism
+                    self.canvas.fit(keep_labels=True)
 
     # -- as a file ----------------------------------------------------------------------------------------
 

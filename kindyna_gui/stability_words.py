@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from math import expm1, isfinite
+from types import MappingProxyType
 
 from core.stability import APPROXIMATE, EXACT, Band, Machine, Stability, Stiffness, Tongues, Verdict
-from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.pictures.units import digits
 
-GOOD = "#2E7D32"
+STEADY, FROM_REST = "steady", "from_rest"
 SHORT = {
     APPROXIMATE: "(22), Kim's approximation",
     EXACT: "(21), exact linearisation",
-    "steady": "About the true steady response",
-    "from_rest": "Nonlinear (13), from rest",
+    STEADY: "About the true steady response",
+    FROM_REST: "Nonlinear (13), from rest",
 }
+
+WORDS = {"model", "verdict"}  # columns that hold no numbers
+BRIEF = {APPROXIMATE: "(22)", EXACT: "(21)"}
 
 
 def percent(growth: float) -> str:
@@ -53,10 +57,41 @@ def point_text(eta: float, q: float, machine: Machine | None, told: Sequence[Ver
         at += f", {speed(machine.rpm(eta))} rpm"
     place = f"tongue {tongue}" if tongue is not None else "between tongues"
     said = "; ".join(
-        f"{'(22)' if v.model == APPROXIMATE else '(21)'} {'stable' if v.stable else f'grows {percent(v.growth)}'}"
-        for v in told
+        f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}" for v in told if v.model in BRIEF
     )
     return f"{at}: {place}; {said}"
+
+
+def waiting_text(told: Sequence[Verdict], waiting: bool) -> str:
+    """One line for the nonlinear models at what is under the mouse, as far as they have answered."""
+    by_model = {verdict.model: verdict for verdict in told}
+    said = [words(by_model[model]) for model, words in SLOW.items() if model in by_model]
+    if waiting:
+        said.append("still computing …" if said else "nonlinear models: computing …")
+    return "; ".join(said)
+
+
+def _steady_words(verdict: Verdict) -> str:
+    if verdict.stable is None:
+        return "steady: no response found"
+    state = "stable" if verdict.stable else f"grows {percent(verdict.growth)}"
+    return f"steady: {state}, {_twist(verdict)}{_contact_words(verdict)}"
+
+
+def _rest_words(verdict: Verdict) -> str:
+    state = "" if verdict.stable else ", not settled"
+    return f"from rest: {_twist(verdict)}{state}{_contact_words(verdict)}"
+
+
+def _twist(verdict: Verdict) -> str:
+    return f"{digits(360.0 * verdict.largest, 3)}°"
+
+
+def _contact_words(verdict: Verdict) -> str:
+    return "" if verdict.lost is None else f", off the cam at turn {digits(verdict.lost, 4)}"
+
+
+SLOW: Mapping[str, Callable[[Verdict], str]] = MappingProxyType({STEADY: _steady_words, FROM_REST: _rest_words})
 
 
 def _cell(text: str, colour: str = "", right: bool = False) -> str:
@@ -66,7 +101,7 @@ def _cell(text: str, colour: str = "", right: bool = False) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[str]) -> str:
-    top = "".join(f'<td style="color:{QUIET}">{escape(text)}&nbsp;&nbsp;</td>' for text in head)
+    top = "".join(_cell(text, QUIET, right=text not in WORDS) for text in head)
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
@@ -78,12 +113,12 @@ def verdict_table(told: Sequence[Verdict]) -> str:
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
-        lost = f"from turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
+        lost = f"at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
         name = SHORT.get(verdict.model, verdict.label)
         rows.append(
             _cell(name) + _cell(*said) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
         )
-    return _table(("model", "verdict", "grows", "trace", "largest twist", "follower off the cam"), rows)
+    return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 
 
 def bands_table(rows: Sequence[Band], rpm: float) -> str:
@@ -111,7 +146,7 @@ def shaft_text(found: Stiffness) -> str:
     softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
     return (
         f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(found.now, 5)} stands in a band."
+        f"the present {digits(found.now, 5)} stands {'in' if found.inside else 'too near'} a band."
     )
 
 
@@ -134,5 +169,6 @@ def machine_text(found: Stability) -> str:
 
 
 __all__ = [
-    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "tongue_of", "verdict_table", "wanted_text",
+    "bands_table", "machine_text", "percent", "point_text", "shaft_text", "speed", "tongue_of", "verdict_table", "waiting_text",
+    "wanted_text",
 ]  # fmt: skip

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import mpmath
@@ -98,3 +99,58 @@ def kim(theta: Any) -> tuple[Any, Any, Any, Any, Any]:
 def kim_table(theta: np.ndarray) -> np.ndarray:
     """The same (5, ...) at many cam angles."""
     return np.array([kim(float(t)) for t in theta.ravel()]).T.reshape(5, *theta.shape)
+
+
+# -- (13) by another integrator ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """y, β, β' (n,) at the steps of the integrator, and of the moving cam its angle θ in 0 ... π, nan in the dwell."""
+
+    y: np.ndarray
+    beta: np.ndarray
+    rate: np.ndarray
+    theta: np.ndarray
+
+
+def push(eta: float, q: float, damping: float, theta: float, beta: float, rate: float) -> float:
+    """β'' of Kim's cam at 0 < θ < π by (13), the sign of its spring corrected; in the dwell θ is nan."""
+    d, c, u = (0.0, 0.0, 0.0) if math.isnan(theta) else kim(theta)[:3]
+    tau = 2.0 * math.pi
+    right = tau * q * c * (1.0 - rate) ** 2 - 2.0 * tau * damping * eta * rate - (tau * eta) ** 2 * beta + tau * q * u
+    return right / (1.0 + q * d)
+
+
+@cache
+def by_runge_kutta(eta: float, q: float, damping: float, periods: float) -> Run:
+    """From rest by scipy's eighth-order Runge-Kutta, stopped at every join the cam passes, either way."""
+    from scipy.integrate import solve_ivp
+
+    tau = 2.0 * math.pi
+    state, y, half, parts = [0.0, 0.0], 0.0, 0, []
+    while y < periods:
+
+        def angle(t: float, s: list[float], half: int = half) -> float:
+            return tau * (t - s[0]) - math.pi * half
+
+        def rates(t: float, s: list[float], half: int = half) -> list[float]:
+            theta = min(max(angle(t, s, half), 0.0), math.pi * (1.0 - 1e-16)) if half % 2 == 0 else math.nan
+            return [s[1], push(eta, q, damping, theta, s[0], s[1])]
+
+        def above(t: float, s: list[float], half: int = half) -> float:
+            return angle(t, s, half) - math.pi
+
+        def below(t: float, s: list[float], half: int = half) -> float:
+            return angle(t, s, half)
+
+        above.terminal = below.terminal = True
+        above.direction, below.direction = 1.0, -1.0
+        run = solve_ivp(
+            rates, (y, periods), state, "DOP853", events=[above, below], rtol=1e-11, atol=1e-13, max_step=0.02
+        )
+        theta = tau * (run.t - run.y[0]) - math.pi * half if half % 2 == 0 else np.full(run.t.size, np.nan)
+        parts.append([each[:-1] for each in (run.t, run.y[0], run.y[1], theta)])
+        y, state = float(run.t[-1]), run.y[:, -1].tolist()
+        half += int(run.t_events[0].size) - int(run.t_events[1].size)
+    return Run(*(np.concatenate(column) for column in zip(*parts, strict=True)))

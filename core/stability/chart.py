@@ -11,7 +11,7 @@ from core.stability.coefficients import Coefficients
 from core.stability.edges import tongues
 from core.stability.equations import APPROXIMATE, EXACT
 from core.stability.speeds import Machine
-from core.stability.tongues import Tongues
+from core.stability.tongues import ERROR, Tongues
 
 ROWS = 64
 ETA_MAX = 5.6
@@ -81,10 +81,11 @@ def chart(
     equations: Sequence[str] = (EXACT, APPROXIMATE),
     marked: Sequence[float] = (),
     progress: Progress | None = None,
+    error: float = ERROR,
 ) -> Chart:
     """The chart of a machine; by default ``rows`` of Q from 0 to well above the machine's own.
 
-    A coarse one (few rows) comes at once; raises Cancelled where progress says so.
+    A coarse one (few rows, a large ``error`` of the edges η) comes at once; raises Cancelled where progress says so.
     """
     if q is None:
         top = max(MOST_Q, ROOM * machine.q if machine is not None else 0.0, *(1.1 * m for m in marked))
@@ -94,7 +95,7 @@ def chart(
     for number, equation in enumerate(equations):
         if progress is not None and not progress(number / len(equations)):
             raise Cancelled
-        found[equation] = tongues(coefficients, rising, count_up_to(eta_max), equation, damping)
+        found[equation] = tongues(coefficients, rising, count_up_to(eta_max), equation, damping, error)
     if progress is not None and not progress(1.0):
         raise Cancelled
     return Chart(name, rising, found, eta_max, machine, tuple(marked))

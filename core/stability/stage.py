@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,10 +19,11 @@ from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact, TrainAndShapeAt, contact
 from core.stability.edges import refined, tongues
 from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.means import TIMES, Averages, mean_wind_up
 from core.stability.monodromy import monodromy
 from core.stability.orbit import Orbit
 from core.stability.speeds import RPM, Band, Machine, Stiffness, bands, stiffness_for
-from core.stability.tongues import Tongues, harmonic_tongues
+from core.stability.tongues import ERROR, Tongues, harmonic_tongues
 from core.stability.verdicts import (
     PERIODS,
     Verdict,
@@ -32,6 +34,7 @@ from core.stability.verdicts import (
 from core.stability.windup import History, history
 
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
+FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be told apart
 STEADY_ETA = 12.0  # and the true steady response: a slow shaft in a hurry would take long
 
 
@@ -41,17 +44,22 @@ class Stability:
 
     coefficients, machine   dimensionless and in SI
     contact                 None where the design has no cam that could be lifted off
+    turns                   of the input through which the shaft is followed from rest
     """
 
     coefficients: Coefficients
     machine: Machine
     contact_of: Callable[[], Contact | None]
+    turns: ClassVar[float] = PERIODS
+    _last: tuple[tuple[float, float, float], History] | None = None
 
     @cached_property
     def contact(self) -> Contact | None:
         return self.contact_of()
 
-    def tongues(self, equation: str = EXACT, eta_max: float = ETA_MAX, q: float | None = None) -> Tongues:
+    def tongues(
+        self, equation: str = EXACT, eta_max: float = ETA_MAX, q: float | None = None, error: float = ERROR
+    ) -> Tongues:
         """The row of the machine, or of another Q, with its damping."""
         return tongues(
             self.coefficients,
@@ -59,7 +67,13 @@ class Stability:
             count_up_to(eta_max),
             equation,
             self.machine.damping,
+            error,
         )
+
+    @property
+    def eta_max(self) -> float:
+        """How far a chart goes that shows the machine: 5.6 as Kim1990's or, where it runs slower, a little beyond its η."""
+        return max(ETA_MAX, min(BEYOND * self.machine.eta, FARTHEST_CHART))
 
     @cached_property
     def exact(self) -> Tongues:
@@ -93,22 +107,43 @@ class Stability:
         """The verdicts on the machine's own point, the steady response's where η is not beyond reach."""
         return (*self.linear, self.steady[0]) if self.machine.eta <= STEADY_ETA else self.linear
 
-    def history(self, periods: float = PERIODS, eta: float | None = None, q: float | None = None) -> History:
-        """From rest at the machine's own point or at another one of the chart."""
+    def history(self, periods: float | None = None, eta: float | None = None, q: float | None = None) -> History:
+        """From rest at the machine's own point or at another one of the chart; the last one is kept."""
         m = self.machine
-        eta, q = m.eta if eta is None else eta, m.q if q is None else q
-        return history(self.coefficients, eta, q, m.damping, periods, contact=self.contact)
+        periods = self.turns if periods is None else periods
+        key = periods, m.eta if eta is None else eta, m.q if q is None else q
+        last = self._last  # another thread may ask for another point meanwhile
+        if last is None or last[0] != key:
+            last = self._last = key, history(self.coefficients, *key[1:], m.damping, periods, contact=self.contact)
+        return last[1]
+
+    @cached_property
+    def first_turn(self) -> Averages:
+        """The means of the first turn from rest, for the machine's own Q and multiples of it."""
+        return self.averages(eta_max=self.eta_max)
+
+    def averages(self, q: Sequence[float] = (), eta_max: float = ETA_MAX) -> Averages:
+        """Mean wind-up of the first turn from rest by η; rows of Q: those given, or the machine's own and multiples of it."""
+        m = self.machine
+        rows = q or [times * m.q for times in TIMES]
+        return mean_wind_up(self.coefficients, rows, eta_max, m.damping, self.contact)
 
     def quick(self, eta: float, q: float) -> tuple[Verdict, ...]:
         """What (22) and (21) say of any point of the chart."""
         return linear_verdicts(self.coefficients, eta, q, self.machine.damping)
 
-    def verdicts(self, eta: float, q: float, periods: float = PERIODS) -> tuple[Verdict, ...]:
+    def rest_at(self, eta: float, q: float) -> Verdict:
+        """What a history from rest shows at any point of the chart: it takes a second."""
+        return rest_verdict(self.history(None, eta, q))
+
+    def steady_at(self, eta: float, q: float) -> Verdict:
+        """What the true steady response says at any point of the chart: it takes seconds near a resonance."""
+        return steady_verdict(self.coefficients, eta, q, self.machine.damping, self.contact)[0]
+
+    def verdicts(self, eta: float, q: float) -> tuple[Verdict, ...]:
         """What every model says of any point of the chart."""
-        m = self.machine
-        gone = self.history(periods, eta, q)
-        steady = steady_verdict(self.coefficients, eta, q, m.damping, self.contact)[0]
-        return (*linear_verdicts(self.coefficients, eta, q, m.damping), steady, rest_verdict(gone))
+        rest = self.rest_at(eta, q)
+        return (*self.quick(eta, q), self.steady_at(eta, q), rest)
 
     def stiffness_for(self, rpm: float) -> Stiffness:
         """How stiff the shaft must be for a speed [1/min]."""

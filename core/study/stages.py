@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
 from functools import lru_cache, wraps
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,8 +16,10 @@ from core.errors import NoStability
 from core.keeping import locked
 from core.linkage import train_of
 from core.motion import Angles, MotionState, degrees, program
-from core.stability import Coefficients, Stability, coefficients, stability
 from core.train import Train
+
+if TYPE_CHECKING:  # a rigid shaft needs nothing of it
+    from core.stability import Coefficients, Stability
 
 KEPT = 24  # results of a stage that are kept, so that undo computes nothing
 evaluations: Counter[str] = Counter()
@@ -91,6 +93,8 @@ def shaft_coefficients(
     motion: Motion, follower: Follower, reach: float, loads: Loads, inertia: float, stiffness: float, spring: str, factor: float
 ) -> Coefficients | NoStability:
     """Why there are none is remembered too."""
+    from core.stability import coefficients
+
     compiled = program(motion)
     try:
         return coefficients(
@@ -105,6 +109,8 @@ def shaft_coefficients(
 def stability_stage(
     motion: Motion, follower: Follower, reach: float, loads: Loads, cam: Cam, sense: float, elastic: Elastic, omega: float
 ) -> Stability | NoStability:
+    from core.stability import stability
+
     s = si(elastic)
     made = shaft_coefficients(
         motion, follower, reach, loads, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor

@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import cam, dynamics, linkage, motion, stability
+from core import cam, dynamics, linkage, motion
 from core.cam import CamShape
 from core.design import SingleCam, kind_of, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoStability
 from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
-from core.shaft import Flywheel, TorqueCurve, flywheel, torque_curve
-from core.stability import Stability
+from core.shaft import Flywheel, TorqueCurve, flywheel, lag, torque_curve
 from core.study.base import Study
 from core.study.quantities import Quantity, quantities_of
 from core.study.stages import (
@@ -31,6 +30,9 @@ from core.study.stages import (
     stability_stage,
 )
 from core.train import Train
+
+if TYPE_CHECKING:
+    from core.stability import Stability
 
 
 class CamStudy(Study, of=SingleCam):
@@ -97,6 +99,16 @@ class CamStudy(Study, of=SingleCam):
             raise found
         shaft: Stability = found
         return shaft
+
+    @property
+    def levelled(self) -> bool:
+        """Whether a flywheel makes the motor's torque another than the cam's."""
+        return lag(self.design.shaft) < np.inf
+
+    @property
+    def whole(self) -> CamStudy:
+        """The study over the whole turn, which this one is or was taken from."""
+        return self if self._given is None else CamStudy(self.design, self.samples)
 
     @cached_property
     def flywheel(self) -> Flywheel:
@@ -190,8 +202,10 @@ class CamStudy(Study, of=SingleCam):
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft.elastic is None:
             return []
+        from core.stability import findings
+
         try:
-            return stability.findings(self.flexible_shaft())
+            return findings(self.flexible_shaft())
         except NoStability as error:
             return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 

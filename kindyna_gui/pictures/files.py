@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
@@ -12,8 +13,8 @@ from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, 
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
+from core.centring import Snapshot
 from core.channels import Channel, channels, existing
-from core.stability import Chart
 from core.study import Study
 from kindyna_gui.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
@@ -22,6 +23,9 @@ from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.shown_kinds import has_cam, is_linkage
+
+if TYPE_CHECKING:
+    from core.stability import Chart, Figure
 
 RATIO = 2.0  # dots per pixel of a PNG
 ENLARGED = 64.0  # how far a reader may zoom into an SVG before its curves show corners
@@ -191,10 +195,20 @@ def chart_file(chart: Chart, ending: str) -> bytes:
     return svg(plot, chart.name) if vector else png(plot)
 
 
-def paint(study: Study | Chart) -> dict[str, bytes]:
-    """The pictures of a report, or of a chart: file name -> content. Raises NoAnswer where the design has none."""
+def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
+    """The pictures of a report, of a linkage at one angle, of a chart or of another figure: file name -> content. Raises
+    NoAnswer where the design has none."""
     ensure_app(offscreen=True)
-    if isinstance(study, Chart):
-        return {f"stability{ending}": chart_file(study, ending) for ending in (".svg", ".png")}
-    without = () if has_cam(study) else ("cam.png",)
-    return {name: draw(study) for name, draw in PICTURES.items() if name not in without}
+    if isinstance(drawn, Study):
+        without = () if has_cam(drawn) else ("cam.png",)
+        return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
+    if isinstance(drawn, Snapshot):
+        from kindyna_gui.pictures.snapshots import SNAPSHOTS
+
+        return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
+    from core.stability import Chart
+    from kindyna_gui.pictures.xy_sheet import figure_file
+
+    if isinstance(drawn, Chart):
+        return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
+    return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}

@@ -1,8 +1,10 @@
-"""Small plots of one quantity over another that is no cam angle: histories, phase planes, spectra."""
+"""Small plots of one quantity over another, with axes and a legend of their own: histories, phase planes, spectra."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pyqtgraph as pg
@@ -10,24 +12,30 @@ from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QFrame, QWidget
 
 from kindyna_gui.pictures.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.plot_parts import BOTTOM_HEIGHT, LEFT_WIDTH, Axis
-from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
+from kindyna_gui.pictures.plot_parts import BOTTOM_HEIGHT, LEFT_WIDTH, Axis, angle_ticks
+from kindyna_gui.pictures.style import BLUE, DASHED, GREEN, LIGHT, ORANGE, PURPLE, SMALL, TEXT, THIN, VERMILION, Theme
 from kindyna_gui.pictures.units import decimals_of, number, ticks
+
+if TYPE_CHECKING:
+    from core.stability import Plot
 
 LEAST_X, LEAST_Y = 46.0, 26.0  # pixels between ticks
 FREE = 0.06  # of the range, left free around the curves
-RIGHT_MARGIN = 16
+RIGHT_MARGIN, LEGEND_HEIGHT = 16, 18
+WHOLE_TURN = (0.0, 360.0)  # an axis of cam angles
+ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
+"""Colours of the curves of a plot, one after the other."""
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """One curve: x and y (n,), its colour, dashes, and whether its points stand as bars on zero."""
+    """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes."""
 
     x: np.ndarray
     y: np.ndarray
     colour: str
+    label: str = ""
     dash: tuple[float, ...] = ()
-    bars: bool = False
 
 
 class XYPlot(pg.PlotWidget):
@@ -58,7 +66,8 @@ class XYPlot(pg.PlotWidget):
         self._marks: list[tuple[Outline, Tag, float]] = []
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._view.addItem(self._message, ignoreBounds=True)
-        self._words = ""
+        self._words, self._note = "", ""
+        self._legend: list[str] = []
         self._view.sigResized.connect(self._lay)
         self.show_message("")
 
@@ -79,22 +88,19 @@ class XYPlot(pg.PlotWidget):
     def message(self) -> str:
         return self._words
 
-    def show_lines(self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False) -> None:
-        """Draw these curves and no others; square: zero in the middle of both axes."""
+    def show_lines(
+        self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = ""
+    ) -> None:
+        """Draw these curves and no others; square: zero in the middle of both axes; note: for the legend."""
         self._clear()
         for line in lines:
             item = pg.PlotCurveItem(antialias=True)
-            x, y = line.x, line.y
-            if line.bars:
-                x, y = (
-                    np.repeat(line.x, 3),
-                    np.column_stack((0.0 * line.y, line.y, np.full(line.y.size, np.nan))).ravel(),
-                )
-            item.setData(
-                x, y, pen=self._theme.pen(line.colour, THIN, line.dash), connect="finite" if line.bars else "all"
-            )
+            broken = not np.isfinite(line.y).all()
+            pen = self._theme.pen(line.colour, THIN, line.dash)
+            item.setData(line.x, line.y, pen=pen, connect="finite" if broken else "all")
             self._view.addItem(item, ignoreBounds=True)
             self._drawn.append(item)
+        self._name([(line.colour, line.label) for line in lines if line.label], note)
         x, y = (np.concatenate(part) for part in zip(*((line.x, line.y) for line in lines), strict=True))
         ranges = [self._range(x, square, tight=not square), self._range(y, square)]
         self._view.setRange(xRange=ranges[0], yRange=ranges[1], padding=0.0)
@@ -106,6 +112,47 @@ class XYPlot(pg.PlotWidget):
             self._marks.append((line, tag, at))
         self._words = ""
         self._lay()
+
+    def name_axes(self, across: str, upwards: str) -> None:
+        """The titles of the axes of what is shown next."""
+        self._titles = across, upwards
+
+    def show_plot(self, plot: Plot) -> None:
+        """Draw a plot of the core: with one curve in ink, with several each row of them in its colour."""
+        self.name_axes(plot.across, plot.upwards)
+        alone = len({curve.row for curve in plot.curves}) == 1
+        self.show_lines(
+            [
+                Line(
+                    curve.x,
+                    curve.y,
+                    self._theme.ink if alone else ROWS[curve.row % len(ROWS)],
+                    curve.label,
+                    DASHED if curve.dashed else (),
+                )
+                for curve in plot.curves
+            ],
+            plot.marks,
+            note=plot.note,
+        )
+
+    def _name(self, named: list[tuple[str, str]], note: str = "") -> None:
+        """The legend above the curves; no room is lost where none has a name."""
+        self._legend = [f'<span style="color:{colour}">—</span> {escape(name)}' for colour, name in named]
+        self._note = note
+        item = self.getPlotItem()
+        item.layout.setRowFixedHeight(0, LEGEND_HEIGHT if named else 0)
+        item.titleLabel.setMaximumHeight(LEGEND_HEIGHT if named else 0)
+
+    def _show_legend(self, width: float) -> None:
+        """With its note where there is room for both."""
+        item, parts = self.getPlotItem(), [*self._legend, escape(self._note)]
+        for told in (parts, self._legend) if self._note else (self._legend,):
+            item.setTitle("&nbsp;&nbsp; ".join(told) or None, size=f"{SMALL}px", color=self._theme.ink)
+            wide = item.titleLabel.minimumWidth()
+            item.titleLabel.setMinimumWidth(0.0)  # else a long legend would widen the plot
+            if wide <= width:
+                break
 
     @staticmethod
     def _range(values: np.ndarray, square: bool, tight: bool = False) -> tuple[float, float]:
@@ -123,6 +170,7 @@ class XYPlot(pg.PlotWidget):
     def show_message(self, text: str) -> None:
         """Nothing but a text: what is missing, or what would fill this plot."""
         self._clear()
+        self._name([])
         self._words = text
         self._view.setRange(xRange=(0.0, 1.0), yRange=(0.0, 1.0), padding=0.0)
         self._lay()
@@ -141,9 +189,12 @@ class XYPlot(pg.PlotWidget):
         (low, high), (bottom, top) = self._view.viewRange()
         width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
         across, step_x = ticks(low, high, max(2, int(width / LEAST_X)))
+        if (low, high) == WHOLE_TURN:
+            across, step_x = [x for x, _ in angle_ticks(width)], 1.0
         upwards, step_y = ticks(bottom, top, max(2, int(height / LEAST_Y)))
         if not self._drawn:
             across, upwards = [], []
+        self._show_legend(width)
         grid, zero = QPainterPath(), QPainterPath()
         for x in across:
             grid.moveTo(x, bottom)

@@ -110,7 +110,7 @@ def test_centres(core: Callable[..., Done]) -> None:
     done = core("centres", SIX, "--angle", "45")
     assert (done.returncode, done.stderr) == (0, "")
     told = json.loads(done.stdout)
-    assert list(told) == ["angular_velocity_rad_s", "centres", "points"]
+    assert list(told) == ["angular_velocity_rad_s", "centres", "points", "velocity_ratios", "velocity_differences"]
     assert list(told["centres"]) == [f"{i},{j}" for i in range(1, 7) for j in range(i + 1, 7)]
     assert list(told["angular_velocity_rad_s"]) == ["1", "2", "3", "4", "5", "6"]
     assert set(told["points"]) == {"O1", "O2", "A", "B", "C", "D"}
