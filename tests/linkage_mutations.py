@@ -29,6 +29,10 @@ ARMS = POLYGON + "test_directed_distances_give_the_ratio"
 LIFT_CAM = STUDY + "test_the_lift_seen_as_a_linkage_gets_the_lifts_cam"
 RATES = STUDY + "test_rates_are_by_time_with_the_cranks_sense"
 
+DRAGGING, DRIVERS = (f"tests/core/test_{name}.py::" for name in ("dragging", "linkage_drivers"))
+LANDS = DRAGGING + "test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay"
+LEADS = DRIVERS + "test_whatever_leads_the_linkage_goes_on_from_where_it_stands"
+
 LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/mechanism/dyads.py": [
         ("(square + difference) * scale", "(square - difference) * scale", CLOSES),
@@ -98,6 +102,26 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/mechanism/dragging.py": [
         ("(to - origin) * axis.conjugate()", "(to - origin) * axis", DRAGGED),
+        ("places[name] = (to - origin)", "places[name] = (to + origin)", DRAGGING + "test_a_joint_of_any_linkage_lands_where_it_is_put"),
+        ("return old + axis * ((to - old)", "return old + axis * ((to + old)", DRAGGING + "test_a_point_that_slides_keeps_to_its_guide"),
+        ("return start + along * ((to - start)", "return start - along * ((to - start)",
+         DRAGGING + "test_a_point_of_the_crank_keeps_to_its_line"),
+    ],
+    "core/linkage/dragging.py": [
+        ("base.alpha - phi - g.guide_angle", "base.alpha - phi + g.guide_angle", DRAGGING + "test_a_turned_guide_is_followed"),
+        ("(arm * end.conjugate()).imag", "(arm.conjugate() * end).imag", LANDS),
+        ("end.real - float(train.motion.y[0, 0])", "end.real + float(train.motion.y[0, 0])", LANDS),
+        ("start.real > l1 * math.cos(phi)", "start.real < l1 * math.cos(phi)", LANDS),
+        ("base.phi + fixed + g.guide_angle", "base.phi - fixed + g.guide_angle", LANDS),
+        ("(first / -pivot).imag < 0.0", "(first / -pivot).imag > 0.0", LANDS),
+        ("place.real - float(train.motion.y[0, 0])", "place.real",
+         DRAGGING + "test_the_roller_of_a_translating_follower_lands_where_it_is_put"),
+    ],
+    "core/mechanism/drivers.py": [
+        ("product((1, -1), repeat", "product((1,), repeat", LEADS),
+        ("min(max(place, low), high), low, high)", "place, place - 3.0, place + 3.0)", LEADS),
+        ("least = _NEAR * (here.high - here.low)", "least = -1.0", DRIVERS + "test_a_link_at_its_dead_centre_leads_nothing"),
+        ("if ahead >= behind else -1.0", "if ahead < behind else -1.0", DRIVERS + "test_a_first_motion_goes_as_far_as_the_linkage_lets_it"),
     ],
     "core/instant_centres/linkage.py": [
         ("+ 1j * (b.z[1] - a.z[1])", "- 1j * (b.z[1] - a.z[1])", ONE_VELOCITY),

@@ -24,8 +24,9 @@ def place(user: User, point: str) -> complex:
 def user(open_user: Open) -> User:
     """At the lift, without docks for which no test here has eyes."""
     made = open_user(plots=False)
-    for name in ("findings", "motion"):
+    for name in ("findings", "motion", "parameters"):
         made.window.docks[name].hide()
+    settle()
     return made
 
 
@@ -89,7 +90,7 @@ def test_a_joint_stays_at_its_last_good_place_where_nothing_fits(user: User) -> 
 def test_beside_the_joints_the_drawing_is_moved(user: User) -> None:
     view = user.drawing()
     centre = view.canvas.visible.center()
-    at = place(user, "pivot") + 300.0 + 500.0j
+    at = complex(view.canvas.visible.center().x(), view.canvas.visible.center().y())
     user.drag(at, at + 60.0)
     assert view.canvas.visible.center() != centre
     assert user.steps == []
@@ -98,7 +99,10 @@ def test_beside_the_joints_the_drawing_is_moved(user: User) -> None:
 def test_a_joint_shows_that_it_can_be_taken(user: User) -> None:
     view = user.drawing()
     viewport = view.canvas.viewport()
+    QTest.mouseMove(viewport, viewport.rect().center())
     QTest.mouseMove(viewport, pixel(view.canvas, place(user, "arm_pin")))
+    settle()
     assert view.canvas.cursor().shape() == Qt.CursorShape.SizeAllCursor
-    QTest.mouseMove(viewport, pixel(view.canvas, place(user, "pivot") + 300.0 + 500.0j))
+    QTest.mouseMove(viewport, viewport.rect().center())
+    settle()
     assert view.canvas.cursor().shape() == Qt.CursorShape.ArrowCursor

@@ -178,12 +178,12 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
             assert name in told
         assert "Driver angles per turn" in told
         dialog.folder.setText(str(tmp_path))
-        dialog.samples.setValue(720)
+        dialog.samples.setValue(180)
         QTest.keyClick(dialog.folder, Qt.Key.Key_Return)
 
     with answering(TablesDialog, export):
         user.choose("File", "Export", "Tables...")
-    wanted = files(Study(user.design, 720))
+    wanted = files(Study(user.design, 180))
     assert {path.name for path in tmp_path.iterdir()} == set(wanted) >= {"profile.csv", "linkage.csv"}
     for name, text in wanted.items():
         assert (tmp_path / name).read_bytes() == text.encode(), name
