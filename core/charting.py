@@ -36,6 +36,7 @@ from core.study import Study
 from core.summary import summary, to_json
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
+UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 
 ChartPainter = Callable[[Chart | Figure], Mapping[str, bytes]]
 """Paints a chart or another figure: file name -> content."""
@@ -161,7 +162,9 @@ def stability_files(
         "summary.json": to_json(summary(study, study.stages)),
     }
     title, machine, eta_max = study.design.name, found.machine, words.eta_max or found.eta_max
-    drawn = chart(found.coefficients, machine, title, eta_max=eta_max, damping=machine.damping, marked=words.q)
+    drawn = chart(
+        found.coefficients, machine, title, eta_max=eta_max, damping=machine.damping, marked=words.q, error=UNSEEN
+    )
     return made | _painted(
         painter,
         drawn,
@@ -203,7 +206,7 @@ def paper_files(
         **{number: history_plot(each) for (number, *_), each in zip(FIGURES, gone, strict=True)},
     }
     figures = [Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items()]
-    drawn = chart(found.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max)
+    drawn = chart(found.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
     pictures = _painted(painter, drawn, *figures)
     chart_named = {name.replace("stability", "figure_8"): data for name, data in pictures.items()}
     return {**made, "figure_4.csv": profile_table(study, found), **chart_named}

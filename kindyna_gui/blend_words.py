@@ -48,10 +48,9 @@ def range_text(ranges: Sequence[Range], name: str) -> str:
 def _one(found: Range, name: str) -> str:
     least = 0.0 if isfinite(found.high) and abs(found.low) <= SAME * abs(found.high) else found.low
     low = rounded(least, not found.low_open)
-    open_low = found.low_open or least == 0.0  # a setting of 0 is none
-    less, most = "<" if open_low else "≤", "<" if found.high_open else "≤"
+    less, most = "<" if found.low_open else "≤", "<" if found.high_open else "≤"
     if not isfinite(found.high):
-        return f"{name} {'>' if open_low else '≥'} {_text(low)}"
+        return f"{name} {'>' if found.low_open else '≥'} {_text(low)}"
     return f"{_text(low)} {less} {name} {most} {_text(rounded(found.high, not found.high_open, down=True))}"
 
 

@@ -142,7 +142,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("self.growth <= TOLERANCE", "self.growth > TOLERANCE", REPEATS + "[1.5-0.05]"),
         ("np.linalg.solve(np.eye(2) - matrix, miss)", "np.linalg.solve(np.eye(2) - matrix, -miss)", REPEATS + "[0.85-0.1]"),
         ("np.cross(slopes[0] / SCALE, slopes[1] / SCALE)", "np.cross(slopes[0] / SCALE, slopes[1])",
-         WINDUP + "test_the_branch_of_steady_responses_goes_through_its_fold"),
+         WINDUP + "test_along_the_tangent_of_a_branch_nothing_changes"),
     ],
     "core/stability/speeds.py": [
         ("self.natural * RPM / eta", "self.natural / RPM / eta", BANDS),

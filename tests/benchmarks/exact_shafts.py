@@ -34,12 +34,12 @@ def _times(a: Row, b: Row) -> Row:
     return [MP.fdot(a[: k + 1], b[k::-1]) for k in range(len(a))]
 
 
-def _wave(number: int, theta: Any, step: Any) -> tuple[Row, Row]:
+def _wave(number: int, theta: Any, step: Any, order: int = ORDER) -> tuple[Row, Row]:
     """sin and cos of number·(θ + 2π step r) in powers of r."""
     s, c = MP.sin(number * theta), MP.cos(number * theta)
     w, power = number * 2 * MP.pi * step, MP.one
     sines, cosines = [], []
-    for k in range(ORDER):
+    for k in range(order):
         sines.append(power * (s, c, -s, -c)[k % 4])
         cosines.append(power * (c, -s, -c, s)[k % 4])
         power *= w / (k + 1)
@@ -50,28 +50,28 @@ def _wave(number: int, theta: Any, step: Any) -> tuple[Row, Row]:
 
 
 @cache
-def _coefficients(theta: Any, step: Any) -> tuple[Row, Row, Row, Row, Row]:
+def _coefficients(theta: Any, step: Any, q: Any, order: int) -> tuple[Row, Row, Row, Row, Row]:
     """D², D, C, D ψ and C² in powers of r; d = sin² 2θ, C = sin 4θ, ψ = 2a (cos 2θ - cos 4θ)."""
-    (_, c2), (s4, c4) = _wave(2, theta, step), _wave(4, theta, step)
-    d = [-Q * c / 2 for c in c4]
-    d[0] += 1 + Q / 2
+    (_, c2), (s4, c4) = _wave(2, theta, step, order), _wave(4, theta, step, order)
+    d = [-q * c / 2 for c in c4]
+    d[0] += 1 + q / 2
     psi = [2 * SAFETY * (a - b) for a, b in zip(c2, c4, strict=True)]
     return _times(d, d), d, s4, _times(d, psi), _times(s4, s4)
 
 
-def _moved(z: tuple[Any, Any], theta: Any, step: Any, eta: Any, damping: Any) -> tuple[Any, Any]:
+def _moved(z: tuple[Any, Any], theta: Any, step: Any, eta: Any, damping: Any, q: Any, order: int) -> tuple[Any, Any]:
     """(ζ, ζ') a step on: D² ζ'' + 4πζ_d η D ζ' + 4π² (η² D + Q D ψ + Q² C² - 2 ζ_d η Q C) ζ = 0, ' by y = θ/2π."""
-    square, d, c, d_psi, c_square = _coefficients(theta, step)
+    square, d, c, d_psi, c_square = _coefficients(theta, step, q, order)
     four = 4 * MP.pi * MP.pi
     drag = [4 * MP.pi * damping * eta * v for v in d]
     pull = [
-        four * (eta * eta * a + Q * b + Q * Q * e - 2 * damping * eta * Q * f)
+        four * (eta * eta * a + q * b + q * q * e - 2 * damping * eta * q * f)
         for a, b, e, f in zip(d, d_psi, c_square, c, strict=True)
     ]
     rows = [z[0], z[1] * step]  # in powers of r
     first: Row = [rows[1]]  # of dζ/dr, and of d²ζ/dr²
     second: Row = []
-    for n in range(ORDER - 2):
+    for n in range(order - 2):
         known = step * MP.fdot(drag[: n + 1], first[n::-1]) + step * step * MP.fdot(pull[: n + 1], rows[n::-1])
         if n:
             known += MP.fdot(square[1 : n + 1], second[n - 1 :: -1])
@@ -90,10 +90,12 @@ def _rest(z: tuple[Any, Any], part: Any, eta: Any, damping: Any) -> tuple[Any, A
     return value, -decay * value + e * wave * (b * c - a * s)
 
 
-def _gone(z: tuple[Any, Any], begin: int, end: int, eta: Any, damping: Any) -> tuple[Any, Any]:
+def _gone(
+    z: tuple[Any, Any], begin: int, end: int, eta: Any, damping: Any, q: Any = Q, order: int = ORDER
+) -> tuple[Any, Any]:
     """From the begin-th of ``STEPS`` parts of the rise and fall to the end-th."""
     for i in range(begin, end):
-        z = _moved(z, MP.pi * i / STEPS, MP.one / (2 * STEPS), eta, damping)
+        z = _moved(z, MP.pi * i / STEPS, MP.one / (2 * STEPS), eta, damping, q, order)
     return z
 
 
@@ -104,21 +106,23 @@ def matrix(eta: Any, damping: Any = DAMPING) -> list[Any]:
     return [columns[0][0], columns[1][0], columns[0][1], columns[1][1]]
 
 
-def _half_way(eta: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+def _half_way(eta: Any, q: Any, order: int) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     """The even and the odd solution about the top of the lift, at the middle of the dwell.
 
     The cam is the same both ways from there, and so every edge of a tongue is a simple zero of one of these four numbers
     (Magnus and Winkler, Hill's Equation, theorem 1.1).
     """
-    told = [_rest(_gone(z, STEPS // 2, STEPS, eta, MP.zero), MP.mpf(1) / 4, eta, MP.zero) for z in ((1, 0), (0, 1))]
+    half = [_gone(z, STEPS // 2, STEPS, eta, MP.zero, q, order) for z in ((1, 0), (0, 1))]
+    told = [_rest(z, MP.mpf(1) / 4, eta, MP.zero) for z in half]
     return told[0], told[1]
 
 
-def edge(number: int, near: Any) -> Any:
-    """An edge η of a tongue, by secants from a value near it that tells which of the zeros is meant."""
+def edge(number: int, near: Any, q: Any = Q, order: int = ORDER) -> Any:
+    """An edge η of a tongue, by secants from a value near it that tells which of the zeros is meant; ``order`` 30 is good
+    for twenty digits."""
 
     def numbers(eta: Any) -> list[Any]:
-        even, odd = _half_way(eta)
+        even, odd = _half_way(eta, q, order)
         return [even[1], odd[0]] if number % 2 == 0 else [even[0], odd[1]]
 
     x0, x1 = MP.convert(near), MP.convert(near) * (1 + MP.mpf(10) ** -12)

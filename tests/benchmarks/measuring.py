@@ -49,8 +49,8 @@ class Plan:
     """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
     settings left out; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 2.5
-    growth: float = 1.0
+    usual: float = 2.0
+    growth: float = 0.6
     sizes: int = 99
     settings: int = 99
     longest: float = 1.2
@@ -58,7 +58,7 @@ class Plan:
     starts: int = 5
 
 
-FULL, QUICK = Plan(), Plan(usual=0.5, growth=0.2, sizes=3, settings=2, longest=0.1, rounds=3, starts=1)
+FULL, QUICK = Plan(), Plan(usual=0.3, growth=0.1, sizes=2, settings=1, longest=0.1, rounds=3, starts=1)
 
 
 def _text(setting: Any) -> str:

@@ -17,7 +17,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -88,10 +88,11 @@ def measure(rounds: int = ROUNDS, first: bool = True) -> list[Row]:
 def _measured(every: bool, rounds: int) -> list[Row]:
     window = hidden_window(load(example("transfer_lift")), SIZE)
     try:
+        docks: list[Dock] = []
         if every:
-            _open_plots(window, MANY)
+            docks = _open_plots(window, MANY)
             _open_tables(window)
-        seen = _seen(window)
+        seen = _seen(window, docks)
         plots = len(seen) - 2
         assert not every or plots == MANY, "every plot, the mechanism and the motion are on screen"
         runs = _runs(window, seen)
@@ -182,18 +183,18 @@ def _open_tables(window: MainWindow) -> None:
     assert all(dock.view is not None and dock.view.on_screen() for dock in docks)
 
 
-def _open_plots(window: MainWindow, plots: int) -> None:
-    """All plots beside each other instead of behind each other, and more until there are enough."""
-    names = [name for name, row in VIEWS.items() if row.area == RIGHT]
-    for name in MORE[: max(0, plots - len(names))]:
+def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
+    """All plots beside each other instead of behind each other, and more until there are enough; all their docks."""
+    docks = [window.docks[name] for name, row in VIEWS.items() if row.area == RIGHT]
+    for name in MORE[: max(0, plots - len(docks))]:
         make = lazily("plots_view", "PlotView", quantities=(name,))
-        window.docks[name] = Dock(
+        dock = Dock(
             name,
             ViewRow(name, make, RIGHT),
             lambda make=make: make(window.session, window.player),  # type: ignore[misc]
         )
-        names.append(name)
-    docks = [window.docks[name] for name in names[:plots]]
+        docks.append(dock)
+    docks = docks[:plots]
     for dock in docks:
         window.removeDockWidget(dock)
     rest(window)
@@ -209,11 +210,12 @@ def _open_plots(window: MainWindow, plots: int) -> None:
         window.resizeDocks(docks[column::columns], [100] * ROWS, Qt.Orientation.Vertical)
     for _ in range(2):
         rest(window)
+    return docks
 
 
-def _seen(window: MainWindow) -> list[QWidget]:
+def _seen(window: MainWindow, plots: Iterable[Dock]) -> list[QWidget]:
     """What is painted: the drawing of the mechanism and of the motion, and the plots that are on screen."""
-    views = [window.view("mechanism"), *(dock.view for dock in window.docks.values())]
+    views = [window.view("mechanism"), *(dock.view for dock in {*window.docks.values(), *plots})]
     made: list[QWidget] = []
     for view in views:
         if isinstance(view, PlotView) and view.on_screen():

@@ -11,6 +11,7 @@ from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 from core.stability import branch, histories, history, mean_wind_up, orbit, shoot
 from core.stability.march import March
 from core.stability.nonlinear import Points
+from core.stability.orbit import SCALE, _tangent
 from core.stability.windup import History
 
 TAU = 2.0 * np.pi
@@ -234,6 +235,14 @@ def test_the_branch_of_steady_responses_goes_through_its_fold() -> None:
     assert seen[-1].trace > 1.999 > seen[0].trace
     wind_up = [abs(p.state[1] - 1.0) for p in seen]
     assert wind_up[-1] > 10.0 * wind_up[0]
+
+
+def test_along_the_tangent_of_a_branch_nothing_changes() -> None:
+    """In the coordinates in which its arc is measured it has length 1 and is across what both equations change with."""
+    slopes = np.array([[0.3, -1.2, 0.7], [2.0, 0.4, -0.9]])
+    tangent = _tangent(slopes)
+    assert np.linalg.norm(tangent) == pytest.approx(1.0)
+    assert np.abs(slopes @ (tangent / SCALE)).max() < 1e-15
 
 
 def test_a_search_that_runs_wild_finds_nothing() -> None:
