@@ -7,12 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from assembled import SIZE, cases
-from linkages import INSIDE_OUT, KINDS, SLIDING_GROUP, four_bar, link, slider_crank
+from assembled import SIZE, cases, coordinates
+from linkages import INSIDE_OUT, KINDS, SLIDING_GROUP, four_bar, in_digits, link, slider_crank
+from references import EPS, MP
 
 from core.design import Driver, Linkage, LinkageDesign, LinkageLoads, LinkForce, Slider
 from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import course_of, unit_speed_train
+from core.mechanism.rounding import doubts
+from core.mechanism.solving import at_driver
 from core.project import load
 from core.study import LinkageStudy, Study, quantity
 
@@ -49,6 +52,23 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
             assert np.abs(ahead - z[1:])[gentle].max(initial=0.0) < 1e-3 * SIZE, case.name
             tried += int(gentle.sum())
     assert tried > 3000
+
+
+@pytest.mark.parametrize("design", [slider_crank(2.0, 9e4), slider_crank(2.0, 7e4, 3.0)], ids=("central", "offset"))
+def test_the_stated_doubt_counts_the_rods_themselves(design: LinkageDesign) -> None:
+    """A rod of many metres on a short crank: what rounding leaves of them is told by their own size, not by that of the crank."""
+    course = course_of(design.linkage)
+    angles = np.linspace(0.1, 6.1, 8)
+    train = unit_speed_train(design.linkage, angles, course)
+    stated = doubts(course.plan, course.solve(at_driver(angles)))
+    x = coordinates(train)
+    for i, q in enumerate(angles):
+        exact = in_digits(design, float(q), x[:, i])
+        for k, n in enumerate((2, 3, 4)):
+            gap = [float(MP.mpf(float(x[3 * k + j, i])) - exact[3 * k + j]) * 1e-3 for j in (0, 1)]
+            told = float(np.broadcast_to(stated[n].origin, angles.shape)[i])
+            assert math.hypot(*gap) <= 4.0 * EPS * told + 1e-18
+            assert told <= 50.0 * course.plan.size, "and no more than needed"
 
 
 @pytest.mark.parametrize("side", [1, -1])
