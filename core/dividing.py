@@ -19,13 +19,15 @@ from core.design import (
     Point,
     Polynomial,
     Segment,
-    SingleCam,
     Spline,
     join_angles,
+    require_motion,
     stretched,
+    with_motion,
 )
-from core.design.edits import rest, with_marks_of
-from core.design.paths import with_section
+from core.design.edits import rest
+from core.design.kinds import D
+from core.design.motions import with_marks_of
 from core.laws import LAWS, PieceTable, find_law
 
 LEAST_CUT = 1e-3
@@ -72,26 +74,26 @@ def with_segment_copied(motion: Motion, index: int) -> Motion:
     return _with_two(motion, index, (rest(segment.span_deg / 2.0, ()), segment.rise * height), (curve, curve))
 
 
-def split_segment(design: SingleCam, index: int, angle: float | None = None) -> SingleCam:
+def split_segment(design: D, index: int, angle: float | None = None) -> D:
     """``with_segment_split`` in a design: what is assumed of the segment is assumed of both parts."""
-    return _doubled(design, with_segment_split(design.drive.motion, index, angle), index)
+    return _doubled(design, with_segment_split(require_motion(design), index, angle), index)
 
 
-def copy_segment(design: SingleCam, index: int) -> SingleCam:
+def copy_segment(design: D, index: int) -> D:
     """``with_segment_copied`` in a design: what is assumed of the segment is assumed of its copy."""
-    return _doubled(design, with_segment_copied(design.drive.motion, index), index)
+    return _doubled(design, with_segment_copied(require_motion(design), index), index)
 
 
-def _doubled(design: SingleCam, motion: Motion, index: int) -> SingleCam:
-    old = range(len(design.drive.motion.segments))
-    return with_marks_of(with_section(design, "motion", motion), [*old[: index + 1], index, *old[index + 1 :]])
+def _doubled(design: D, motion: Motion, index: int) -> D:
+    old = range(len(require_motion(design).segments))
+    return with_marks_of(with_motion(design, motion), [*old[: index + 1], index, *old[index + 1 :]])
 
 
-def add_point(design: SingleCam, index: int, angle: float | None = None) -> SingleCam:
+def add_point(design: D, index: int, angle: float | None = None) -> D:
     """A point more for the spline of a segment, where it runs already: nothing moves until the point is moved. At a
     cam angle [deg] inside of the segment; None, or where a point stands already: in the middle of the longest stretch
     without one. Raises NoSpline where its points contradict."""
-    motion = design.drive.motion
+    motion = require_motion(design)
     segment = motion.segments[index]
     assert isinstance(segment.curve, Spline)
     points = segment.curve.points
@@ -103,7 +105,7 @@ def add_point(design: SingleCam, index: int, angle: float | None = None) -> Sing
     point = Point(at, rest(float(_state(motion, index, at)[0]), ()))
     curve = Spline(tuple(sorted((*points, point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
-    return with_section(design, "motion", replace(motion, segments=segments))
+    return with_motion(design, replace(motion, segments=segments))
 
 
 # -- parts ------------------------------------------------------------------------------------------------

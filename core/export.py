@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
+from core.design import Design, SingleCam
 from core.files import write_all
-from core.stability import EQUATIONS, Tongues
 from core.study import Study
 from core.summary import summary, to_json
 
+if TYPE_CHECKING:
+    from core.stability import Tongues
+
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
-TONGUES = "tongues.csv"
+TONGUES, SUMMARY = "tongues.csv", "summary.json"
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
@@ -31,6 +35,13 @@ def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
     return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
+
+
+def names(design: Design) -> tuple[str, ...]:
+    """The files that a design can give; a quantity that does not exist may leave one out."""
+    there = {row.table for row in channels(design)}
+    tongues = isinstance(design, SingleCam) and design.shaft.elastic is not None
+    return (*(name for name in TABLES if name in there), *([TONGUES] if tongues else []), SUMMARY)
 
 
 def tongues_table(found: Sequence[Tongues]) -> str:
@@ -50,8 +61,10 @@ def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
     made = {name: table(study, name, wanted) for name in TABLES}
     told = {name: text for name, text in made.items() if text is not None}
     if "stability" in wanted and study.stability is not None:
+        from core.stability import EQUATIONS  # no design without a flexible shaft loads it
+
         told[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    told["summary.json"] = to_json(summary(study, wanted))
+    told[SUMMARY] = to_json(summary(study, wanted))
     return told
 
 

@@ -10,9 +10,10 @@ from itertools import accumulate
 from typing import Any
 
 from core.blend import Blended
-from core.design import Motion, Segment, SingleCam, mirrored
-from core.design.edits import back_at_start, rest, still, with_marks_of
-from core.design.paths import with_section
+from core.design import Motion, Segment, SingleCam, join_levels, mirrored, require_motion, with_motion
+from core.design.edits import back_at_start, rest, still
+from core.design.kinds import D, Design
+from core.design.motions import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
 from core.laws import LAWS, peaks
@@ -94,19 +95,37 @@ def blend_text(blended: Blended) -> str:
     return "\n".join(lines) + "\n"
 
 
+def changed_beside(before: Motion, after: Motion, blended: Blended) -> tuple[int, Segment] | None:
+    """What moves otherwise beside the blended curves, so that the follower comes back to where it starts: the first such
+    segment and its number, counted from 1; None where the rest stays as it was."""
+    was = {(s.curve, s.rise) for s in before.segments}
+    others = ((n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments)
+    return next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+
+
+def beside_text(before: Design, after: Design, blended: Blended) -> str:
+    """The same in a line, for a design into which the curves came; nothing where the rest stays."""
+    changed = changed_beside(require_motion(before), require_motion(after), blended)
+    if changed is None:
+        return ""
+    n, segment = changed
+    moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
+    return f"in the design segment {n}, {segment.curve.law}, moves otherwise, to come back: {moves}\n"
+
+
 # -- into a design ----------------------------------------------------------------------------------------
 
 Numbered = tuple[Segment, int | None]
 """A segment, and its number in the motion it comes from; None where it is new."""
 
 
-def into_design(design: SingleCam, blended: Blended) -> SingleCam:
+def into_design(design: D, blended: Blended) -> D:
     """The design with a blended motion: over the whole turn where that comes back to where it starts, else in place of
     what the motion does between its angles. Raises DesignError."""
     return over_the_turn(design, blended) if abs(_gain(blended)) <= CLOSING else in_place(design, blended)
 
 
-def over_the_turn(design: SingleCam, blended: Blended) -> SingleCam:
+def over_the_turn(design: D, blended: Blended) -> D:
     """The design with its motion replaced by dwell - blended curves - dwell. Raises DesignError where the blended
     motion does not come back to where it starts, or is in another unit."""
     _require_unit(design, blended)
@@ -118,7 +137,7 @@ def over_the_turn(design: SingleCam, blended: Blended) -> SingleCam:
     return _turn(design, [(request.start, blended.segments)], 360.0 - request.end, _first_level(blended))
 
 
-def in_place(design: SingleCam, blended: Blended) -> SingleCam:
+def in_place(design: D, blended: Blended) -> D:
     """The design with the blended curves in place of what its motion does between their angles; the rest stays, and
     dwells that reach over an end are cut there.
 
@@ -127,7 +146,7 @@ def in_place(design: SingleCam, blended: Blended) -> SingleCam:
     turn has no room left for the way back, or the units differ.
     """
     _require_unit(design, blended)
-    motion, request = design.drive.motion, blended.request
+    motion, request = require_motion(design), blended.request
     before, after = _outside(motion, request.start, request.end)
     if abs(_gain(blended)) > CLOSING and all(still(segment) for segment, _ in before + after):
         return _there_and_back(design, blended)
@@ -136,7 +155,7 @@ def in_place(design: SingleCam, blended: Blended) -> SingleCam:
     if abs(math.fsum(s.rise for s in segments)) > CLOSING:
         behind = len(rows) - len(after)
         segments = list(back_at_start(segments, [*range(behind, len(rows)), *range(len(before))]))
-    changed = with_section(design, "motion", replace(motion, segments=tuple(segments)))
+    changed = with_motion(design, replace(motion, segments=tuple(segments)))
     return with_marks_of(changed, [number for _, number in rows])
 
 
@@ -149,24 +168,28 @@ def _refused(path: str, value: object, problem: str, allowed: str) -> DesignErro
     return DesignError([Fault(path, value, problem, allowed)])
 
 
-def _require_unit(design: SingleCam, blended: Blended) -> None:
-    unit = design.drive.motion.unit
+def _require_unit(design: Design, blended: Blended) -> None:
+    unit = require_motion(design).unit
     if blended.request.unit != unit:
         raise _refused("motion", f"a blend in {blended.request.unit}", "not the unit of this design's motion", unit)
 
 
-def _turn(design: SingleCam, runs: Sequence[tuple[float, Sequence[Segment]]], after: float, start: float) -> SingleCam:
+def _turn(design: D, runs: Sequence[tuple[float, Sequence[Segment]]], after: float, start: float) -> D:
     """The design with a motion of its own: runs of curves, each behind a dwell of so many degrees, and a last dwell."""
     segments: list[Segment] = []
     for dwell, curves in runs:
         segments += [*([Segment(dwell, 0.0)] if dwell > 0.0 else []), *curves]
     segments += [Segment(after, 0.0)] if after > 0.0 else []
-    motion = Motion(start, tuple(segments), design.drive.motion.unit)
-    assumed = tuple(p for p in design.assumed if not p.startswith("motion."))
-    return replace(with_section(design, "motion", motion), assumed=assumed)
+    motion = Motion(rest(start, (-_lowest(design),)), tuple(segments), require_motion(design).unit)
+    return without_marks(with_motion(design, motion))
 
 
-def _there_and_back(design: SingleCam, blended: Blended) -> SingleCam:
+def _lowest(design: Design) -> float:
+    """Where a motion over the whole turn has its lowest level: a cam's on the base circle, that of a link where it was."""
+    return 0.0 if isinstance(design, SingleCam) else min(join_levels(require_motion(design)))
+
+
+def _there_and_back(design: D, blended: Blended) -> D:
     """The blended stroke and its mirror image, about 180 degrees where both fit so, else in what is left of the turn."""
     request, curves = blended.request, blended.segments
     start, end = request.start, request.end

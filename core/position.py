@@ -8,7 +8,7 @@ from itertools import combinations
 
 import numpy as np
 
-from core.instant_centres import Centres, angular_ratio, mechanical_advantage
+from core.instant_centres import Centres, angular_ratio, mechanical_advantage, velocity_differences
 from core.mechanism import body_name, link_number
 from core.study import LinkageStudy, quantity
 from core.train import FRAME
@@ -49,6 +49,21 @@ class PointRow:
 
 
 @dataclass(frozen=True)
+class DifferenceRow:
+    """One triangle of the velocity polygon, V_P = V_A + V_PA [m/s]: A and P are points of one link (``link`` = ``on``), or
+    coincide while ``link`` slides on ``on``."""
+
+    kind: str
+    link: int
+    on: int
+    a: str
+    p: str
+    v_a: complex
+    v_pa: complex
+    v_p: complex
+
+
+@dataclass(frozen=True)
 class Position:
     """Rows by links and by names, in rising order; ``transmission`` joint -> angle between its links [rad]."""
 
@@ -56,6 +71,7 @@ class Position:
     links: tuple[LinkRow, ...]
     points: tuple[PointRow, ...]
     transmission: tuple[tuple[str, float], ...]
+    differences: tuple[DifferenceRow, ...]
 
     def distance(self, one: Links, other: Links) -> float:
         """Between two centres [m], infinite where one of them is at infinity. Raises KeyError for links there are none of."""
@@ -74,7 +90,15 @@ def position(study: LinkageStudy, angle: float) -> Position:
         tuple(_links(there)),
         tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in there.points().items()),
         tuple((n.removeprefix("transmission."), float(quantity(n).value(there)[0])) for n in names),
+        tuple(differences(there)),
     )
+
+
+def differences(study: LinkageStudy) -> Iterator[DifferenceRow]:
+    """The velocity differences of a linkage at the first of its angles."""
+    for d in velocity_differences(study.linkage):
+        v_a, v_pa, v_p = (complex(v[0]) * study.omega for v in (d.v_a, d.v_pa, d.v_p))
+        yield DifferenceRow(d.kind, link_number(d.body), link_number(d.on), d.a, d.p, v_a, v_pa, v_p)
 
 
 def _centres(study: LinkageStudy) -> Iterator[CentreRow]:

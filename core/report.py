@@ -10,7 +10,6 @@ from core.channels import Channel, channels
 from core.design import CRANK, UNITS, entries, kind_row
 from core.findings import Finding
 from core.laws import find_law
-from core.stability import LABELS
 from core.study import LinkageStudy, Study
 from core.summary import extremes, flywheel, joins, mechanism, stability
 
@@ -159,6 +158,8 @@ def _stability(study: Study) -> list[str]:
     told = stability(study)
     if not told:
         return []
+    from core.stability import LABELS  # no design without a flexible shaft loads it
+
     rows = [
         ("Frequency ratio η", digits(told["eta"]), ""),
         ("Inertia ratio Q", digits(told["q"]), ""),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import pi
 
 import numpy as np
@@ -40,18 +40,37 @@ class TorqueCurve:
 
 @dataclass(frozen=True, eq=False)
 class Flywheel:
-    """What the flywheel does.
+    """What the flywheel does; the swing and what follows from it are made when they are asked for.
 
-    energy_swing      ΔE = max - min of ∫(T_c - T̄)dθ [J]
-    needed_inertia    ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation
     mean_torque       T̄ [N m]
     motor_torque      call with Angles: torque of the motor (n,) [N m]
+    curve, shaft      what it was made of
+    energy_swing      ΔE = max - min of ∫(T_c - T̄)dθ [J]
+    needed_inertia    ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation
     """
 
-    energy_swing: float
-    needed_inertia: float
     mean_torque: float
     motor_torque: Callable[[Angles], np.ndarray]
+    curve: TorqueCurve
+    shaft: Shaft
+
+    @cached_property
+    def energy_swing(self) -> float:
+        return _swing(self.curve)
+
+    @cached_property
+    def needed_inertia(self) -> float:
+        s = si(self.shaft)
+        needed: float = self.energy_swing / s.speed_fluctuation / s.speed / s.speed  # one by one: their product may be 0
+        return needed
+
+
+def lag(shaft: Shaft) -> float:
+    """k/(I ω̄) [per radian], at which the motor follows the torque; infinite without a flywheel, or with one too small to
+    matter: then the motor's torque is the cam's."""
+    s = si(shaft)
+    momentum = s.flywheel_inertia * s.speed
+    return float(s.motor_slope / momentum) if momentum else np.inf
 
 
 @lru_cache(maxsize=1)
@@ -148,32 +167,41 @@ def _cut(
 
 
 def _phi(z: np.ndarray) -> np.ndarray:
-    """k! φ_{k+1}(-z) for k = 0 ... NODES-1 (NODES, n): ∫_0^1 e^{-z(1-s)} s^k ds, z >= 0.
+    """k! φ_{k+1}(-z) for k = 0 ... NODES-1 (NODES, n): I_k = ∫_0^1 e^{-z(1-s)} s^k ds, z >= 0.
 
-    By Gauss-Legendre where e^{-z} is mild (all terms positive: no cancellation), else by the upward recurrence
-    I_k = (1 - k I_{k-1})/z, which shrinks errors.
+    By the recurrence z I_k = 1 - k I_{k-1}: downwards it multiplies errors by z/k, upwards by k/z. Where they part, at 4,
+    either way makes at most fifteen roundings of one.
     """
-    if not z.any():
-        return np.repeat(1.0 / np.arange(1.0, NODES + 1.0)[:, None], z.size, axis=1)
-    rest, weights = _gauss()
-    by_sum = weights @ np.exp(-np.outer(rest, np.minimum(z, _STIFF)))
-    stiff = np.maximum(z, _STIFF)
-    by_step = np.empty_like(by_sum)
-    by_step[0] = -np.expm1(-stiff) / stiff
+    if float(z.max(initial=0.0)) <= _PARTED:
+        return _downwards(z)
+    if float(z.min()) > _PARTED:
+        return _upwards(z)
+    return np.where(z <= _PARTED, _downwards(np.minimum(z, _PARTED)), _upwards(np.maximum(z, _PARTED)))
+
+
+_PARTED = 4.0
+_ABOVE = ((0.0, 1), (1.0, 14), (_PARTED, 22))
+"""Up to which z so many steps before those that are wanted let the error of the first guess, (z/k)², vanish."""
+
+
+def _downwards(z: np.ndarray) -> np.ndarray:
+    top = float(z.max(initial=0.0))
+    first = NODES - 1 + next(steps for most, steps in _ABOVE if top <= most)
+    out = np.empty((NODES, z.size))
+    value = (1.0 - z / (first + 2.0)) / (first + 1.0)
+    for k in range(first, 0, -1):
+        value = (1.0 - z * value) / k
+        if k <= NODES:
+            out[k - 1] = value
+    return out
+
+
+def _upwards(z: np.ndarray) -> np.ndarray:
+    out = np.empty((NODES, z.size))
+    out[0] = -np.expm1(-z) / z
     for k in range(1, NODES):
-        by_step[k] = (1.0 - k * by_step[k - 1]) / stiff
-    return np.where(z <= _STIFF, by_sum, by_step)
-
-
-_STIFF = 30.0
-
-
-@lru_cache(maxsize=1)
-def _gauss() -> tuple[np.ndarray, np.ndarray]:
-    """1 - s (40,) at the nodes s of 0...1, and the weights of s**k there (NODES, 40)."""
-    nodes, weights = np.polynomial.legendre.leggauss(40)
-    s = 0.5 + 0.5 * nodes
-    return 1.0 - s, 0.5 * weights * s ** np.arange(NODES)[:, None]
+        out[k] = (1.0 - k * out[k - 1]) / z
+    return out
 
 
 def filtered(curve: TorqueCurve, rate: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -185,18 +213,17 @@ def filtered(curve: TorqueCurve, rate: float) -> Callable[[np.ndarray], np.ndarr
     power[0] -= curve.mean
     decay = np.exp(-rate * curve.width)
     gain = curve.width * (power * _phi(rate * curve.width)).sum(axis=0)
-    x = np.zeros(curve.start.size + 1)
-    for i in range(curve.start.size):
-        x[i + 1] = decay[i] * x[i] + gain[i]
+    end, starts = 0.0, []
+    for left, added in zip(decay.tolist(), gain.tolist(), strict=True):
+        starts.append(end)
+        end = left * end + added
+    begins = np.array(starts)
     if rate > 0.0:
-        x0 = x[-1] / -np.expm1(-rate * TURN)
-        for i in range(curve.start.size):
-            x[i] += x0 * np.exp(-rate * curve.start[i])
-    begins = x[:-1]
+        begins += end / -np.expm1(-rate * TURN) * np.exp(-rate * curve.start)
 
     def solution(theta: np.ndarray) -> np.ndarray:
         out = np.empty(theta.size)
-        for part in range(0, theta.size, _BLOCK):  # forty exponentials an angle, so few at once
+        for part in range(0, theta.size, _BLOCK):  # ten numbers an angle, so few at once
             out[part : part + _BLOCK] = block(theta[part : part + _BLOCK])
         return out
 
@@ -210,7 +237,7 @@ def filtered(curve: TorqueCurve, rate: float) -> Callable[[np.ndarray], np.ndarr
     return solution
 
 
-_BLOCK = 512
+_BLOCK = 4096
 
 
 def _powers(r: np.ndarray) -> np.ndarray:
@@ -228,20 +255,15 @@ def flywheel(torque: Callable[[Angles], np.ndarray], curve: TorqueCurve, shaft: 
     Motor of slope k: I ω̄ dω/dθ + k(ω - ω̄) = -(T_c - T̄); the motor gives T̄ - k(ω - ω̄), which is T_c without a
     flywheel. Its harmonics are T_n/(1 + i n I ω̄/k) (Shin1995 Figs. 19, 20).
     """
-    s = si(shaft)
-    swing = _swing(curve)
-    inertia, slope, speed = s.flywheel_inertia, s.motor_slope, s.speed
-    needed = swing / s.speed_fluctuation / speed / speed  # one by one: the product of tiny numbers may be 0
-    lag = inertia * speed
-    rate = slope / lag if lag else np.inf
-    if rate == np.inf:  # none, or one too small to matter
-        return Flywheel(swing, needed, curve.mean, torque)
+    rate = lag(shaft)
+    if rate == np.inf:
+        return Flywheel(curve.mean, torque, curve, shaft)
     answer = filtered(curve, rate)
 
     def motor_torque(angles: Angles) -> np.ndarray:
         return curve.mean + rate * answer(angles.theta)
 
-    return Flywheel(swing, needed, curve.mean, motor_torque)
+    return Flywheel(curve.mean, motor_torque, curve, shaft)
 
 
 def _swing(curve: TorqueCurve) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from core.channels import channels, existing
 from core.design import UNITS, kind_row
 from core.design.topology import mobility
-from core.errors import NoStability
+from core.errors import NoAnswer, NoStability
 from core.mechanism import four_bar
 from core.study import LinkageStudy, Study
 
@@ -86,7 +86,10 @@ def flywheel(study: Study) -> dict[str, float | None]:
     names = {row.slug for row in existing(study, channels(study.design, ("dynamics",)))}
     if "motor_torque_nm" not in names:
         return {}
-    wheel = study.flywheel
+    try:
+        wheel = study.flywheel
+    except NoAnswer:  # the guide jams
+        return {}
     return {
         "mean_torque_nm": _number(wheel.mean_torque),
         "energy_swing_j": _number(wheel.energy_swing),

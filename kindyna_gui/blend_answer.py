@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
 from core.blend import Blended
 from core.channels import channels
-from core.design import UNITS, Design
+from core.design import UNITS, Design, speed_rpm
 from core.study import Study
 from kindyna_gui.blend_fields import quiet
 from kindyna_gui.blend_words import HEADINGS, figures, table
@@ -85,8 +85,11 @@ class AnswerPanel(QFrame):
         self.figures.setWordWrap(True)
         for label in (self.headline, self.figures):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        titles = [heading.format(u=symbol) for heading in HEADINGS]
-        self.table = RowsTable([Heading(title, number=i > 0, wide=True) for i, title in enumerate(titles)])
+        columns = [(i > 0, heading) for i, heading in enumerate(HEADINGS)]
+        # what names its unit is long: it takes the room it needs, the angles share the rest
+        self.table = RowsTable(
+            [Heading(text.format(u=symbol), number=n, wide=n and "{u}" not in text) for n, text in columns]
+        )
         self.table.setFrameShape(QFrame.Shape.NoFrame)
         self.table.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.plots = [CurvePlot(names=i == 0, angles=i == len(QUANTITIES) - 1) for i in range(len(QUANTITIES))]
@@ -109,7 +112,7 @@ class AnswerPanel(QFrame):
         """The curves, and the motion of a design that has them, over that of the design before; None: that has no
         place for them."""
         self.headline.setText("–".join(blended.curves))
-        self.figures.setText("\n".join(figures(blended, before.design.shaft.speed_rpm)))
+        self.figures.setText("\n".join(figures(blended, speed_rpm(before.design))))
         rows = table(blended)
         self.table.show_rows([Row(cells) for cells in rows])
         self._keep_height()

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.blend import Blended, BlendError, blend, feasible_ranges
-from core.design import Design, faults
+from core.design import Design, faults, require_motion
 from core.errors import KindynaError
 from core.making import in_place, over_the_turn
 from kindyna_gui.blend_answer import AnswerPanel
@@ -50,7 +50,7 @@ class BlendDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle("Blend a motion")
         self._session = session
-        motion = session.design.drive.motion
+        motion = require_motion(session.design)
         self.blended: Blended | None = None  # of what is asked now
         self.design: Design | None = None  # with it
         self.questions = Questions(motion.unit)
@@ -229,9 +229,9 @@ class BlendDialog(QDialog):
         self.put_button.setEnabled(self.design is not None)
 
     def _show(self, design: Design, blended: Blended) -> None:
-        before = self._session.design.drive.motion
+        before = require_motion(self._session.design)
         wrong = [f"{name_of(design, fault.path)}: {fault.problem}" for fault in faults(design)]
-        self._tell("; ".join(wrong) or effect(before, design.drive.motion, blended), bool(wrong))
+        self._tell("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
         self.panel.show_answer(blended, design, self._session.study)
         self.design = None if wrong else design
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget, QVBoxLayout
 
 from core.errors import KindynaError
-from core.position import CentreRow, LinkRow, PointRow, Position, position
+from core.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
 from core.study import LinkageStudy, Study
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.units import digits
@@ -35,6 +35,10 @@ _LINKS = (
 _POINTS = (
     Heading("Point"), Heading("x, mm", number=True), Heading("y, mm", number=True), Heading("vx, mm/s", number=True),
     Heading("vy, mm/s", number=True), Heading("|v|, mm/s", number=True), Heading("", wide=True),
+)  # fmt: skip
+_DIFFERENCES = (
+    Heading("Vector"), Heading("Link", number=True), Heading("vx, mm/s", number=True), Heading("vy, mm/s", number=True),
+    Heading("|v|, mm/s", number=True), Heading("", wide=True),
 )  # fmt: skip
 ABSENT = "Instant centres are listed of linkages; those of a cam and its follower are drawn in the mechanism."
 
@@ -88,8 +92,19 @@ def _point(row: PointRow) -> Row:
     return Row((row.name, *(plain(part) for part in (z.real, z.imag, v.real, v.imag, abs(v))), ""))
 
 
+def _difference(row: DifferenceRow) -> Row:
+    slides = row.link != row.on
+    p, a = (f"{row.p}{row.link}", f"{row.a}{row.on}") if slides else (row.p, row.a)
+    v = row.v_pa * MM
+    on = f"link {row.on} under it, on which link {row.link} slides" if slides else f"{a}, both on link {row.link}"
+    return Row(
+        (f"V {p}{a}", str(row.link), *(plain(part) for part in (v.real, v.imag, abs(v))), ""),
+        tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
+    )
+
+
 class CentresView(View):
-    """Three tables that follow the player, and the distance between any two centres."""
+    """Four tables that follow the player, and the distance between any two centres."""
 
     stages = ("linkage",)
 
@@ -97,8 +112,14 @@ class CentresView(View):
         super().__init__(session, player)
         self.now: Position | None = None
         self.centres, self.links, self.points = RowsTable(_CENTRES), RowsTable(_LINKS), RowsTable(_POINTS)
+        self.differences = RowsTable(_DIFFERENCES)
         self.tabs = QTabWidget(documentMode=True)
-        for table, title in ((self.centres, "Centres"), (self.links, "Links"), (self.points, "Points")):
+        for table, title in (
+            (self.centres, "Centres"),
+            (self.links, "Links"),
+            (self.points, "Points"),
+            (self.differences, "Differences"),
+        ):
             table.setWordWrap(False)
             self.tabs.addTab(table, title)
         self.one, self.other = self._chooser("First centre"), self._chooser("Second centre")
@@ -149,6 +170,7 @@ class CentresView(View):
         self.centres.update_rows([_centre(row) for row in self.now.centres])
         self.links.update_rows([_link(row) for row in self.now.links])
         self.points.update_rows([_point(row) for row in self.now.points])
+        self.differences.update_rows([_difference(row) for row in self.now.differences])
         self._fill([row.links for row in self.now.centres])
         self._tell_distance()
         told = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in self.now.transmission)

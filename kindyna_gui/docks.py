@@ -33,14 +33,10 @@ def lazily(module: str, name: str, **more: Any) -> Make:
     return make
 
 
-def _plot(*quantities: str) -> Make:
-    return lazily("plots_view", "PlotView", quantities=quantities)
-
-
 @dataclass(frozen=True)
 class ViewRow:
     """One view: its title, what makes it, where it docks, in front of or behind which other (``tab_with``), whether
-    it is there from the start, whether it is a picture worth exporting."""
+    it is there from the start, whether it is a picture worth exporting; of a plot its quantities."""
 
     title: str
     make: Make
@@ -48,6 +44,12 @@ class ViewRow:
     tab_with: str = ""
     shown: bool = True
     picture: bool = False
+    quantities: tuple[str, ...] = ()
+
+
+def _plot(title: str, tab_with: str, *quantities: str) -> ViewRow:
+    make = lazily("plots_view", "PlotView", quantities=quantities)
+    return ViewRow(title, make, RIGHT, tab_with, picture=True, quantities=quantities)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
@@ -60,16 +62,17 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
         "centres": ViewRow("Centres", lazily("centres_view", "CentresView"), LEFT, "motion", shown=False),
         "circle": ViewRow("Circle diagram", lazily("circle_view", "CircleView"), LEFT, "motion", shown=False),
-        "displacement": ViewRow("Displacement", _plot("displacement"), RIGHT, picture=True),
-        "velocity": ViewRow("Velocity", _plot("velocity"), RIGHT, "displacement", picture=True),
-        "acceleration": ViewRow("Acceleration", _plot("acceleration"), RIGHT, "displacement", picture=True),
-        "jerk": ViewRow("Jerk", _plot("jerk"), RIGHT, "displacement", picture=True),
-        "pressure_angle": ViewRow("Pressure angle", _plot("pressure_angle"), RIGHT, picture=True),
-        "curvature": ViewRow(
-            "Curvature", _plot("pitch_curvature", "profile_curvature"), RIGHT, "pressure_angle", picture=True
+        "polygon": ViewRow(
+            "Velocity polygon", lazily("polygon_view", "PolygonView"), LEFT, "motion", shown=False, picture=True
         ),
-        "torque": ViewRow("Torque", _plot("drive_torque", "motor_torque"), RIGHT, picture=True),
-        "contact_force": ViewRow("Contact force", _plot("contact_force"), RIGHT, "torque", picture=True),
+        "displacement": _plot("Displacement", "", "displacement"),
+        "velocity": _plot("Velocity", "displacement", "velocity"),
+        "acceleration": _plot("Acceleration", "displacement", "acceleration"),
+        "jerk": _plot("Jerk", "displacement", "jerk"),
+        "pressure_angle": _plot("Pressure angle", "", "pressure_angle"),
+        "curvature": _plot("Curvature", "pressure_angle", "pitch_curvature", "profile_curvature"),
+        "torque": _plot("Torque", "", "drive_torque", "motor_torque"),
+        "contact_force": _plot("Contact force", "torque", "contact_force"),
         "findings": ViewRow("Findings", lazily("findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("certificate_view", "CertificateView"), BOTTOM, "findings"),
         "flywheel": ViewRow("Flywheel", lazily("flywheel_view", "FlywheelView"), BOTTOM, "findings"),

@@ -25,7 +25,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.study import SAMPLES
+from core.export import names
+from core.study import SAMPLES, Study
 from kindyna_gui.dialogs import with_suffix
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
@@ -46,7 +47,7 @@ class TablesWanted:
 class TablesDialog(QDialog):
     """Folder and cam angles per turn."""
 
-    def __init__(self, parent: QWidget, folder: Path) -> None:
+    def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
         super().__init__(parent)
         self.setWindowTitle("Export tables")
         self.folder = QLineEdit(str(folder))
@@ -64,14 +65,13 @@ class TablesDialog(QDialog):
         where.addWidget(browse)
         how_many.addWidget(self.samples)
         how_many.addWidget(self.step, 1)
-        told = QLabel(
-            "Writes profile.csv, kinematics.csv, dynamics.csv and summary.json; files of these names are replaced."
-        )
+        *first, last = names(study.design)
+        told = QLabel(f"Writes {', '.join(first)} and {last}; files of these names are replaced.")
         told.setWordWrap(True)
         coloured(told, QUIET)
         form = QFormLayout()
         form.addRow("Folder", where)
-        form.addRow("Cam angles per turn", how_many)
+        form.addRow(f"{study.angle_name.capitalize()}s per turn", how_many)
         _lay_out(self, form, told, "Export")
 
     @property
@@ -140,9 +140,9 @@ def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> N
 # -- the questions, as functions that tests can answer ----------------------------------------------------
 
 
-def tables_wanted(parent: QWidget, folder: Path) -> TablesWanted | None:
+def tables_wanted(parent: QWidget, folder: Path, study: Study) -> TablesWanted | None:
     """Ask where tables shall go; None where the user thinks better of it."""
-    dialog = TablesDialog(parent, folder)
+    dialog = TablesDialog(parent, folder, study)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     wanted = dialog.wanted if accepted else None
     dialog.deleteLater()

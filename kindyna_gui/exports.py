@@ -112,7 +112,7 @@ class Exports(QObject):
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui import export_dialogs
 
-        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder)
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
         if wanted is None:
             return
         try:

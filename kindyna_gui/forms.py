@@ -26,8 +26,9 @@ SECTIONS = ("follower", "cam", "shaft", "loads")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads")  # of all kinds of design, in the order of tabs
 
 
-_STRUCTURE = frozenset({"number", "link", "on"})
-"""What a linkage consists of, rather than its dimensions: it is laid out in its file, or begun from a preset."""
+_STRUCTURE = frozenset({"number", "link", "on", "kind"})
+"""What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
+menu Compo."""
 
 
 def specs_of(design: Design, section: str) -> list[Spec]:

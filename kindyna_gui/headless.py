@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
 
-from core.__main__ import DONE, DONE_WITH_ERRORS, Command, Painter
+from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
 from core.files import write, write_all
 from core.findings import ERROR
 from core.project import load

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import UNITS, Motion
+from core.design import UNITS, Motion, motion_of
 from core.design.edits import still
 from core.study import Study
 from kindyna_gui.laws_model import ENDS, NAME, LawsModel
@@ -176,11 +176,12 @@ class LawsView(View):
     # -- showing --------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        segment = study.design.drive.motion.segments[self.session.segment]
-        slug, number = segment.curve.law, self.session.segment + 1
-        self.model.mark(slug, f"◂ segment {number}")
+        motion = motion_of(study.design)
+        segment = None if motion is None else motion.segments[self.session.segment]
+        slug = "" if segment is None else segment.curve.law
+        self.model.mark(slug, f"◂ segment {self.session.segment + 1}")
         if not self.table.currentIndex().isValid():
-            if self.model.row_of(slug) >= 0 and not still(segment):
+            if segment is not None and self.model.row_of(slug) >= 0 and not still(segment):
                 self.model.tick(slug, True)
             self.table.choose(slug)
         self._name_button()
@@ -188,12 +189,13 @@ class LawsView(View):
     def _segment_chosen(self) -> None:
         """Another segment, another mark, as for another design."""
         self.invalidate()
-        self.table.choose(self.session.design.drive.motion.segments[self.session.segment].curve.law)
+        motion = motion_of(self.session.design)
+        self.table.choose("" if motion is None else motion.segments[self.session.segment].curve.law)
 
     def _name_button(self, *_: object) -> None:
         """What the button would do."""
         slug, number = self.table.slug, self.session.segment + 1
-        self.use_button.setEnabled(bool(slug))
+        self.use_button.setEnabled(bool(slug) and motion_of(self.session.design) is not None)
         self.use_button.setText(f"Use in segment {number}")
         told = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
         self.use_button.setToolTip(told)
@@ -211,7 +213,7 @@ class LawsView(View):
     def use(self, number: int | None = None) -> None:
         """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, say why."""
         slug, index = self.table.slug, self.session.segment if number is None else number
-        if not slug:
+        if not slug or motion_of(self.session.design) is None:
             return
         path = f"motion.segments[{index}].law"
         told: list[str] = []
@@ -234,8 +236,8 @@ class LawsView(View):
 
     def _fill_menu(self, menu: QMenu) -> None:
         menu.clear()
-        motion = self.session.design.drive.motion
-        for number, text in enumerate(segment_texts(motion)):
+        motion = motion_of(self.session.design)
+        for number, text in enumerate(segment_texts(motion) if motion is not None else ()):
             action = menu.addAction(text)
             action.setCheckable(True)
             action.setChecked(number == self.session.segment)

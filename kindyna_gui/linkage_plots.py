@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 
+from core.design import LinkageDesign
 from core.errors import NoAnswer
 from core.study import Study
+from core.study.linkage_quantities import names_of
 from kindyna_gui.shown_kinds import is_linkage
 
 STILL = 1e-9  # [rad] a link that turns less than this does not turn
@@ -82,6 +85,31 @@ def _names(study: Study) -> tuple[str, ...]:
         return ()
     still = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < STILL}
     return tuple(n for n, row in rows.items() if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in still)
+
+
+_TITLES: Mapping[str, str] = MappingProxyType(
+    {
+        r"link\.\d+": "Angle",
+        r"link\.\d+_velocity": "Angular velocity",
+        r"link\.\d+_acceleration": "Angular accel.",
+        r"slide\.\d+": "Slide",
+        r"slide\.\d+_velocity": "Slide velocity",
+        r"slide\.\d+_acceleration": "Slide accel.",
+        r"transmission\..*": "Transmission angle",
+        r"force\..*_size": "Joint forces",
+        "driver_torque": "Driver torque",
+        "driver_force": "Driver force",
+        "camshaft_torque": "Camshaft torque",
+    }
+)
+"""Names of quantities, as patterns -> what a plot of them is called."""
+
+
+def title_for(design: LinkageDesign, usual: str, title: str) -> str:
+    """What a plot of the window is called for a linkage; ``title`` where it shows what it does for a cam, or nothing."""
+    pick = _PLOTS.get(usual)
+    found = next((name for name in pick(names_of(design)) if name), "") if pick is not None else ""
+    return next((told for pattern, told in _TITLES.items() if re.fullmatch(pattern, found)), title)
 
 
 def first_graph(study: Study) -> list[list[str]]:

@@ -10,13 +10,14 @@ from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
-from PySide6.QtWidgets import QApplication, QMainWindow, QTabBar, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
-from core.design import with_elastic
 from core.errors import KindynaError
 from core.project import load
 from kindyna_gui import dialogs, menus
-from kindyna_gui.docks import CENTRE, PLAYER_BAR, VIEWS, Dock, arrange, proportion
+from kindyna_gui.centre import Centre
+from kindyna_gui.designing import Designing
+from kindyna_gui.docks import CENTRE, VIEWS, Dock, arrange, proportion
 from kindyna_gui.documents import Documents, dropped_design
 from kindyna_gui.exports import Exports, save_picture
 from kindyna_gui.help_view import HelpWindow
@@ -29,6 +30,7 @@ from kindyna_gui.settings import Settings
 from kindyna_gui.shares import Shares
 from kindyna_gui.shown_kinds import is_linkage, ranges_of
 from kindyna_gui.status_line import StatusLine
+from kindyna_gui.titles import Titles
 from kindyna_gui.view import View, in_sight
 
 FIRST_SIZE = (1440, 900)
@@ -47,7 +49,7 @@ class MainWindow(QMainWindow):
         self._design_changed()
         self.documents = Documents(session, settings, self)
         self.exports = Exports(session, player, self)
-        self._pages: dict[str, View] = {}
+        self.designing = Designing(self)
         self._painted, self._begun = False, True
         self._help: HelpWindow | None = None
         self.setAcceptDrops(True)
@@ -59,7 +61,10 @@ class MainWindow(QMainWindow):
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
-        self._build_centre()
+        self.centre = Centre(session, player, self._make)
+        self.bar = self.centre.bar
+        self.setCentralWidget(self.centre)
+        self.centre.begin()
         self.docks = {
             name: Dock(name, row, partial(self._make, name)) for name, row in VIEWS.items() if row.area != CENTRE
         }
@@ -67,29 +72,10 @@ class MainWindow(QMainWindow):
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
         self.status = StatusLine(session, player, lambda: self.show_view("findings"))
         self.setStatusBar(self.status)
-        self._titles = QTimer(self, singleShot=True, interval=0)
-        self._titles.timeout.connect(self._title_docks)
+        self.titles = Titles(self)
         self._lay_out()
         self.shares = Shares(self, self.docks.values())
         self._connect()
-        self._name_window()
-        self._name_steps()
-
-    def _build_centre(self) -> None:
-        self.centre = QTabWidget(documentMode=True, tabsClosable=True)
-        self.centre.setTabBarAutoHide(True)
-        self.centre.tabCloseRequested.connect(self.centre.removeTab)
-        self.bar = PLAYER_BAR(self.session, self.player)
-        middle = QWidget()
-        layout = QVBoxLayout(middle)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.centre, 1)
-        layout.addWidget(self.bar)
-        self.setCentralWidget(middle)
-        self._show_page("mechanism")
-        for side in (QTabBar.ButtonPosition.LeftSide, QTabBar.ButtonPosition.RightSide):
-            self.centre.tabBar().setTabButton(0, side, None)
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
@@ -108,20 +94,20 @@ class MainWindow(QMainWindow):
         self._restored = self.settings.restore_layout(self)
 
     def _connect(self) -> None:
-        session, player, stack = self.session, self.player, self.session.stack
+        session, player = self.session, self.player
         session.stages_on_screen = self.stages_on_screen
-        session.file_changed.connect(self._name_window)
         session.started.connect(partial(setattr, self, "_begun", True))
         session.file_changed.connect(self._front_dock)
+        session.stack.indexChanged.connect(self._steps_changed)
+        session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._tell_refusal)
-        stack.indexChanged.connect(self._name_steps)
-        stack.cleanChanged.connect(self._name_window)
         self.documents.told.connect(self.status.tell)
         self.exports.told.connect(self.status.tell)
+        self.designing.told.connect(self.status.tell)
         self.exports.layers = self._layers
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
-        self.centre.currentChanged.connect(lambda _: self.status.recount())
+        self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
         for dock in self.docks.values():
             dock.hold(True)
             dock.seen.connect(self._docks_moved)
@@ -133,12 +119,12 @@ class MainWindow(QMainWindow):
     def view(self, name: str) -> View | None:
         """A view by its name in ``VIEWS``; None where it has not been seen yet."""
         dock = self.docks.get(name)
-        return dock.view if dock is not None else self._pages.get(name)
+        return dock.view if dock is not None else self.centre.page(name)
 
     def show_view(self, name: str) -> View:
         """Bring a view to the front, made now where it is not there yet."""
         if VIEWS[name].area == CENTRE:
-            return self._show_page(name)
+            return self.centre.show_page(name)
         dock = self.docks[name]
         dock.show()
         dock.raise_()
@@ -146,19 +132,9 @@ class MainWindow(QMainWindow):
         view.wake()
         return view
 
-    def _show_page(self, name: str) -> View:
-        view = self._pages.get(name)
-        if view is None:
-            view = self._pages[name] = self._make(name)
-        if self.centre.indexOf(view) < 0:
-            self.centre.addTab(view, VIEWS[name].title)
-        self.centre.setCurrentWidget(view)
-        return view
-
     def _views(self) -> Iterator[View]:
-        yield from self._pages.values()
         yield from (dock.view for dock in self.docks.values() if dock.view is not None)
-        yield self.bar
+        yield from self.centre.views()
 
     def stages_on_screen(self) -> tuple[str, ...]:
         """The stages that views on screen read, in the order they need each other."""
@@ -173,9 +149,8 @@ class MainWindow(QMainWindow):
 
     def fit(self) -> None:
         """Bring the whole of the picture in the middle into sight."""
-        page = self.centre.currentWidget()
-        if isinstance(page, View):
-            page.fit()
+        if self.centre.current is not None:
+            self.centre.current.fit()
 
     def _layers(self) -> dict[str, bool]:
         """What the drawing of the mechanism shows, by layer."""
@@ -204,60 +179,9 @@ class MainWindow(QMainWindow):
 
     # -- the design ---------------------------------------------------------------------------------------
 
-    def edit_segment(self, name: str) -> None:
-        """One of ``motion_actions.ACTIONS`` on the chosen segment."""
-        view: Any = self.show_view("motion")
-        if not view.not_here:
-            view.act(name)
-
     def _enable_segment_edits(self, able: dict[str, bool]) -> None:
         for name, on in able.items():
-            self.actions_by_key[f"edit_segment:{name}"].setEnabled(on)
-
-    def blend_motion(self) -> None:
-        """Ask for a blended motion."""
-        from kindyna_gui.blend_wizard import open_blend
-
-        self.documents.settle()
-        open_blend(self.session, self)
-
-    def import_measured(self) -> None:
-        """Ask for a measured table and for how it shall become the motion."""
-        from kindyna_gui.measured_dialog import import_measured
-
-        self.documents.settle()
-        import_measured(self.session, self)
-
-    def make_flexible(self) -> None:
-        """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
-        from core.stability import flexible
-
-        if self.session.design.shaft.elastic is None:
-            study = self.session.study
-            try:
-                changed = flexible(study.design, study.linkage, study.loading, study.omega)
-            except KindynaError as error:
-                self.status.tell(str(error))
-                return
-            self.session.put(changed, "Make the shaft flexible")
-            self.session.end_gesture()
-        self.show_view("stability")
-        self.focus_field("shaft.stiffness_nm_per_rad")
-
-    def make_rigid(self) -> None:
-        """Take the elasticity out of the design."""
-        if self.session.design.shaft.elastic is not None:
-            self.session.put(with_elastic(self.session.design, None), "Make the shaft rigid")
-            self.session.end_gesture()
-
-    def choose_mechanism(self) -> None:
-        """Begin with a layout or a linkage, chosen by its picture."""
-        from kindyna_gui import gallery
-
-        if self.documents.may_leave():
-            choice = gallery.mechanism_wanted(self)
-            if choice is not None:
-                self.documents.begin(choice.design(), choice.name)
+            self.actions_by_key[f"designing.segment:{name}"].setEnabled(on)
 
     def _design_changed(self) -> None:
         study = self.session.study
@@ -270,21 +194,9 @@ class MainWindow(QMainWindow):
     def _tell_refusal(self, refusal: Refusal) -> None:
         self.status.tell(f"Refused: {refusal.told[0][1]}: {refusal.told[0][2]}")
 
-    def _name_steps(self) -> None:
-        stack = self.session.stack
-        for key, able, text in (
-            ("undo", stack.canUndo(), stack.undoText()),
-            ("redo", stack.canRedo(), stack.redoText()),
-        ):
-            action, word = self.actions_by_key[key], key.capitalize()
-            action.setEnabled(able)
-            action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
-            action.setToolTip(f"{word} {text}".rstrip())
-
-    def _name_window(self) -> None:
-        self.setWindowTitle(f"{self.documents.name}[*] \u2013 KINDYNA")
-        self.setWindowModified(self.session.modified)
-        self.setWindowFilePath(str(self.session.path or ""))
+    def _steps_changed(self, *_: object) -> None:
+        self.titles.name_steps()
+        self.titles.name_window()
 
     def reverse(self, on: bool) -> None:
         """Play the other way round."""
@@ -310,13 +222,8 @@ class MainWindow(QMainWindow):
         self._front_dock()
 
     def _docks_moved(self, *_: object) -> None:
-        self._titles.start()
+        self.titles.docks_moved()
         self.status.recount()
-
-    def _title_docks(self) -> None:
-        for dock in self.docks.values():
-            others = [d for d in self.tabifiedDockWidgets(dock) if not d.isHidden()]
-            dock.show_title(dock.isFloating() or not others)
 
     # -- events -------------------------------------------------------------------------------------------
 
@@ -325,9 +232,8 @@ class MainWindow(QMainWindow):
         if not self._restored and not event.spontaneous():
             self._restored = True
             proportion(self, self.docks)
-        page = self.centre.currentWidget()
-        if isinstance(page, View) and not event.spontaneous():
-            page.pull()
+        if self.centre.current is not None and not event.spontaneous():
+            self.centre.current.pull()
 
     def paintEvent(self, event: QPaintEvent) -> None:
         """The first thing that is seen is the mechanism; the docks around it come next."""

@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Info
+from core.design import Info, require_motion, speed_rpm
 from core.errors import KindynaError
 from core.files import read_bytes
 from core.measured import Fit, figures, into_design
@@ -48,7 +48,7 @@ class MeasuredDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle("Import measured motion")
         self._session, self._path = session, path
-        motion = session.design.drive.motion
+        motion = require_motion(session.design)
         self._unit = motion.unit
         self._reader = self._read(data)
         self._rest = Asked()
@@ -64,7 +64,7 @@ class MeasuredDialog(QDialog):
         self.ask()
 
     def _read(self, data: bytes) -> Reader:
-        return Reader(self._path.name, data, self._unit, self._session.design.shaft.speed_rpm)
+        return Reader(self._path.name, data, self._unit, speed_rpm(self._session.design))
 
     # -- building -------------------------------------------------------------------------------------------
 

@@ -6,15 +6,15 @@ from dataclasses import replace
 from functools import partial
 from math import ceil, log10
 
-from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
-from PySide6.QtWidgets import QFrame, QGraphicsView, QLabel, QVBoxLayout
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtWidgets import QLabel, QVBoxLayout
 
-from core.design import LinkageDesign
-from core.design.linkage_paths import place_of
-from core.errors import NoAnswer
-from core.mechanism import with_point_at
+from core.errors import KindynaError, NoAnswer
+from core.instant_centres import CHAINS
+from core.mechanism import joints_of, move_joint
 from core.study import Study
+from kindyna_gui.canvas import Canvas
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.pictures.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.reading import MM
@@ -26,171 +26,6 @@ from kindyna_gui.session import Session
 from kindyna_gui.shown_kinds import has_cam, is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.wording import reason
-
-NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
-FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
-HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
-REACH = 9.0  # pixels from a joint within which it is taken
-REST_MS = 250  # after an edit or a move, before labels look for better sides
-_GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
-
-
-class Canvas(QGraphicsView):
-    """A window on a scene in mm, y upwards: wheel zooms about the mouse, drag pans, double click fits.
-
-    Qt's own scroll bars and transformation anchors are left aside: what is visible is a centre and a scale, so that
-    neither an edit nor a change of size can move it.
-
-    taken, dragged, dropped   a joint was taken by its name, drawn to a place [mm], let go
-
-    fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
-    """
-
-    taken, dragged, dropped = Signal(str), Signal(str, complex), Signal(str)
-
-    def __init__(self, scene: MechanismScene) -> None:
-        super().__init__(scene)
-        self._joint = ""
-        self._scene = scene
-        self.fitted = True
-        self._centre, self._scale = QPointF(), 1.0
-        self._grip: QPointF | None = None
-        self.rest = QTimer(self, singleShot=True, interval=REST_MS)
-        self.rest.timeout.connect(scene.lay_labels)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
-        # nearly everything moves in every frame, and lines of constant width reach beyond what Qt takes for their bounds
-        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
-        self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
-        self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setCursor(Qt.CursorShape.ArrowCursor)
-        self.viewport().setMouseTracking(True)
-
-    # -- what is visible ----------------------------------------------------------------------------------
-
-    @property
-    def scale_now(self) -> float:
-        """Pixels per mm."""
-        return self._scale
-
-    @property
-    def visible(self) -> QRectF:
-        """What is visible [mm]."""
-        rect = QRectF(0.0, 0.0, self.viewport().width() / self._scale, self.viewport().height() / self._scale)
-        rect.moveCenter(self._centre)
-        return rect
-
-    def look_at(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
-        """Show what is around a point, at so many pixels per mm; labels may find better sides once all is at rest."""
-        self._centre, self._scale = centre, scale
-        self.setTransform(QTransform.fromScale(scale, -scale))
-        visible = self.visible
-        self.setSceneRect(visible)
-        self._scene.look_at(visible, scale, keep_labels)
-        if keep_labels:
-            self.rest.start()
-
-    def fit(self, keep_labels: bool = False) -> None:
-        """Show the whole mechanism."""
-        visible, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
-        self.look_at(visible.center(), scale, keep_labels)
-        self.fitted = True
-
-    def look_again(self) -> None:
-        """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
-        if self.fitted:
-            wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
-            if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
-                self.look_at(wanted.center(), scale, keep_labels=True)
-
-    def zoom(self, factor: float, about: QPointF) -> None:
-        """Zoom by a factor; what stands at a place of the viewport [pixels] stays there."""
-        _, usual = self._scene.fit(self.viewport().width(), self.viewport().height())
-        scale = min(max(self._scale * factor, FURTHEST * usual), CLOSEST * usual)
-        kept = self._place(about)
-        offset = (self._centre - kept) * (self._scale / scale)
-        self.look_at(kept + offset, scale, keep_labels=True)
-        self.fitted = False
-
-    def _place(self, pixel: QPointF) -> QPointF:
-        """The place of the scene [mm] at a place of the viewport [pixels]."""
-        x = pixel.x() - self.viewport().width() / 2.0
-        y = pixel.y() - self.viewport().height() / 2.0
-        return self._centre + QPointF(x / self._scale, -y / self._scale)
-
-    def joint_at(self, pixel: QPointF) -> str:
-        """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
-        at = self._place(pixel)
-        found = self._scene.joints_now()
-        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in found.items()}
-        best = min(near, key=lambda name: near[name], default="")
-        return best if best and near[best] <= REACH else ""
-
-    # -- events -------------------------------------------------------------------------------------------
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        turned = event.angleDelta().y() or event.pixelDelta().y()
-        if turned:
-            self.zoom(STEP ** (turned / NOTCH), event.position())
-        event.accept()
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
-        if joint:
-            self._joint = joint
-            self.taken.emit(joint)
-        elif event.button() in _GRIPS:
-            self._grip = event.position()
-            self.setCursor(Qt.CursorShape.ClosedHandCursor)
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if self._joint:
-            at = self._place(event.position())
-            self.dragged.emit(self._joint, complex(at.x(), at.y()))
-            return
-        if self._grip is None:
-            over = self.joint_at(event.position())
-            self.setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.ArrowCursor)
-            return
-        if event.position() == self._grip:
-            return
-        moved = event.position() - self._grip
-        self._grip = event.position()
-        self.look_at(
-            self._centre - QPointF(moved.x() / self._scale, -moved.y() / self._scale), self._scale, keep_labels=True
-        )
-        self.fitted = False
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        if self._joint and event.button() == Qt.MouseButton.LeftButton:
-            name, self._joint = self._joint, ""
-            self.dropped.emit(name)
-        elif event.button() in _GRIPS:
-            self._grip = None
-            self.setCursor(Qt.CursorShape.ArrowCursor)
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self.fit()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()  # the arrow keys would scroll; they belong to the player
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        super().resizeEvent(event)
-        if self.fitted:
-            self.fit(keep_labels=True)
-        else:
-            self.look_at(self._centre, self._scale, keep_labels=True)
-
-
-def joint_path(design: LinkageDesign, name: str) -> str:
-    """The path of a point, of the first link that has it."""
-    number = next(link.number for link in design.linkage.links if name in link.places)
-    return place_of(design, number, name)
 
 
 class MechanismView(View):
@@ -274,15 +109,19 @@ class MechanismView(View):
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
-        design, theta = self.session.design, self.player.theta
-        train = self.session.at(theta).linkage
+        design, joint = self.session.design, joints_of(self.session.design)[name]
+        train = self.session.at(self.player.theta).linkage
         decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
-        moved = with_point_at(design, train, name, place / MM, decimals)
-        self.session.put(moved, f"Move joint {name}", joint_path(design, name))
+        try:
+            moved = move_joint(design, train, name, place / MM, decimals)
+        except KindynaError as error:
+            self.session.refuse(joint.field, reason(design, error))
+        else:
+            self.session.put(moved, f"Move {joint.label}", joint.field)
 
     def _drop_joint(self, name: str) -> None:
         self.session.end_gesture()
-        self.session.withdraw(joint_path(self.session.design, name))
+        self.session.withdraw(joints_of(self.session.design)[name].field)
 
     def _another_design(self) -> None:
         self._fit_wanted = True
@@ -305,6 +144,8 @@ class MechanismView(View):
         for name, shown in self._layers_wanted.items():
             if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
+                if self.canvas.fitted and name in CHAINS:  # their list stands above the mechanism
+                    self.canvas.fit(keep_labels=True)
 
     # -- as a file ----------------------------------------------------------------------------------------
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar
 
-from kindyna_gui import submenus
+from kindyna_gui import linkage_menus, submenus
 from kindyna_gui.look import icon
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "
 
 
 def _segment(text: str, name: str, keys: str, tip: str) -> Item:
-    return Item(text, "edit_segment", name, keys, tip, name)
+    return Item(text, "designing.segment", name, keys, tip, name)
 
 
 def _field(text: str, path: str, tip: str) -> Item:
@@ -76,7 +76,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
             SEPARATOR,
-            Item("&Import measured motion...", "import_measured", None, None,
+            Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
             Submenu("Expor&t", submenus.fill_exports, "exports"),
             SEPARATOR,
@@ -95,7 +95,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("&Motion table", "motion", "Segments of the motion: law, span, rise", "Ctrl+M"),
             _view("&Law table", "laws", "Every motion law with its peaks, drawn over each other", "Ctrl+L"),
-            Item("&Blend...", "blend_motion", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
+            Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
             SEPARATOR,
             _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
             _segment("S&plit segment", "split", "Ctrl+K", "Cut the chosen segment where the cam stands"),
@@ -112,15 +112,18 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("&Mechanism", "mechanism", "The mechanism to scale"),
             SEPARATOR,
-            Item("C&hoose a mechanism...", "choose_mechanism", None, None,
+            Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
                  "The layouts of the cam slider and the linkages, as pictures to begin with"),
             SEPARATOR,
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
+            Submenu("Driv&er", linkage_menus.fill_drivers, "drivers"),
+            Submenu("Cam &roller", linkage_menus.fill_rollers, "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
             _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
+            _view("&Velocity polygon", "polygon", "Velocities from one pole, V_P = V_A + V_PA, at the angle at hand"),
             _view("Circle &diagram", "circle", "Find the instant centres step by step, as the lecture does"),
         ),
     ),
@@ -155,9 +158,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         "&Stability",
         (
             _view("&Chart", "stability", "Tongues of instability of the flexible camshaft, and the wind-up there", "Ctrl+T"),
-            Item("&Flexible shaft", "make_flexible", None, None,
+            Item("&Flexible shaft", "designing.make_flexible", None, None,
                  "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
-            Item("&Rigid shaft", "make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
+            Item("&Rigid shaft", "designing.make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
             SEPARATOR,
             _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
         ),

@@ -6,7 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from core.design import Design, insert_segment, mirror_stroke, remove_segment, with_stroke_mirrored
+from core.design import (
+    Design,
+    insert_segment,
+    mirror_stroke,
+    remove_segment,
+    require_motion,
+    with_stroke_mirrored,
+)
 from core.dividing import LEAST_CUT, copy_segment, split_segment
 
 Change = Callable[[Design, int, float | None], Design]
@@ -34,7 +41,7 @@ class SegmentAction:
 
 
 def _span(design: Design, index: int) -> float:
-    return design.drive.motion.segments[index].span_deg
+    return require_motion(design).segments[index].span_deg
 
 
 def _has_room(design: Design, index: int) -> bool:
@@ -82,7 +89,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "mirror",
             "Mirror the stroke of segment {n}",
             lambda design, index, _: mirror_stroke(design, index),
-            lambda design, index: with_stroke_mirrored(design.drive.motion, index) != design.drive.motion,
+            lambda design, index: with_stroke_mirrored(require_motion(design), index) != require_motion(design),
         ),
         "delete": SegmentAction(
             "Delete",
@@ -91,7 +98,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "delete",
             "Delete segment {n}",
             lambda design, index, _: remove_segment(design, index),
-            lambda design, _: len(design.drive.motion.segments) > 1,
+            lambda design, _: len(require_motion(design).segments) > 1,
         ),
     }
 )

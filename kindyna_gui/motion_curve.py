@@ -8,7 +8,7 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from core.design import Design, Motion, Named, Polynomial, Scca, Spline, entries
+from core.design import Design, Motion, Named, Polynomial, Scca, Spline, entries, require_motion
 from core.laws import find_law, peaks
 from kindyna_gui.fields import Field, Spec
 from kindyna_gui.look import QUIET, coloured
@@ -59,7 +59,7 @@ class CurveForm(QWidget):
 
     def show_segment(self, design: Design, index: int) -> None:
         """Show the curve of a segment."""
-        motion = design.drive.motion
+        motion = require_motion(design)
         kind = kind_of_form(motion, index)
         wanted = (index, kind or motion.segments[index].curve.law)
         if wanted != self._shown:
@@ -83,7 +83,7 @@ class CurveForm(QWidget):
             FORMS[kind](self, design, index)
 
     def _nothing(self, design: Design, index: int) -> None:
-        told = QLabel(f"{law_label(design.drive.motion.segments[index].curve.law)}: span and rise say everything")
+        told = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
         coloured(told, QUIET)
         self._grid().addWidget(told, 0, 0)
 
@@ -100,7 +100,7 @@ class CurveForm(QWidget):
 
     def _ends(self, design: Design, index: int) -> None:
         """Velocity, acceleration and jerk at both ends: a row for each end, units in the headings."""
-        grid, motion = self._grid(), design.drive.motion
+        grid, motion = self._grid(), require_motion(design)
         for row, end in enumerate(_ENDS, 1):
             name = QLabel(f"{end.capitalize()} ")
             grid.addWidget(name, 2 * row, 0)

@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QFrame, QWidget
 
 from core.channels import Channel
-from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels
+from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
 from core.study import Study
 from kindyna_gui.look import CHOSEN, WRONG
 from kindyna_gui.look import LINE as FAINT
@@ -79,7 +79,7 @@ class MotionDiagram(CurvePlot):
         """Draw the displacement of a study; before: that of the motion before the last edit at as many equally spaced
         cam angles (n,) [the channel's unit], None where there is none."""
         values = channel.values(study)
-        motion = study.design.drive.motion
+        motion = require_motion(study.design)
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
         self._curves, self._there = [Curve(channel, values, self._theme.family(channel.family))], None
         shown = [values] if before is None else [values, before]
@@ -245,7 +245,7 @@ def label_text(motion: Motion, angle: float | None, level: float | None, join: i
 
 def step_name(before: Design, after: Design, join: int) -> str:
     """The step of the undo stack: ``Move start of segment 3 to 80°, -10 mm``; only what has changed is told."""
-    was, now = before.drive.motion, after.drive.motion
+    was, now = require_motion(before), require_motion(after)
     told = [
         value_text(values(now)[join], UNITS[unit])
         for values, unit in ((join_angles, "deg"), (join_levels, now.unit))

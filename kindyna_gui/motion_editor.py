@@ -10,7 +10,7 @@ from PySide6.QtCore import QEvent, QPointF, Qt, Signal
 from PySide6.QtGui import QContextMenuEvent, QFocusEvent, QHelpEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QToolTip, QWidget
 
-from core.design import Design, move_join
+from core.design import Design, move_join, require_motion
 from kindyna_gui.motion_diagram import Label, MotionDiagram, label_text, step_name
 from kindyna_gui.motion_grips import LEVEL, LINE, POINT, Grip, Pull, grip_at, nudged, segment_at
 from kindyna_gui.motion_marks import join_help
@@ -105,7 +105,7 @@ class MotionEditor(MotionDiagram):
     def _tell(self, angle: float | None, level: float | None, refused: bool = False) -> None:
         """Write beside the join where it is drawn to."""
         assert self.over is not None
-        text = label_text(self._session.design.drive.motion, angle, level, self.over.join)
+        text = label_text(require_motion(self._session.design), angle, level, self.over.join)
         self.label = Label(f"{text}  not possible" if refused else text, refused, self._right)
         self.point_out()
 

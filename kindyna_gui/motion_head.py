@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
 
-from core.design import UNITS, Info, entries, stroke
+from core.design import UNITS, Info, entries, require_motion, stroke
 from core.design.fields import LONGEST_MM
 from core.study import Study
 from kindyna_gui.fields import Field, Spec
@@ -30,7 +30,7 @@ class MotionHead(QWidget):
 
     def show_motion(self, study: Study) -> None:
         """Show start and stroke of a study's motion."""
-        motion = study.design.drive.motion
+        motion = require_motion(study.design)
         specs = self._specs(study)
         if [spec.path for spec in specs] != list(self.fields):
             self._build(specs)
@@ -40,14 +40,15 @@ class MotionHead(QWidget):
 
     @staticmethod
     def _specs(study: Study) -> list[Spec]:
-        unit = study.design.drive.motion.unit
+        unit = require_motion(study.design).unit
         start = [Spec.of(e) for e in entries(study.design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
-        return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(d.drive.motion), can_be_assumed=False)]
+        return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(require_motion(d)), can_be_assumed=False)]
 
     def _build(self, specs: list[Spec]) -> None:
         for field in self.fields.values():
             for widget in field.widgets():
+                widget.hide()  # it may be painted once more before it goes
                 widget.deleteLater()
             field.deleteLater()
         while self._row.count():

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, Point, Spline, put
+from core.design import Design, Point, Spline, put, require_motion
 from core.dividing import add_point
 from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion_fields import OptionalBox, described, point_columns
@@ -53,7 +53,7 @@ class PointsModel(QAbstractTableModel):
         self._session = session
         self.segment = 0
         self._points: tuple[Point, ...] = ()
-        self.columns = point_columns(session.design.drive.motion)
+        self.columns = point_columns(require_motion(session.design))
         self._wrong: dict[str, str] = {}
         self._trying = ""
         session.refused.connect(self._refused)
@@ -62,9 +62,9 @@ class PointsModel(QAbstractTableModel):
 
     def show(self, design: Design, segment: int) -> None:
         """Show the points of a segment."""
-        curve = design.drive.motion.segments[segment].curve
+        curve = require_motion(design).segments[segment].curve
         points = curve.points if isinstance(curve, Spline) else ()
-        self.columns = point_columns(design.drive.motion)
+        self.columns = point_columns(require_motion(design))
         if (segment, len(points)) != (self.segment, len(self._points)):
             self.beginResetModel()
             self.segment, self._points = segment, points
@@ -277,7 +277,7 @@ class PointsTable(QWidget):
     def remove(self) -> None:
         """Take the chosen point away."""
         row, design = self.table.currentIndex().row(), self._session.design
-        curve = design.drive.motion.segments[self.model.segment].curve
+        curve = require_motion(design).segments[self.model.segment].curve
         if row < 0 or not isinstance(curve, Spline):
             return
         points = (*curve.points[:row], *curve.points[row + 1 :])

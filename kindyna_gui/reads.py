@@ -26,6 +26,7 @@ READS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "stability": ("stability",),
         "centres": ("linkage",),
         "circle": ("linkage",),
+        "polygon": ("linkage",),
         "player": NONE,
     }
 )

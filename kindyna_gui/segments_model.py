@@ -11,7 +11,7 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QFont
 
-from core.design import CURVES, UNITS, Info, Motion, Segment, Unit, info_of, join_angles
+from core.design import CURVES, UNITS, Info, Motion, Segment, Unit, info_of, join_angles, motion_of, require_motion
 from core.laws import LAWS, find_law
 from core.motion import Join
 from core.study import Study
@@ -19,7 +19,6 @@ from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion_laws import law_tip, short_label
 from kindyna_gui.motion_marks import Words, join_help, join_text, marks, wordings
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.shown_kinds import motion_of
 from kindyna_gui.wording import law_label, parsed, sentence, shortest, value_text
 
 Index = QModelIndex | QPersistentModelIndex
@@ -102,7 +101,7 @@ class SegmentsModel(QAbstractTableModel):
 
     def show(self, study: Study) -> None:
         """Show the motion of a study; where another part of the design has changed there is nothing to do."""
-        motion, assumed = study.design.drive.motion, study.design.assumed
+        motion, assumed = require_motion(study.design), study.design.assumed
         if self._joins and (motion, assumed) == (self._motion, self._assumed):
             return
         same = len(motion.segments) == len(self._motion.segments) and self._joins

@@ -11,7 +11,7 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
 from core.channels import Channel
-from core.design import Design, with_assumed
+from core.design import Design, is_assumed, motion_of, with_assumed
 from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.fields import Field
@@ -27,7 +27,7 @@ from kindyna_gui.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.segments_table import SegmentsTable
 from kindyna_gui.session import SAMPLES, Refusal, Session
 from kindyna_gui.shown import rows_of
-from kindyna_gui.shown_kinds import motion_of, only_cams
+from kindyna_gui.shown_kinds import motion_shown
 from kindyna_gui.view import View
 from kindyna_gui.wording import segment_of
 
@@ -36,13 +36,6 @@ _ACTS = "motion.segments"
 """The path at which edits of whole segments are made, and refused."""
 TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
 BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
-
-
-def no_motion_table(design: Design) -> str:
-    """Why a linkage has no table of segments here, in a sentence."""
-    if motion_of(design) is None:
-        return "The crank turns at constant speed: there is no motion to lay out. Its speed stands among the parameters."
-    return "The motion that drives this linkage is laid out in its design file, in the table [motion]."
 
 
 class SegmentsView(View):
@@ -126,7 +119,7 @@ class SegmentsView(View):
     # -- showing ------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        only_cams(study.design, no_motion_table(study.design))
+        motion_shown(study.design)
         if not self.head.fields:
             self._sharing.start()
         self.head.show_motion(study)
@@ -158,11 +151,14 @@ class SegmentsView(View):
         before = self.session.before
         if before is not self._recalled:
             self._recalled, self._forgotten = before, False
-            self._recalled_values = None if before is None else self._displacement(Study(before, SAMPLES))
-        same = before is None or before.drive.motion == study.design.drive.motion
+            self._recalled_values = self._displacement(before)
+        same = before is None or motion_of(before) == motion_of(study.design)
         return None if same or self._forgotten else self._recalled_values
 
-    def _displacement(self, study: Study) -> np.ndarray | None:
+    def _displacement(self, design: Design | None) -> np.ndarray | None:
+        if design is None or motion_of(design) is None:
+            return None
+        study = Study(design, SAMPLES)
         try:
             return self._channel(study).values(study)
         except KindynaError:
@@ -274,7 +270,7 @@ class SegmentsView(View):
         path = self.model.path(index.row(), index.column()) if index.isValid() else ""
         menu = self.bar.menu(self.table)
         if path and index.column() in (LAW, SPAN, RISE):
-            on = path in self.session.design.assumed
+            on = is_assumed(self.session.design, path)
             first = menu.actions()[0]
             assumed = menu.addAction("Assumed, not taken from a source", lambda: self._assume(path, not on))
             menu.insertAction(first, assumed)

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
-from core.design import Design, LinkageDesign, Motion, SingleCam
+from core.design import Design, LinkageDesign, Motion, SingleCam, motion_of
 from core.errors import KindynaError
 from core.study import LinkageStudy, Study
+
+NO_MOTION = (
+    "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
+)
+
+
+NO_SHAFT = "Stability is studied for the shaft of a cam; a linkage has none here."
 
 
 class NotHere(KindynaError):
@@ -16,16 +23,19 @@ def is_linkage(design: Design) -> bool:
     return isinstance(design, LinkageDesign)
 
 
-def motion_of(design: Design) -> Motion | None:
-    """The motion program; None of a linkage whose crank turns at speed."""
-    return design.drive.motion if isinstance(design, SingleCam) else design.motion
-
-
 def only_cams(design: Design, instead: str) -> SingleCam:
     """The design of a cam and its follower; raises NotHere, with the sentence, for any other kind."""
     if isinstance(design, SingleCam):
         return design
     raise NotHere(instead)
+
+
+def motion_shown(design: Design) -> Motion:
+    """The motion program; raises NotHere, with a sentence, where a crank turns at speed."""
+    motion = motion_of(design)
+    if motion is None:
+        raise NotHere(NO_MOTION)
+    return motion
 
 
 def has_cam(study: Study) -> bool:

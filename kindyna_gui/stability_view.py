@@ -28,7 +28,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.chart import ACROSS, UPWARDS
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
-from kindyna_gui.shown_kinds import NotHere, only_cams
+from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, only_cams
 from kindyna_gui.stability_chart import StabilityChart
 from kindyna_gui.stability_pages import Looked, StabilityPages
 from kindyna_gui.stability_reading import Reading
@@ -136,7 +136,7 @@ class StabilityView(View):
         self._stop()
         self.wanted = self.found = None
         self.use.hide()
-        design = only_cams(study.design, "Stability is studied for the shaft of a cam; a linkage has none here.")
+        design = only_cams(study.design, NO_SHAFT)
         if design.shaft.elastic is None:
             raise NotHere(RIGID)
         self.found = found = study.flexible_shaft()

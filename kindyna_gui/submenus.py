@@ -13,6 +13,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.places import examples
 from kindyna_gui.session import Refusal
+from kindyna_gui.titles import title_of
 from kindyna_gui.wording import choice_tip
 
 if TYPE_CHECKING:
@@ -20,11 +21,14 @@ if TYPE_CHECKING:
 
 
 def fill_new(window: MainWindow, menu: QMenu) -> None:
-    """A design of each kind."""
+    """A design of each kind, or a mechanism chosen by its picture."""
     for slug, row in FOLLOWER_KINDS.items():
         action = menu.addAction(row.label)
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
+    action = menu.addAction("Chosen by its picture...")
+    action.setStatusTip("Begin with a layout of the cam slider or with a linkage")
+    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.choose_mechanism))
 
 
 def fill_recent(window: MainWindow, menu: QMenu) -> None:
@@ -110,8 +114,9 @@ def fill_pictures(window: MainWindow, menu: QMenu) -> None:
     for name, row in VIEWS.items():
         view = window.view(name)
         if row.picture and view is not None and view.on_screen():
-            action = menu.addAction(f"{row.title}...")
-            action.setStatusTip(f"Write the picture {row.title} as PNG or SVG")
+            title = title_of(name, window.session.design)
+            action = menu.addAction(f"{title}...")
+            action.setStatusTip(f"Write the picture {title} as PNG or SVG")
             action.triggered.connect(partial(_without_state, window.export_picture, name))
     menu.menuAction().setEnabled(not menu.isEmpty())
 

@@ -9,7 +9,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CRANK, CURVES, MOTION, Design, Entry, LinkageDesign, Unit, entries, kind_row
+from core.design import CRANK, CURVES, Design, Driver, Entry, LinkageDesign, Unit, entries, kind_row
 from core.errors import KindynaError
 from core.laws import find_law
 from core.linkage.base import LAYOUT_TABLE
@@ -19,8 +19,8 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
-    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)", CRANK: "a crank at speed",
-     MOTION: "the motion", "1": "left (+1)", "-1": "right (\u22121)"}
+    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)",
+     "1": "left (+1)", "-1": "right (\u22121)"}
 )
 """Words of the file that read better otherwise."""
 
@@ -87,7 +87,8 @@ def value_text(value: Any, unit: Unit) -> str:
 
 def step_text(name: str, value: Any, unit: Unit) -> str:
     """The name of a step of the undo stack: ``Change rod L2 to 850 mm``."""
-    return f"Change {name[:1].lower()}{name[1:]} to {value_text(value, unit)}"
+    word = name[1:2].islower()  # and no letter: of a point, or of an angle
+    return f"Change {name[:1].lower() if word else name[:1]}{name[1:]} to {value_text(value, unit)}"
 
 
 def segment_of(path: str) -> int | None:
@@ -124,7 +125,12 @@ def heading_of(design: Design, path: str) -> str:
         return f"Force at {force.point} of link {force.link}"
     if path.startswith("linkage.branch."):
         return "Way of assembly"
-    return f"Driver, link {design.linkage.driver.link}" if path.startswith("linkage.driver.") else ""
+    return driver_text(design.linkage.driver) if path.startswith("linkage.driver.") else ""
+
+
+def driver_text(driver: Driver) -> str:
+    """``Link 4 follows the motion``."""
+    return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}"
 
 
 def entry_label(design: Design, entry: Entry) -> str:
@@ -160,7 +166,8 @@ def name_of(design: Design, path: str) -> str:
             if head:
                 return f"{head}: {label}"
             return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
-    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links"}.get(path, path)
+    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
+            "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}.get(path, path)
 
 
 def named(design: Design, text: str) -> str:

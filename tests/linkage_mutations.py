@@ -12,6 +12,7 @@ PARALLEL = MECHANISM + "test_a_parallelogram_stays_one_through_its_change_points
 THROUGH = MECHANISM + "test_a_slider_goes_on_through_the_pivot"
 SWINGS = MECHANISM + "test_a_crank_that_cannot_turn_moves_between_two_dead_centres"
 DOUBT = MECHANISM + "test_the_stated_condition_bounds_the_error"
+DRAGGED = "tests/core/test_dragging.py::test_a_joint_of_any_linkage_lands_where_it_is_put"
 NEAR_END = MECHANISM + "test_near_a_dead_centre_errors_stay_below_condition_times_four_eps"
 REACTIONS = DYNAMICS + "test_every_reaction_is_a_multiplier_of_the_loop_equations"
 GROUP_FORCES = DYNAMICS + "test_a_groups_reactions_too"
@@ -22,6 +23,9 @@ ONE_LINE = CENTRES + "test_any_three_bodies_centres_lie_on_one_line"
 ONE_VELOCITY = CENTRES + "test_two_bodies_have_one_velocity_at_their_centre"
 RATIOS = CENTRES + "test_ratios_by_centres_are_those_of_the_loop_equations"
 KENNEDY = CENTRES + "test_kennedys_construction_finds_the_centres_that_velocities_give"
+POLYGON, PROOF = (f"tests/core/test_{name}.py::" for name in ("velocity_polygon", "linkage_proof"))
+CLOSED, ONE_PICTURE = POLYGON + "test_every_triangle_closes", POLYGON + "test_the_polygon_is_one_picture_from_one_pole"
+ARMS = POLYGON + "test_directed_distances_give_the_ratio"
 LIFT_CAM = STUDY + "test_the_lift_seen_as_a_linkage_gets_the_lifts_cam"
 RATES = STUDY + "test_rates_are_by_time_with_the_cranks_sense"
 
@@ -67,28 +71,33 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if (gap(place + scale", "if True or (gap(place + scale", MECHANISM + "test_a_gap_between_samples_is_found"),
     ],
     "core/mechanism/ranges.py": [
+        ("(low * right + high * left) / (left + right)", "(low * left + high * right) / (left + right)",
+         PROOF + "test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle"),
         ("for sign in (1.0, -1.0):", "for sign in ():", MECHANISM + "test_a_gap_between_samples_is_found"),
         ("good, bad = np.where(moving & keeps, middle, good)", "good, bad = np.where(moving & ~keeps, middle, good)", SWINGS),
     ],
     "core/mechanism/rounding.py": [
         ("closed.reach * (2.0 +", "1e-3 * closed.reach * (2.0 +", DOUBT),
     ],
-    "core/linkage/triangle.py": [
-        ("* room * (small + gap)", "* room * (small - gap)", NEAR_END),
-    ],
     "core/mechanism/grashof.py": [
         ("if surplus > 0.0:", "if surplus < 0.0:", MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
         ('"coupler": rods[1 - frame_side]', '"coupler": rods[frame_side]',
          MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
     ],
+    "core/mechanism/limits.py": [
+        ("if turns_fully and locked:", "if turns_fully and not locked:",
+         PROOF + "test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles"),
+        ("at = degrees(change.at) if", "at = change.at if", PROOF + "test_change_points_are_told_where_the_circuits_meet"),
+    ],
     "core/mechanism/assembly.py": [
+        ("z[0] + held.point * pose.unit", "z[0] + 1.01 * held.point * pose.unit",
+         PROOF + "test_newtons_residual_stands_in_the_certificate"),
         ("found[f\"slide{joint.name}\"] = _slide(bodies, joint)", "found[f\"slide{joint.name}\"] = -_slide(bodies, joint)",
          STUDY + "test_the_columns_of_the_six_bar_hold_what_their_names_say"),
         ("travel = forward / np.abs(forward)", "travel = 1j * forward / np.abs(forward)", LIFT_CAM),
     ],
     "core/mechanism/dragging.py": [
-        ("(to - complex(pose.z[0, index]))", "(to + complex(pose.z[0, index]))",
-         MECHANISM + "test_a_dragged_joint_lies_where_it_was_dropped_and_the_rest_stays"),
+        ("(to - origin) * axis.conjugate()", "(to - origin) * axis", DRAGGED),
     ],
     "core/instant_centres/linkage.py": [
         ("+ 1j * (b.z[1] - a.z[1])", "- 1j * (b.z[1] - a.z[1])", ONE_VELOCITY),
@@ -100,8 +109,40 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if len(triangles) > 1 else None", "if len(triangles) > 0 else None", KENNEDY),
     ],
     "core/instant_centres/velocities.py": [
-        ("other.point * common.weight", "other.point * -common.weight", RATIOS),
+        ("common.point * held.weight - held", "common.point * held.weight + held", RATIOS),
         ("own.weight * above / (other.weight * below)", "other.weight * above / (own.weight * below)", RATIOS),
+        ("np.where(ratio < 0.0, -body_arm, body_arm)", "body_arm", ARMS),
+        ("to_base / (common.weight * other.weight)", "to_base / (common.weight * own.weight)", ARMS),
+        ("np.where(own.far(table.size), np.inf,", "np.where(False, np.inf,",
+         POLYGON + "test_a_coupler_that_does_not_turn_has_an_infinite_arm"),
+        ("return key in table.primary and bool(", "return key not in table.primary and bool(",
+         LECTURE + "test_the_lectures_way_through_the_six_bar"),
+        ("return 1.0 / angular_ratio(table, output, driver)", "return angular_ratio(table, output, driver)",
+         PROOF + "test_the_mechanical_advantage_is_that_of_the_forces"),
+    ],
+    "core/instant_centres/differences.py": [
+        ("turned = 1j * body.angle[1]", "turned = -1j * body.angle[1]", CLOSED),
+        ("(body.points[p] - body.points[a])", "(body.points[p] + body.points[a])", CLOSED),
+        ("start[1], turned, end[1])", "end[1], turned, start[1])", CLOSED),
+        ("under = line.z[1] + 1j", "under = line.z[1] - 1j", CLOSED),
+        ("dot(speed - under, axis) * axis", "dot(speed - under, axis) * axis * 1j", CLOSED),
+        ("axis = pair.axis * first.unit", "axis = pair.axis * 1j", POLYGON + "test_a_block_on_a_turning_arm_slides_along_it"),
+        ("= (pair.on, pair.body) if swapped", "= (pair.on, pair.body) if not swapped",
+         POLYGON + "test_a_block_on_a_turning_arm_slides_along_it"),
+        ("Side(d.kind, d.body, start, end, d.v_pa)", "Side(d.kind, d.body, end, start, d.v_pa)", ONE_PICTURE),
+        ("Side(ABSOLUTE, owner, POLE, key, velocity)", "Side(ABSOLUTE, owner, POLE, key, -velocity)",
+         LECTURE + "test_velocity_differences_of_the_six_bar"),
+        ("corners[key] = velocity", "corners[key] = 1j * velocity", ONE_PICTURE),
+        ("(point not in fixed, point not in joined[:1])", "(point in fixed, point not in joined[:1])",
+         POLYGON + "test_the_four_bars_triangles"),
+    ],
+    "core/position.py": [
+        ("complex(v[0]) * study.omega for v", "complex(v[0]) for v", LECTURE + "test_the_command_prints_the_printed_figures"),
+    ],
+    "core/centring.py": [
+        ("_plain(arms.base_arm[0] * _MM)", "_plain(arms.base_arm[0])", LECTURE + "test_the_command_prints_the_printed_figures"),
+        ("_vector(row.v_pa)", "_vector(row.v_p - 2.0 * row.v_pa)", LECTURE + "test_the_command_prints_the_printed_figures"),
+        ("math.degrees(centre.direction[0])", "centre.direction[0]", LECTURE + "test_the_command_prints_the_printed_figures"),
     ],
     "core/instant_centres/cam.py": [
         ("turn * pole.point / pole.weight, point)", "-turn * pole.point / pole.weight, point)",

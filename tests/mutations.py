@@ -20,11 +20,12 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+from digit_mutations import DIGIT_MUTATIONS
 from linkage_mutations import LINKAGE_MUTATIONS
 from shaft_mutations import MUTATIONS as SHAFT_MUTATIONS
 
 ROOT = Path(__file__).parents[1]
-COPIED = ("core", "tests", "resources", "pyproject.toml")
+COPIED = ("core", "kindyna_gui", "tests", "resources", "pyproject.toml")
 LONGEST = 300  # [s] one test may take
 
 LAWS, MOTION, LINKAGE, CAM = (f"tests/core/test_{name}.py::" for name in ("laws", "motion", "linkage", "cam"))
@@ -49,6 +50,7 @@ GUIDE = DYNAMICS + "test_the_guide_solves_its_equation_or_jams[1.9-0.5-1.0-5.0]"
 WAVE = SHAFT + "test_a_wave_of_torque_comes_to_the_motor_smaller_and_later[even-0.5-1]"
 STIFF_WAVE = SHAFT + "test_a_wave_of_torque_comes_to_the_motor_smaller_and_later[even-0.001-1]"
 STEP = SHAFT + "test_a_step_of_torque_reaches_the_motor_exponentially[1.0]"
+DIGITS = SHAFT + "test_what_the_flywheel_does_within_a_panel_keeps_its_digits"
 MEAN = SHAFT + "test_a_wave_has_its_mean_and_swings_by_twice_its_integral[1-halves]"
 COLUMNS = CHANNELS + "test_every_column_holds_what_its_name_says[c]"
 MOVES = MOTION + "test_a_motion_keeps_to_its_laws_at_any_cam_angle"
@@ -350,18 +352,22 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("1.0, (-1.0, 2.0)", "1.0, (1.0, 2.0)", MEAN),
         ("sum(axis=0)).sum() / TURN)", "sum(axis=0)).sum() / pi)", MEAN),
         ("power / np.arange(1, NODES + 1)[:, None]).sum", "power / np.arange(2, NODES + 2)[:, None]).sum", MEAN),
-        ("np.exp(-np.outer(rest, np.minimum(z, _STIFF)))", "np.exp(-np.outer(1.0 - rest, np.minimum(z, _STIFF)))", WAVE),
-        ("by_step[0] = -np.expm1(-stiff)", "by_step[0] = np.expm1(-stiff)", STIFF_WAVE),
-        ("(1.0 - k * by_step[k - 1])", "(1.0 + k * by_step[k - 1])", STIFF_WAVE),
+        ("value = (1.0 - z * value)", "value = (1.0 + z * value)", WAVE),
+        ("(1.0, 14)", "(1.0, 9)", DIGITS + "[1.0]"),
+        ("(_PARTED, 22)", "(_PARTED, 15)", DIGITS + "[4.0]"),
+        ("_PARTED = 4.0", "_PARTED = 9.0", DIGITS + "[8.5]"),
+        ("_PARTED = 4.0", "_PARTED = 0.5", DIGITS + "[2.7]"),
+        ("out[0] = -np.expm1(-z)", "out[0] = np.expm1(-z)", STIFF_WAVE),
+        ("(1.0 - k * out[k - 1])", "(1.0 + k * out[k - 1])", STIFF_WAVE),
         ("    power[0] -= curve.mean\n    decay", "    decay", STEP + " " + WAVE),
         ("decay = np.exp(-rate", "decay = np.exp(rate", WAVE),
-        ("decay[i] * x[i] + gain[i]", "decay[i] * x[i] - gain[i]", STEP),
-        ("x[-1] / -np.expm1(-rate * TURN)", "x[-1] / np.expm1(-rate * TURN)", STEP),
-        ("x0 * np.exp(-rate * curve.start[i])", "x0 * np.exp(-rate * (TURN - curve.start[i]))", STEP),
+        ("left * end + added", "left * end - added", STEP),
+        ("end / -np.expm1(-rate * TURN)", "end / np.expm1(-rate * TURN)", STEP),
+        ("* np.exp(-rate * curve.start)", "* np.exp(-rate * (TURN - curve.start))", STEP),
         ("np.exp(-rate * h) * begins[at] + h", "np.exp(-rate * h) * begins[at] - h", WAVE),
-        ("lag = inertia * speed", "lag = inertia", WAVE),
+        ("= s.flywheel_inertia * s.speed", "= s.flywheel_inertia", WAVE),
         ("curve.mean + rate * answer", "curve.mean - rate * answer", WAVE),
-        ("s.speed_fluctuation / speed / speed", "s.speed_fluctuation / speed",
+        ("s.speed_fluctuation / s.speed / s.speed", "s.speed_fluctuation / s.speed",
          SHAFT + "test_the_needed_inertia_keeps_the_speed_within_the_share"),
         ("at.max() - at.min()", "at.max()", MEAN),
         ("places.append(np.array([curve.start[panel] + root * curve.width[panel]]))", "pass", MEAN),
@@ -426,9 +432,10 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("value if not isinstance(value, float) or math.isfinite(value) else None", "value",
          CHANNELS + "test_findings_stand_in_the_summary_with_all_that_a_program_needs"),
     ],
-    **LINKAGE_MUTATIONS,
-    **SHAFT_MUTATIONS,
 }  # fmt: skip
+for _more in (LINKAGE_MUTATIONS, SHAFT_MUTATIONS, DIGIT_MUTATIONS):
+    for _file, _rows in _more.items():
+        MUTATIONS[_file] = [*MUTATIONS.get(_file, []), *_rows]
 
 
 @dataclass(frozen=True)
@@ -459,7 +466,7 @@ def copied(folder: Path) -> Path:
     for name in COPIED:
         source, target = ROOT / name, folder / name
         if source.is_dir():
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", "gui"))
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy2(source, target)
     return folder

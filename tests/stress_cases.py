@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from benchmarks.exact_shafts import edge
 from mechanisms import (
     LAYOUT_DESIGNS,
     LIFT,
@@ -22,6 +24,7 @@ from mechanisms import (
     posed,
     with_cam,
     with_drive,
+    with_follower,
     with_loads,
     with_shaft,
 )
@@ -41,12 +44,14 @@ from references import (
     sensitivity,
     two_circles,
 )
+from shafts import KIM, coefficients
 
 from core.cam import relative_motion
 from core.design import SingleCam, si
 from core.linkage import rod_and_arm
 from core.linkage.base import BasePosition
 from core.motion import TURN, Program
+from core.stability import Coefficients, tongues
 from core.study import Study
 
 LINKAGE_ROUNDINGS, CAM_ROUNDINGS, FORCE_ROUNDINGS = 30, 56, 86  # as derived in the tests of these stages
@@ -341,6 +346,25 @@ def _over_the_pivot(by: float) -> Sample:
     return cam(UPRIGHT, angle_where(UPRIGHT, cosine, by, 0))
 
 
+def _hardly_moves(after: float) -> Sample:
+    """A follower that has hardly left its dwell: the normal all but along its guide."""
+    central = with_follower(PUSHER, offset_mm=0.0)
+    return cam(central, float(Program(central.drive.motion).starts[1]) + after)
+
+
+def _thin_tongue(q: float) -> Sample:
+    """The second tongue of Kim1990's cam, whose width falls with Q, far below the step of any grid; the bound is what the
+    tongues say of themselves."""
+    found = tongues(kim_coefficients(), np.array([q]), 2)
+    off_by = [abs(value - float(edge(2, value, MP.mpf(q), 30))) for value in found.edges[0, 1].tolist()]
+    return Sample(max(off_by), float(found.error[0, 1]))
+
+
+@cache
+def kim_coefficients() -> Coefficients:
+    return coefficients(KIM)
+
+
 def _span(degrees: float) -> Sample:
     """A rise and a return within so many degrees each."""
     rest = (360.0 - 2.0 * degrees) / 2.0
@@ -479,7 +503,9 @@ CASES: tuple[Case, ...] = (
     Case("Follower as fast as the cam", "φ' - d", POWERS[:13], _as_fast_as_the_cam, 4),
     Case("Roller over the pivot", "cosine to the line of centres", POWERS[:13], _over_the_pivot, 4),
     Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(by)), 4),
+    Case("Pressure angle beyond 90°: profile", "- sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(-by)), 4),
     Case("Pressure angle to 90°: forces", "sine to the line of centres", POWERS[:11], lambda by: forces(SWING, _on_the_line(by)), 3),
+    Case("Pressure angle to 0°", "cam angle after the dwell [rad]", POWERS[1:9], _hardly_moves, 3),
     Case("Rod across the guide", "cosine of the rod angle", POWERS[:11], _rod_across, 3),
     Case("Short spans", "span [°]", (*tuple(179.0 * 10.0 ** (-k) for k in range(8)), 1e-06), _span, 4),
     Case("Small strokes", "stroke [mm]", tuple(10.0**k for k in range(3, -10, -1)), _stroke, 4),
@@ -488,5 +514,6 @@ CASES: tuple[Case, ...] = (
     Case("Roller beyond undercut", "roller radius × curvature - 1", POWERS[:13], lambda by: _undercut(-by), 4),
     Case("Guide nearly jammed", "1 - friction × slope", POWERS[:13], _nearly_jammed, 3),
     Case("Friction turning round", "cam angle from there [rad]", POWERS[2:13], _friction_turns, 3),
+    Case("Thin tongues", "Q, a width of 0.74 Q in η", POWERS[1:9], _thin_tongue, 2),
     Case("Larger and smaller", "scale", tuple(10.0**k for k in range(-6, 4)), _size, 6),
 )

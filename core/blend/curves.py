@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi, sqrt
 from types import MappingProxyType
 
@@ -113,10 +114,15 @@ def strokes(ends: tuple[State, State] | None, way: int, constant: bool) -> list[
 def sequences(motion_type: str, constant: str = "none") -> list[Sequence]:
     """Every sequence the tables admit for a type of motion, fewest curves first; constant: one of
     ``CONSTANT_VELOCITY``."""
+    return list(_sequences(motion_type, constant))
+
+
+@lru_cache(maxsize=32)
+def _sequences(motion_type: str, constant: str) -> tuple[Sequence, ...]:
     row = MOTION_TYPES[motion_type]
     rises = strokes(row.rise, 1, constant in ("rise", "both"))
     backs = strokes(row.back, -1, constant in ("return", "both"))
-    return sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s)))
+    return tuple(sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
 
 
 def admissible(curves: tuple[str, ...], start: State) -> bool:

@@ -128,22 +128,35 @@ class Equations:
             powers = t[None, :] ** self._exponents[:, None]
             return np.einsum("en,ekn->kn", powers, self._tensor @ with_one)
 
-    def sizes(self, t: float, x: Sequence[float] | np.ndarray) -> np.ndarray:
-        """Sum of the sizes of each form's terms (forms,): what the rounding of its value is to be compared with."""
+    def values_and_sizes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """All forms (forms,) at one point, and the sum of the sizes of each form's terms: what the rounding of its value is
+        to be compared with."""
+        with_one, rows = np.array([1.0, *x]), len(self.forms)
         with np.errstate(all="ignore"):
-            return (t**self._exponents @ self._flat[1]).reshape(len(self.forms), -1) @ np.abs([1.0, *x])
+            powers = t**self._exponents
+            values, sizes = ((powers @ flat).reshape(rows, -1) for flat in self._flat)
+            return values @ with_one, sizes @ np.abs(with_one)
 
     def columns(self, t: float) -> np.ndarray:
         """All forms by 1, x1, x2, ... at t (forms, 1 + numbers)."""
         return (t**self._exponents @ self._flat[0]).reshape(len(self.forms), -1)
 
+    def at(self, t: float, x: Sequence[float] | np.ndarray) -> np.ndarray:
+        """All forms (forms,) at one point."""
+        with np.errstate(all="ignore"):
+            return np.asarray(self.columns(t) @ np.array([1.0, *x]))
+
     def slopes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All forms (forms,) at one point, and their derivatives by t, x1, x2, ... (forms, 1 + numbers)."""
-        with_one = np.array([1.0, *x])
         with np.errstate(all="ignore"):
-            powers = t**self._exponents
-            columns = (powers @ self._flat[0]).reshape(len(self.forms), -1)
-            by_t = ((self._exponents * powers / t) @ self._flat[0]).reshape(len(self.forms), -1)
-            values = columns @ with_one
-            columns[:, 0] = by_t @ with_one
+            return self.unguarded_slopes(t, x)
+
+    def unguarded_slopes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same where floating-point errors are seen to already."""
+        with_one = np.array([1.0, *x])
+        powers = t**self._exponents
+        columns = (powers @ self._flat[0]).reshape(len(self.forms), -1)
+        by_t = ((self._exponents * powers / t) @ self._flat[0]).reshape(len(self.forms), -1)
+        values = columns @ with_one
+        columns[:, 0] = by_t @ with_one
         return values, columns

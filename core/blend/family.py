@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import inf, pi, sqrt
 
 from core.blend.curves import CONSTANT, ELEMENTS, KAPPA, Sequence
@@ -71,38 +71,38 @@ class Family:
     sequence: Sequence
     mirrored: bool = False
 
-    @property
+    @cached_property
     def has_constant_rise(self) -> bool:
         """True where the rise has a stretch of constant velocity."""
         return any(name in CONSTANT for name in self.sequence.rise)
 
-    @property
+    @cached_property
     def has_constant_return(self) -> bool:
         return any(name in CONSTANT for name in self.sequence.back)
 
-    @property
+    @cached_property
     def positive(self) -> tuple[str, ...]:
         """Heights that must be above 0."""
         if len(self.sequence.rise) == 1:
             return ()
         return ("h1", "h3", *(("h4", "h6") if len(self.sequence.back) > 1 else ()))
 
-    @property
+    @cached_property
     def constant(self) -> tuple[str, ...]:
         """Heights of constant velocity, which may be 0."""
         return (*(("h2",) if self.has_constant_rise else ()), *(("h5",) if self.has_constant_return else ()))
 
-    @property
+    @cached_property
     def single_back(self) -> str:
         """The one curve of the return, where it has only one."""
         return self.sequence.back[0] if len(self.sequence.back) == 1 else ""
 
-    @property
+    @cached_property
     def harmonic(self) -> bool:
         """The motion that never dwells: bottoms match in acceleration too."""
         return self.sequence.curves[0] == "H1"
 
-    @property
+    @cached_property
     def bent(self) -> str:
         """What the number t is, in which the family is not linear; empty where nothing is free."""
         if len(self.sequence.rise) == 1:
@@ -114,7 +114,7 @@ class Family:
         constant = self.has_constant_rise or self.has_constant_return
         return "h1" if self.harmonic and not constant else "r"
 
-    @property
+    @cached_property
     def linear(self) -> tuple[str, ...]:
         """The other free numbers: with t given, every height and W are linear in them."""
         if self.bent == "r":
@@ -126,12 +126,12 @@ class Family:
         alone = self.bent == "h3" or self.single_back == "P2"
         return ("h1",) if alone and self.has_constant_rise else ()
 
-    @property
+    @cached_property
     def freedom(self) -> int:
         """How many numbers are free."""
         return (1 if self.bent else 0) + len(self.linear)
 
-    @property
+    @cached_property
     def bends(self) -> tuple[Bend, ...]:
         """The curves of which one has the largest acceleration: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose
         acceleration another one must match is left out."""
@@ -152,7 +152,7 @@ class Family:
             heights, spans = _without_freedom(self.sequence, task)
             return Solution(self.sequence, heights, spans, 0.0, 0.0)
         equations = self.equations(task)
-        values = equations.slopes(t, x)[0] * task.rise
+        values = equations.at(t, x) * task.rise
         at = {n: max(float(values[equations.place_of(n)]), 0.0) for n in equations.names if n.startswith("h")}
         if self.bent == "r":
             at.update(self._returned(task, at, t * t))

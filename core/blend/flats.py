@@ -94,7 +94,7 @@ def _tidied(row: Row) -> Row:
     """Without a common power of t and of 2."""
     lowest = min((lowest_power(p) for p in row if p), default=0)
     shift = lowest_bit(c for p in row for c in p)
-    return tuple(tuple(c >> shift for c in p[lowest:]) for p in row)
+    return tuple([tuple([c >> shift for c in p[lowest:]]) for p in row])
 
 
 def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Row]]:

@@ -15,6 +15,7 @@ from core.laws import Law, find_law
 STEPS = 12
 MET = 1e-11  # how well a wish is met: its share, that of the stroke for a point ...
 EPS = 16 * 2.0**-53  # ... or as well as the rounding of the numbers lets it
+ROUNDED = 4 * 2.0**-53 / MET  # a wish that is missed by no more than its roundings gains nothing
 ALONE = 1e-11  # directions in which wishes grow that differ by less are the same
 ROUNDING = 1e-13  # a height of constant velocity that misses 0 by less is 0
 
@@ -104,39 +105,43 @@ class Meter:
         return (h, dh), (span, (SPEEDS[name] * dh - span * slopes[s]) / values[s])
 
     def polished(
-        self, wishes: Sequence[Wish], t: float, x: Sequence[float] | np.ndarray
+        self, wishes: Sequence[Wish], t: float, x: Sequence[float] | np.ndarray, enough: float = 0.0
     ) -> tuple[float, tuple[float, ...], bool]:
-        """Newton's method on all wishes at once, while it gains: the point and whether it meets them."""
+        """Newton's method on all wishes at once, while it gains and they are missed by more than is enough [``MET``]: the
+        point and whether it meets them."""
         if not wishes:
             return t, tuple(float(v) for v in x), True
         z = best = np.array([t, *x])
         least = np.inf
-        for _ in range(STEPS):
-            miss, slopes = self._missed(wishes, z)
-            if not (np.isfinite(miss).all() and np.isfinite(slopes).all()):
-                break
-            worst = float((np.abs(miss) / (MET + EPS * np.abs(slopes) @ np.abs(z))).max())
-            if not worst < 0.5 * least:
-                break
-            best, least = z, worst
-            z = z - np.linalg.lstsq(slopes * np.abs(z), miss, rcond=1e-14)[0] * np.abs(z)
-            if not z[0] > 0.0 or worst == 0.0:
-                break
+        with np.errstate(all="ignore"):
+            for _ in range(STEPS):
+                miss, slopes = self._missed(wishes, z)
+                size = np.abs(z)
+                # a number that is none makes every comparison false
+                worst = float((np.abs(miss) / (MET + EPS * np.abs(slopes) @ size)).max())
+                if not worst < 0.5 * least or not np.isfinite(slopes).all():
+                    break
+                best, least = z, worst
+                if worst <= enough:
+                    break
+                z = z - np.linalg.lstsq(slopes * size, miss, rcond=1e-14)[0] * size
+                if not z[0] > 0.0:
+                    break
         return float(best[0]), tuple(float(v) for v in best[1:]), least <= 1.0
 
     def is_alone(self, wishes: Sequence[Wish], t: float, x: Sequence[float]) -> bool:
         """Whether no other points that meet the wishes lie beside one."""
         z = np.array([t, *x])
-        slopes = self._missed(wishes, z)[1] * np.abs(z)
+        with np.errstate(all="ignore"):
+            slopes = self._missed(wishes, z)[1] * np.abs(z)
         sizes = np.linalg.norm(slopes, axis=1)
         if not np.isfinite(slopes).all() or not (sizes > 0.0).all():
             return False
         return bool(np.linalg.svd(slopes / sizes[:, None], compute_uv=False)[-1] > ALONE)
 
     def _missed(self, wishes: Sequence[Wish], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        with np.errstate(all="ignore"):
-            values, slopes = self.equations.slopes(z[0], z[1:])
-            rows = [self.of_values(w, values, slopes) for w in wishes]
+        values, slopes = self.equations.unguarded_slopes(z[0], z[1:])
+        rows = [self.of_values(w, values, slopes) for w in wishes]
         sizes = np.array([1.0 if w.name == POINT else w.value or 1.0 for w in wishes])
         return (
             np.array([m - w.value for (m, _), w in zip(rows, wishes, strict=True)]) / sizes,
@@ -146,10 +151,10 @@ class Meter:
     def is_feasible(self, t: float, x: Sequence[float] | np.ndarray, least: float = 0.0) -> bool:
         """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for
         rounding."""
-        values, sizes = self.equations.slopes(t, x)[0], self.equations.sizes(t, x)
-        places = [self.equations.place_of(n) for n in self.family.positive]
-        positive = all(values[i] > max(least, EPS * sizes[i]) for i in places)
-        return positive and all(values[self.equations.place_of(n)] >= -ROUNDING for n in self.family.constant)
+        place = self.equations.place_of
+        values, sizes = (row.tolist() for row in self.equations.values_and_sizes(t, x))
+        positive = all(values[i] > max(least, EPS * sizes[i]) for i in map(place, self.family.positive))
+        return positive and all(values[place(n)] >= -ROUNDING for n in self.family.constant)
 
     # -- at many points -----------------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ Exact = tuple[int, ...]
 Poly = tuple[float, ...]
 
 NOTHING: Exact = ()
+MOST_BITS = 1000  # a longer number is none in floating point
 BITS = 160  # behind the point, of a coefficient made whole
 TOUCHED = 1e-10  # an extreme that misses zero by no more, as a share of the terms, counts as a root
 STEPS = 200
@@ -45,6 +46,8 @@ def plus(a: Exact, b: Exact) -> Exact:
 
 
 def minus(a: Exact, b: Exact) -> Exact:
+    if not b:
+        return a
     return trimmed(x - y for x, y in zip_longest(a, b, fillvalue=0))
 
 
@@ -61,7 +64,7 @@ def times(a: Exact, b: Exact) -> Exact:
 
 
 def scaled(factor: int, p: Exact) -> Exact:
-    return tuple(factor * c for c in p) if factor else NOTHING
+    return tuple([factor * c for c in p]) if factor else NOTHING
 
 
 def crossed(a: Exact, b: Exact, c: Exact, d: Exact) -> Exact:
@@ -71,6 +74,8 @@ def crossed(a: Exact, b: Exact, c: Exact, d: Exact) -> Exact:
 
 def divided(p: Exact, q: Exact) -> Exact:
     """p/q where that comes out even."""
+    if len(q) == 1:
+        return tuple(c // q[0] for c in p)
     rest, made = list(p), [0] * (len(p) - len(q) + 1)
     for i in range(len(p) - len(q), -1, -1):
         made[i] = rest[i + len(q) - 1] // q[-1]
@@ -84,7 +89,10 @@ def derivative(p: Exact) -> Exact:
 
 
 def lowest_power(p: Sequence[float]) -> int:
-    return next((i for i, c in enumerate(p) if c), 0)
+    for i, c in enumerate(p):
+        if c:
+            return i
+    return 0
 
 
 def lowest_bit(numbers: Iterable[int]) -> int:
@@ -97,8 +105,12 @@ def lowest_bit(numbers: Iterable[int]) -> int:
 
 def rounded(polynomials: Sequence[Exact]) -> list[Poly]:
     """The same but for one common factor, a power of 2, in floating point."""
-    shift = 1 << max((abs(c).bit_length() for p in polynomials for c in p), default=0)
-    return [tuple(c / shift for c in p) for p in polynomials]
+    bits = max((max(map(abs, p)) for p in polynomials if p), default=0).bit_length()
+    if bits >= MOST_BITS:
+        shift = 1 << bits
+        return [tuple(c / shift for c in p) for p in polynomials]
+    scale = ldexp(1.0, -bits)
+    return [tuple([c * scale for c in p]) for p in polynomials]
 
 
 # -- in floating point ------------------------------------------------------------------------------------

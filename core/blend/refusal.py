@@ -11,7 +11,7 @@ from core.blend.curves import sequences
 from core.blend.openings import dependent, determining, new_settings, openings
 from core.blend.range import Range, hull
 from core.blend.ranges import ranges_by
-from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, renamed, wish_of
+from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, names_of, renamed, wish_of
 from core.blend.wishes import POINT, SETTINGS, Wish, hardest_first
 
 
@@ -134,11 +134,17 @@ def wrong_number(request: Request) -> BlendError:
     """How many settings each sequence takes and which of them are still open, or which sequences there are."""
     rows = candidates(request)
     if not rows:
-        known = " | ".join(str(s) for s in sequences(request.type, request.constant))
-        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {known}")
-    counts = sorted({(c.freedom, str(c.sequence)) for c in rows})
+        told = " | ".join(str(s) for s in sequences(request.type, request.constant))
+        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {told}")
+    counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
     given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
+    known = set().union(*(names_of(c) for c in rows))
+    strange = [name for name in request.settings if renamed(request, name) not in known]
+    if strange:
+        allowed = " | ".join(_spelt(request, name) for name in SETTINGS if name in known)
+        text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
+        return BlendError(text, strange[0])
     named = {name for opening in openings(request) for name in opening.settings}
     more = f"; still open: {', '.join(_spelt(request, n) for n in SETTINGS if n in named)}" if named else ""
     return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")

@@ -17,7 +17,7 @@ from core.blend.equations import Row
 from core.blend.family import Family, Solution, Task
 from core.blend.flats import flats
 from core.blend.gentlest import least_acceleration
-from core.blend.metering import Meter
+from core.blend.metering import ROUNDED, Meter
 from core.blend.range import Range, merged, tied
 from core.blend.region import Region
 from core.blend.search import Ground, least, no_more, starts
@@ -87,7 +87,7 @@ class Problem:
         found: list[Place] = []
         together = 0
         for start in self._candidates():
-            t, x, met = self.meter.polished(self.wishes, *start)
+            t, x, met = self.meter.polished(self.wishes, *start, ROUNDED)
             if not met or not self.meter.is_feasible(t, x) or any(_alike((t, x), p) for p in found):
                 continue
             if self._is_alone(t, x):

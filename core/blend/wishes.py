@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from core.blend.equations import Equations, Row
 from core.blend.family import Family, Task
@@ -11,6 +11,8 @@ from core.blend.polynomials import ONE, minus, scaled, whole
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
+MAY_VANISH = ("h2", "h5", "length")
+"""What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
 BENT = ("acceleration", POINT)
 """What is not linear in the linear numbers of a family."""
@@ -43,7 +45,7 @@ def size_of(name: str, task: Task) -> float:
 
 def in_units(wish: Wish, task: Task) -> Wish:
     """The wish for a stroke and a span of 1."""
-    return replace(wish, value=wish.value / size_of(wish.name, task), at=wish.at / task.span)
+    return Wish(wish.name, wish.value / size_of(wish.name, task), wish.at / task.span)
 
 
 def ratio(name: str, family: Family) -> tuple[str, str]:
@@ -60,4 +62,4 @@ def equation(wish: Wish, family: Family, equations: Equations) -> Row:
     above, below = ratio(wish.name, family)
     value = whole(wish.value)
     rows = zip(equations.exact(above), equations.exact(below), strict=True)
-    return tuple(minus(scaled(ONE, a), scaled(value, b)) for a, b in rows)
+    return tuple([minus(scaled(ONE, a), scaled(value, b)) if b else scaled(ONE, a) for a, b in rows])

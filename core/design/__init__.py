@@ -1,9 +1,6 @@
 """Inputs: what the user typed, its units, ranges and rules."""
 
 from core.design.edits import (
-    EDITS,
-    insert_segment,
-    remove_segment,
     stroke,
     with_law,
     with_layout,
@@ -20,7 +17,6 @@ from core.design.joins import (
     join_levels,
     join_range,
     joins_of_level,
-    move_join,
     with_join_moved,
 )
 from core.design.kinds import (
@@ -35,6 +31,7 @@ from core.design.kinds import (
     kind_row,
     put,
     require_single_cam,
+    speed_rpm,
     with_assumed,
 )
 from core.design.linkage import (
@@ -54,7 +51,16 @@ from core.design.linkage import (
     Side,
     Slider,
 )
-from core.design.mirror import has_image, mirror_stroke, mirrored, stretched, with_stroke_mirrored
+from core.design.mirror import has_image, mirrored, stretched, with_stroke_mirrored
+from core.design.motions import (
+    insert_segment,
+    mirror_stroke,
+    motion_of,
+    move_join,
+    remove_segment,
+    require_motion,
+    with_motion,
+)
 from core.design.parts import (
     CURVES,
     FACES,
@@ -96,7 +102,6 @@ __all__ = [
     "CRANK",
     "CURVES",
     "DRIVERS",
-    "EDITS",
     "FACES",
     "FOLLOWER_KINDS",
     "FORMS",
@@ -166,12 +171,15 @@ __all__ = [
     "kind_row",
     "mirror_stroke",
     "mirrored",
+    "motion_of",
     "move_join",
     "part_faults",
     "put",
     "remove_segment",
+    "require_motion",
     "require_single_cam",
     "si",
+    "speed_rpm",
     "split_unit",
     "stretched",
     "stroke",
@@ -181,6 +189,7 @@ __all__ = [
     "with_join_moved",
     "with_law",
     "with_layout",
+    "with_motion",
     "with_rise",
     "with_segment_inserted",
     "with_span",

@@ -6,7 +6,7 @@ Spans must make a turn and rises must come back to the start, so no single one o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from math import fsum, nan
 from types import MappingProxyType
@@ -105,51 +105,18 @@ def without_segment(motion: Motion, index: int) -> Motion:
     return replace(motion, segments=back_at_start(segments, order))
 
 
-def insert_segment(design: SingleCam, index: int) -> SingleCam:
-    """``with_segment_inserted`` in a design: what is assumed of the later segments moves along."""
-    changed = with_section(design, "motion", with_segment_inserted(design.drive.motion, index))
-    old = range(len(design.drive.motion.segments))
-    return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
-
-
-def remove_segment(design: SingleCam, index: int) -> SingleCam:
-    """``without_segment`` in a design: what is assumed of the later segments moves along."""
-    motion = without_segment(design.drive.motion, index)
-    if motion is design.drive.motion:
-        return design
-    changed = with_section(design, "motion", motion)
-    return with_marks_of(changed, [i for i in range(len(design.drive.motion.segments)) if i != index])
-
-
-def with_marks_of(design: SingleCam, before: Sequence[int | None]) -> SingleCam:
-    """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
-    of, had, None where it is new. What was assumed of segments that are gone is dropped."""
-    kept: dict[str, None] = {}
-    for path in design.assumed:
-        match = re.match(r"motion\.segments\[(\d+)\]", path)
-        if match is None:
-            kept[path] = None
-            continue
-        for new, old in enumerate(before):
-            if old == int(match[1]):
-                kept[f"motion.segments[{new}]{path[match.end() :]}"] = None
-    order = {path: i for i, path in enumerate(_all_paths(design))}
-    moved = iter(sorted((p for p in kept if p.startswith("motion.segments[")), key=lambda p: order.get(p, len(order))))
-    return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))
-
-
 def with_assumed(design: SingleCam, path: str, on: bool) -> SingleCam:
     """A path marked as assumed, in the order of the file, or no longer."""
     kept = [p for p in design.assumed if p != path]
     if not on:
         return replace(design, assumed=tuple(kept))
-    order = {p: i for i, p in enumerate(_all_paths(design))}
+    order = {p: i for i, p in enumerate(all_paths(design))}
     place = order.get(path, len(order))
     at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))
     return replace(design, assumed=(*kept[:at], path, *kept[at:]))
 
 
-def _all_paths(design: SingleCam) -> Iterable[str]:
+def all_paths(design: SingleCam) -> Iterable[str]:
     """Every path of the design in the order of the file; a segment's law comes first."""
     for name in SECTIONS:
         for entry in entries(design, name):
@@ -171,39 +138,31 @@ def still(segment: Segment) -> bool:
     return law is not None and law.still
 
 
-def _segment_edit(change: Callable[[Motion, int, Any], Motion]) -> Callable[[SingleCam, str, Any], SingleCam]:
-    def edit(design: SingleCam, path: str, value: Any) -> SingleCam:
-        index = int(re.findall(r"\[(\d+)\]", path)[0])
-        return with_section(design, "motion", change(design.drive.motion, index, value))
-
-    return edit
-
-
-def _layout_edit(design: SingleCam, path: str, value: Any) -> SingleCam:
-    follower = design.drive.follower
-    assert isinstance(follower, CamSlider)
-    return with_section(design, "follower", with_layout(follower, value))
-
-
-def _stroke_edit(design: SingleCam, path: str, value: Any) -> SingleCam:
-    return with_section(design, "motion", with_stroke(design.drive.motion, value))
-
-
-EDITS: Mapping[str, Callable[[SingleCam, str, Any], SingleCam]] = MappingProxyType(
+MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any], Motion]] = MappingProxyType(
     {
-        r"motion\.segments\[\d+\]\.span_deg": _segment_edit(with_span),
-        r"motion\.segments\[\d+\]\.rise(_mm|_deg)?": _segment_edit(with_rise),
-        r"motion\.segments\[\d+\]\.law": _segment_edit(with_law),
-        r"motion\.stroke(_mm|_deg)?": _stroke_edit,
-        r"follower\.layout": _layout_edit,
+        r"motion\.segments\[(\d+)\]\.span_deg": with_span,
+        r"motion\.segments\[(\d+)\]\.rise(?:_mm|_deg)?": with_rise,
+        r"motion\.segments\[(\d+)\]\.law": with_law,
+        r"motion\.stroke(?:_mm|_deg)?()": lambda motion, _, value: with_stroke(motion, value),
     }
 )
-"""Paths (as patterns) that ask something of their neighbours; every other path is simply put."""
+"""Paths of a motion (as patterns) that ask something of their neighbours; every other path is simply put."""
+
+
+def motion_edited(motion: Motion | None, path: str, value: Any) -> Motion | None:
+    """The motion with such a path changed; None where there is no motion, or the path is none of these."""
+    for pattern, change in MOTION_EDITS.items():
+        match = re.fullmatch(pattern, path)
+        if match and motion is not None:
+            return change(motion, int(match[1] or 0), value)
+    return None
 
 
 def edited(design: SingleCam, path: str, value: Any) -> SingleCam:
     """The design with the value at a path changed and what goes with it. It may have faults: ask ``faults``."""
-    for pattern, edit in EDITS.items():
-        if re.fullmatch(pattern, path):
-            return edit(design, path, value)
+    motion = motion_edited(design.drive.motion, path, value)
+    if motion is not None:
+        return with_section(design, "motion", motion)
+    if path == "follower.layout" and isinstance(design.drive.follower, CamSlider):
+        return with_section(design, "follower", with_layout(design.drive.follower, value))
     return put(design, path, value)

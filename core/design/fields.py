@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from core.design.units import Unit, split_unit
@@ -108,10 +109,15 @@ def unit_of(field: dataclasses.Field[Any]) -> Unit:
 def field_faults(part: Any, path: str) -> list[Fault]:
     """Every field of a part that is outside its range; ``path`` is the part's own."""
     found = []
-    for field in dataclasses.fields(part):
-        info = info_of(field)
+    for field, info in _entries_of(type(part)):
         value = getattr(part, field.name)
-        if info is not None and not info.admits(value):
+        if not info.admits(value):
             problem = "unknown word" if info.choices else "outside its range"
             found.append(Fault(f"{path}.{field.name}", value, problem, info.allowed(unit_of(field))))
     return found
+
+
+@lru_cache(maxsize=256)
+def _entries_of(kind: Any) -> tuple[tuple[dataclasses.Field[Any], Info], ...]:
+    """The fields of a part that hold entries of their own."""
+    return tuple((field, info) for field in dataclasses.fields(kind) if (info := info_of(field)) is not None)

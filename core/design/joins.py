@@ -11,8 +11,7 @@ from dataclasses import replace
 from functools import partial
 
 from core.design.edits import rest, still
-from core.design.parts import Motion, Point, Segment, SingleCam, Spline
-from core.design.paths import with_section
+from core.design.parts import Motion, Point, Segment, Spline
 
 LEAST_SPAN = 0.5
 """Degrees that a segment keeps when one of its joins is drawn towards the other."""
@@ -65,11 +64,6 @@ def with_join_moved(motion: Motion, join: int, angle: float | None = None, level
     if level is not None and level != join_levels(motion)[join]:
         motion = _lifted(motion, join, level)
     return motion
-
-
-def move_join(design: SingleCam, join: int, angle: float | None = None, level: float | None = None) -> SingleCam:
-    """``with_join_moved`` in a design."""
-    return with_section(design, "motion", with_join_moved(design.drive.motion, join, angle, level))
 
 
 def _turned(motion: Motion, join: int, angle: float) -> Motion:
@@ -141,4 +135,4 @@ def _with_points(segment: Segment, change: Callable[[Point], Point]) -> Segment:
     return replace(segment, curve=replace(curve, points=tuple(map(change, curve.points))))
 
 
-__all__ = ["LEAST_SPAN", "join_angles", "join_levels", "join_range", "joins_of_level", "move_join", "with_join_moved"]
+__all__ = ["LEAST_SPAN", "join_angles", "join_levels", "join_range", "joins_of_level", "with_join_moved"]

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any, TypeVar
 
@@ -18,21 +18,22 @@ from core.design.linkage_paths import (
     linkage_entries,
     linkage_get,
     linkage_put,
+    paths,
 )
 from core.design.linkage_rules import linkage_faults
-from core.design.parts import SingleCam
+from core.design.parts import Motion, SingleCam
 from core.design.paths import Entry
 from core.design.rules import single_cam_faults
 from core.errors import DesignError, Fault
 
 Design = SingleCam | LinkageDesign
-D = TypeVar("D", SingleCam, LinkageDesign)
+D = TypeVar("D", bound=Design)
 
 
 @dataclass(frozen=True)
 class Kind:
     """slug as in ``summary.json``; table of the file that tells it; its tables in the order of the file, and those a
-    report lists entry by entry."""
+    report lists entry by entry; speed: the path of the shaft's."""
 
     slug: str
     table: str
@@ -45,6 +46,10 @@ class Kind:
     faults: Callable[[Any], list[Fault]]
     assumed: Callable[[Any, str], bool]
     with_assumed: Callable[[Any, str, bool], Any]
+    paths: Callable[[Any], Iterable[str]]
+    speed: str
+    motion: Callable[[Any], Motion | None]
+    with_motion: Callable[[Any, Motion], Any]
 
 
 KINDS: Mapping[type, Kind] = MappingProxyType(
@@ -52,10 +57,13 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
         SingleCam: Kind(
             "cam", "follower", cam_paths.SECTIONS, ("follower", "cam", "shaft", "loads"), cam_paths.entries, cam_paths.get,
             cam_paths.put, edits.edited, single_cam_faults, lambda design, path: path in design.assumed, edits.with_assumed,
+            edits.all_paths, "shaft.speed_rpm", lambda design: design.drive.motion,
+            lambda design, motion: cam_paths.with_section(design, "motion", motion),
         ),
         LinkageDesign: Kind(
             "linkage", "linkage", LINKAGE_SECTIONS, ("cam", "loads"), linkage_entries, linkage_get, linkage_put,
-            linkage_edited, linkage_faults, assumed_in, linkage_assumed,
+            linkage_edited, linkage_faults, assumed_in, linkage_assumed, paths,
+            "linkage.driver.speed_rpm", lambda design: design.motion, lambda design, motion: replace(design, motion=motion),
         ),
     }
 )  # fmt: skip
@@ -105,6 +113,11 @@ def with_assumed(design: D, path: str, on: bool) -> D:
     """A path marked as assumed, in the order of the file, or no longer."""
     changed: D = kind_row(design).with_assumed(design, path, on)
     return changed
+
+
+def speed_rpm(design: Design) -> float:
+    """How fast the shaft turns, either way round."""
+    return abs(float(get(design, kind_row(design).speed)))
 
 
 def faults(design: Design) -> list[Fault]:

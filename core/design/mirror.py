@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from math import fsum
 from types import MappingProxyType
 
-from core.design.edits import back_at_start, rest, still, with_marks_of
+from core.design.edits import back_at_start, rest, still
 from core.design.joins import LEAST_SPAN, join_levels
-from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, SingleCam, Spline
-from core.design.paths import with_section
+from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
 from core.laws import find_law
 
 CLOSE = 1e-9  # a level this near to where it was is where it was
@@ -130,19 +129,11 @@ def with_stroke_mirrored(motion: Motion, index: int) -> Motion:
     from all others alike; where that is not enough, both strokes share the span they have. Other strokes, where there
     are any, bring the follower back. The same motion where there is nothing to mirror.
     """
-    return _mirror(motion, index)[0]
+    return stroke_mirrored(motion, index)[0]
 
 
-def mirror_stroke(design: SingleCam, index: int) -> SingleCam:
-    """``with_stroke_mirrored`` in a design: what is assumed of the stroke is assumed of its image."""
-    motion, before = _mirror(design.drive.motion, index)
-    if motion == design.drive.motion:
-        return design
-    return with_marks_of(with_section(design, "motion", motion), before)
-
-
-def _mirror(motion: Motion, index: int) -> tuple[Motion, list[int]]:
-    """The motion, and for each of its segments the number of the one that it, or whose image it, was."""
+def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
+    """``with_stroke_mirrored``, and for each of its segments the number of the one that it, or whose image it, was."""
     turn = _turn_from(motion, index)
     segments = list(motion.segments)
     if turn is None:
@@ -219,4 +210,4 @@ def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float)
     return made
 
 
-__all__ = ["MIRRORS", "has_image", "mirror_stroke", "mirrored", "stretched", "with_stroke_mirrored"]
+__all__ = ["MIRRORS", "has_image", "mirrored", "stretched", "stroke_mirrored", "with_stroke_mirrored"]

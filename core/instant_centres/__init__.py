@@ -3,11 +3,23 @@
 from core.instant_centres.cam import CAM_CENTRES, cam_follower_centre
 from core.instant_centres.centre import Centres
 from core.instant_centres.construction import Construction, Triangle, Wanted, construction, kennedy, line_of
+from core.instant_centres.differences import (
+    ABSOLUTE,
+    POLE,
+    TURNING,
+    Corner,
+    Difference,
+    Side,
+    VelocityPolygon,
+    velocity_differences,
+    velocity_polygon,
+)
 from core.instant_centres.linkage import CentreTable, all_centres, collinearity, primary_pairs
-from core.instant_centres.velocities import Difference, angular_ratio, mechanical_advantage, velocity_differences
+from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, mechanical_advantage, ratio_arms
 
 __all__ = [
-    "CAM_CENTRES", "CentreTable", "Centres", "Construction", "Difference", "Triangle", "Wanted", "all_centres",
-    "angular_ratio", "cam_follower_centre", "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage",
-    "primary_pairs", "velocity_differences",
+    "ABSOLUTE", "CAM_CENTRES", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Construction", "Corner", "Difference",
+    "RatioArms", "Side", "Triangle", "VelocityPolygon", "Wanted", "all_centres", "angular_ratio", "cam_follower_centre",
+    "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage", "primary_pairs", "ratio_arms",
+    "velocity_differences", "velocity_polygon",
 ]  # fmt: skip

@@ -1,14 +1,16 @@
-"""What the centres tell: velocity ratios with directed distances, mechanical advantage; velocity differences."""
+"""What the centres tell: velocity ratios with directed distances, mechanical advantage (Velocity, 6.4)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
-from core.instant_centres.linkage import CentreTable
-from core.train import FRAME, Train
+from core.instant_centres.centre import Centres
+from core.instant_centres.linkage import CentreTable, Key
+from core.train import FRAME
 
 
 def angular_ratio(table: CentreTable, body: str, driver: str) -> np.ndarray:
@@ -16,14 +18,7 @@ def angular_ratio(table: CentreTable, body: str, driver: str) -> np.ndarray:
 
     A centre of the body on the frame at infinity gives 0: it does not turn. NaN where the three coincide.
     """
-    common, own, other = table.of(driver, body), table.of(FRAME, body), table.of(FRAME, driver)
-    to_driver = common.point * other.weight - other.point * common.weight
-    to_body = common.point * own.weight - own.point * common.weight
-    # the three lie on one line: along the longer of the two arms
-    along = np.where(np.abs(to_driver) > np.abs(to_body), to_driver, to_body)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        above, below = (to_driver * along.conjugate()).real, (to_body * along.conjugate()).real
-        return np.asarray(own.weight * above / (other.weight * below))
+    return ratio_arms(table, body, driver).ratio
 
 
 def mechanical_advantage(table: CentreTable, output: str, driver: str) -> np.ndarray:
@@ -33,34 +28,80 @@ def mechanical_advantage(table: CentreTable, output: str, driver: str) -> np.nda
 
 
 @dataclass(frozen=True, eq=False)
-class Difference:
-    """One triangle of the velocity polygon, V_P = V_A + V_PA: A and P are points of one body; at A it hangs on another
-    body or the frame. at_a, at_p (n,) [m]; velocities (n,) complex, by the train's angle."""
+class RatioArms:
+    """Two distances on one line that tell a velocity ratio: both bodies have one velocity at their common centre.
+
+    body, base             ω_body/ω_base is told
+    other, own, common     the keys of I_1base, I_1body and I_base,body
+    base_arm               (n,) I_1base I_base,body [m], never negative
+    body_arm               (n,) I_1body I_base,body [m], negative where it points the other way; infinite where the body
+                           does not turn: its velocity is then ω_base · base_arm
+    ratio                  (n,)
+    """
 
     body: str
-    a: str
-    p: str
-    at_a: np.ndarray
-    at_p: np.ndarray
-    v_a: np.ndarray
-    v_pa: np.ndarray
-
-    @property
-    def v_p(self) -> np.ndarray:
-        return self.v_a + self.v_pa
+    base: str
+    other: Key
+    own: Key
+    common: Key
+    base_arm: np.ndarray
+    body_arm: np.ndarray
+    ratio: np.ndarray
 
 
-def velocity_differences(train: Train) -> Iterator[Difference]:
-    """The triangles of every moving body, from the point by which it is reached first (towards the driver) to each of
-    its others: V_PA = iω(P - A)."""
-    for name, body in train.bodies.items():
-        named = [point for point in body.points if not point.isdecimal()]
-        if name == FRAME or len(named) < 2:
-            continue
-        joined = [pair.point for pair in train.pairs.values() if pair.body == name and pair.point in named]
-        a = joined[0] if joined else named[0]
-        start = body.point(a)
-        for p in named:
-            if p != a:
-                end = body.point(p)
-                yield Difference(name, a, p, start[0], end[0], start[1], 1j * body.angle[1] * (end[0] - start[0]))
+def ratio_arms(table: CentreTable, body: str, base: str) -> RatioArms:
+    """The distances by which a body's angular velocity follows from that of another moving body."""
+    keys = _key(table, FRAME, base), _key(table, FRAME, body), _key(table, base, body)
+    other, own, common = (table.centres[key] for key in keys)
+    to_base, to_body = _arm(common, other), _arm(common, own)
+    # the three lie on one line: along the longer of the two arms
+    along = np.where(np.abs(to_base) > np.abs(to_body), to_base, to_body)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        above, below = (to_base * along.conjugate()).real, (to_body * along.conjugate()).real
+        ratio = np.asarray(own.weight * above / (other.weight * below)) + 0.0
+        base_arm = np.abs(to_base / (common.weight * other.weight))
+        body_arm = np.abs(to_body / (common.weight * own.weight))
+        body_arm = np.where(own.far(table.size), np.inf, np.where(ratio < 0.0, -body_arm, body_arm))
+    return RatioArms(body, base, *keys, base_arm, body_arm, ratio)
+
+
+def _arm(common: Centres, held: Centres) -> np.ndarray:
+    """From one centre to another, times both weights (n,)."""
+    return np.asarray(common.point * held.weight - held.point * common.weight)
+
+
+def _key(table: CentreTable, a: str, b: str) -> Key:
+    return (a, b) if table.bodies.index(a) < table.bodies.index(b) else (b, a)
+
+
+# -- which ratios are told --------------------------------------------------------------------------------
+
+
+def to_driver(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]:
+    """Every moving body with the driver."""
+    return tuple((body, driver) for body in table.bodies if body not in (FRAME, driver))
+
+
+def link_by_link(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]:
+    """Every moving body with the one on whose pin it hangs, from the driver outwards, as the lecture goes through its
+    six-bar; with the driver where no pin joins it to a body before it."""
+    reached, found = [driver], []
+    waiting = [body for body in table.bodies if body not in (FRAME, driver)]
+    while waiting:
+        pinned = ((body, base) for base in reached for body in waiting if _pinned(table, body, base))
+        body, base = next(pinned, (waiting[0], driver))
+        found.append((body, base))
+        reached.append(body)
+        waiting.remove(body)
+    return tuple(found)
+
+
+def _pinned(table: CentreTable, a: str, b: str) -> bool:
+    key = _key(table, a, b)
+    return key in table.primary and bool((table.centres[key].weight != 0.0).all())
+
+
+CHAINS: Mapping[str, Callable[[CentreTable, str], tuple[tuple[str, str], ...]]] = MappingProxyType(
+    {"ratios": to_driver, "chain": link_by_link}
+)
+"""Which body is compared with which: each with the driver, or from link to link."""

@@ -1,7 +1,6 @@
 """Motions from measured tables: reading them, fitting them within their measuring error, telling what was found."""
 
 from core.measured.columns import NOTHING_SAID, Layout, Wish, layout
-from core.measured.command import measured_motion, measured_words
 from core.measured.fitting import Fit, FitError, fit, guess_error
 from core.measured.sheet import DECIMALS, DELIMITERS, Sheet, TableError, read_sheet
 from core.measured.table import Table, read_table
@@ -39,8 +38,6 @@ __all__ = [
     "guess_error",
     "into_design",
     "layout",
-    "measured_motion",
-    "measured_words",
     "notes",
     "read_sheet",
     "read_table",

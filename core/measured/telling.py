@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from math import sqrt
 from typing import Any
 
 import numpy as np
 
-from core.design import SingleCam
-from core.design.paths import with_section
+from core.design import require_motion, with_motion
+from core.design.kinds import D
+from core.design.motions import without_marks
 from core.errors import DesignError, Fault
 from core.measured.columns import column_name
 from core.measured.fitting import EXACT, MOST, Fit
@@ -23,14 +23,13 @@ WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows tha
 MOST_LINES = 12  # of suspects before the rest is counted only
 
 
-def into_design(design: SingleCam, fit: Fit) -> SingleCam:
+def into_design(design: D, fit: Fit) -> D:
     """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
-    unit = design.drive.motion.unit
+    unit = require_motion(design).unit
     if fit.motion.unit != unit:
         told = f"measured in {fit.motion.unit}"
         raise DesignError([Fault("motion", told, "the follower of this design does not move so", f"a table in {unit}")])
-    assumed = tuple(p for p in design.assumed if not p.startswith("motion."))
-    return replace(with_section(design, "motion", fit.motion), assumed=assumed)
+    return without_marks(with_motion(design, fit.motion))
 
 
 def digits(value: float, most: int = 6) -> str:

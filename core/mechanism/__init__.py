@@ -10,14 +10,17 @@ from core.mechanism.assembly import (
 )
 from core.mechanism.course import Change, Course, Range, course_of
 from core.mechanism.dragging import movable, other_side, with_point_at
+from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.mechanism.driving import CrankProgram, swept
 from core.mechanism.grashof import FourBar, four_bar
+from core.mechanism.joints import Joint, joints_of, move_joint
 from core.mechanism.limits import findings
 from core.mechanism.plan import Plan, plan_of
 from core.mechanism.solving import Solved, at_driver, solve
 
 __all__ = [
-    "ROLLER", "Change", "Course", "CrankProgram", "FourBar", "Plan", "Range", "Solved", "at_driver", "body_name", "course_of",
-    "findings", "four_bar", "link_number", "linkage_train", "movable", "other_side", "pair_names", "plan_of", "solve",
-    "swept", "unit_speed_train", "with_point_at",
+    "ROLLER", "Change", "Course", "CrankProgram", "FourBar", "Joint", "Plan", "Range", "Solved", "at_driver", "body_name",
+    "course_of", "driver_place", "drivers", "findings", "four_bar", "joints_of", "link_number", "linkage_train", "movable",
+    "move_joint", "other_side", "pair_names", "plan_of", "roller_places", "solve", "swept", "unit_speed_train",
+    "with_driver", "with_point_at", "with_roller", "without_roller",
 ]  # fmt: skip

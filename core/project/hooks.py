@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING as NO_DEFAULT
 from dataclasses import fields, is_dataclass, replace
-from functools import cache
+from functools import cache, lru_cache
 from numbers import Real
 from types import MappingProxyType
 from typing import Any, get_type_hints
@@ -146,13 +146,18 @@ def _table(value: Any, strict: bool) -> Mapping[str, Any]:
 def _with_curve(table: Mapping[str, Any], rise: str, strict: bool) -> dict[str, Any]:
     """A segment's table with the keys of its curve gathered under ``law``; a dwell need not say its rise."""
     curve_part = curve_type(table.get("law"))
-    own = {f.name for f in fields(curve_part)}
+    own = _names_of(curve_part)
     gathered = {key: value for key, value in table.items() if key not in own}
     gathered["law"] = (curve_part, {key: value for key, value in table.items() if key in own})
     law = find_law(table["law"]) if isinstance(table.get("law"), str) else None
     if rise not in table and (law.still if law else strict):
         gathered[rise] = 0.0
     return gathered
+
+
+@lru_cache(maxsize=64)
+def _names_of(part: Any) -> frozenset[str]:
+    return frozenset(f.name for f in fields(part))
 
 
 def _with_elastic(table: Mapping[str, Any]) -> dict[str, Any]:

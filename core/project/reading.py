@@ -97,6 +97,8 @@ def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: st
     if not isinstance(paths, list | tuple):
         yield Fault("assumed", paths, "must be a list of field paths")
         return
+    if not paths:
+        return
     segments = table["motion"].get("segments") if isinstance(table.get("motion"), Mapping) else None
     known = _field_paths(row, unit, len(segments) if isinstance(segments, list | tuple) else 0, _is_elastic(table))
     sure = {path.partition(".")[0] for path in known}  # without the others' kind nothing is known of them
@@ -123,8 +125,9 @@ def _field_paths(row: FollowerKind | None, unit: str, segments: int, elastic: bo
     paths = [f"{name}.{key}" for name, part in parts.items() for field, key in keys_of(part, unit).items() if field != "elastic"]
     if elastic:
         paths += [f"shaft.{f.name}" for f in dataclasses.fields(Elastic)]
+    of_segment = (*keys_of(Segment, unit).values(), *_curve_keys())
     for i in range(segments):
-        paths += [f"motion.segments[{i}].{key}" for key in (*keys_of(Segment, unit).values(), *_curve_keys())]
+        paths += [f"motion.segments[{i}].{key}" for key in of_segment]
     return {path: None for path in paths if path != "motion.segments"}
 
 

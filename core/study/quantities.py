@@ -25,10 +25,17 @@ def _always(study: Study) -> bool:
 
 def _motor_torque_exists(study: Study) -> bool:
     """Where the guide jams, the torque is infinite and no motor torque exists."""
+    if not study.levelled:
+        return bool(np.isfinite(study.whole.dynamics.torque).all())
     try:
         return study.flywheel is not None
     except NoAnswer:
         return False
+
+
+def _motor_torque(study: Study) -> np.ndarray:
+    torque: np.ndarray = study.flywheel.motor_torque(study.angles) if study.levelled else study.dynamics.torque
+    return torque
 
 
 @dataclass(frozen=True)
@@ -99,7 +106,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "polar_angle": Quantity("cam", _polar_angle, turns=True),
         "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact),
         "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque),
-        "motor_torque": Quantity("dynamics", lambda s: s.flywheel.motor_torque(s.angles), exists=_motor_torque_exists),
+        "motor_torque": Quantity("dynamics", _motor_torque, exists=_motor_torque_exists),
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, SLIDER),
         "guide_force": Quantity("dynamics", lambda s: s.dynamics.guide.normal),
         "jam_factor": Quantity("dynamics", lambda s: s.dynamics.guide.jam),

@@ -15,7 +15,7 @@ from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoStability
 from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
-from core.shaft import Flywheel, TorqueCurve, flywheel, torque_curve
+from core.shaft import Flywheel, TorqueCurve, flywheel, lag, torque_curve
 from core.study.base import Study
 from core.study.quantities import Quantity, quantities_of
 from core.study.stages import (
@@ -99,6 +99,16 @@ class CamStudy(Study, of=SingleCam):
             raise found
         shaft: Stability = found
         return shaft
+
+    @property
+    def levelled(self) -> bool:
+        """Whether a flywheel makes the motor's torque another than the cam's."""
+        return lag(self.design.shaft) < np.inf
+
+    @property
+    def whole(self) -> CamStudy:
+        """The study over the whole turn, which this one is or was taken from."""
+        return self if self._given is None else CamStudy(self.design, self.samples)
 
     @cached_property
     def flywheel(self) -> Flywheel:

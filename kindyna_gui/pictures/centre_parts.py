@@ -14,16 +14,14 @@ from core.mechanism import ROLLER, link_number
 from core.train import FRAME
 from kindyna_gui.pictures.items import Loop, Outline, Part, Tag
 from kindyna_gui.pictures.reading import MM, Reading
+from kindyna_gui.pictures.room import Room
 from kindyna_gui.pictures.shapes import at, polyline
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
 
 Z_LINES, Z_WAYS, Z_CENTRES = 7.0, 0.5, 13.0
 DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance of an arrow from the edge, its length, pixels
-TAG_GAP = 9.0  # from a centre to its number, pixels
-_SIDES = tuple(complex(x, y) for x, y in ((1, 1), (1, -1), (-1, 1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1)))
 Key = tuple[str, str]
-Boxes = Callable[[], list[QRectF]]
 
 
 def centre_name(key: Key) -> str:
@@ -71,63 +69,52 @@ class _Mark:
         for item in (self.dot, self.arrow, self.tag):
             item.setVisible(on)
 
-    def place(self, place: complex, infinite: bool, sight: Sight, taken: list[QRectF]) -> None:
-        """place [mm], or where ``infinite`` a direction."""
+    def place(self, place: complex, infinite: bool, sight: Sight, room: Room) -> complex:
+        """place [mm], or where ``infinite`` a direction; returns where its number belongs [mm]."""
         seen = not infinite and sight.holds(place)
         self.dot.setVisible(seen)
         self.arrow.setVisible(not seen)
         here = place
         if not seen:
             towards = place if infinite else place - sight.centre
-            here = sight.edge(towards, EDGE)
+            here = room.inwards(sight.edge(towards, EDGE))
             self.arrow.setPos(at(here))
             self.arrow.setRotation(float(-np.degrees(np.angle(towards))))
         else:
             self.dot.setPos(at(place))
         self.tag.set_text(f"{self.name} ∞" if infinite else self.name)
-        self.tag.setPos(at(here))
-        self._stand_free(here, sight, taken)
-
-    def _stand_free(self, here: complex, sight: Sight, taken: list[QRectF]) -> None:
-        """The number on the first side where it covers no other text."""
-        width, height = self.tag.size
-        pixel = QPointF(here.real * sight.scale, -here.imag * sight.scale)
-        box = QRectF()
-        for gap in (TAG_GAP, 2.6 * TAG_GAP):
-            for side in _SIDES:
-                shift = QPointF(side.real * (gap + width / 2.0), -side.imag * (gap + height / 2.0))
-                box = QRectF(0.0, 0.0, width + 4.0, height)
-                box.moveCenter(pixel + shift)
-                place = complex(box.center().x() / sight.scale, -box.center().y() / sight.scale)
-                if sight.holds(place, 12.0) and not any(box.intersects(other) for other in taken):
-                    self.tag.shift(shift.x(), shift.y())
-                    taken.append(box)
-                    return
-        taken.append(box)
+        room.dot(here, DOT if seen else 0.5 * ARROW)
+        return here
 
 
 class CentreMarks:
     """All centres of a table, or those that are asked for, at one sample after the other."""
 
-    def __init__(self, table: CentreTable, theme: Theme, sight: Sight, taken: Boxes) -> None:
-        self._table, self._sight, self._taken = table, sight, taken
-        self._marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
+    def __init__(self, table: CentreTable, theme: Theme, sight: Sight, room: Callable[[], Room]) -> None:
+        self._table, self._sight, self._room = table, sight, room
+        self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.far(table.size) for key, centres in table.centres.items()}
         self.only: frozenset[Key] | None = None
-        self.item = Group([item for mark in self._marks for item in (mark.dot, mark.arrow, mark.tag)])
+        self._placed: list[tuple[_Mark, complex]] = []
+        self.item = Group([item for mark in self.marks for item in (mark.dot, mark.arrow, mark.tag)])
 
-    def move(self, i: int) -> None:
-        taken = list(self._taken())
-        for mark in self._marks:
+    def dots(self, i: int, room: Room) -> None:
+        """Put the marks where their centres are; their numbers follow once all else has its place."""
+        self._placed = []
+        for mark in self.marks:
             centres = self._table.centres[mark.key]
             point, weight = complex(centres.point[i]), float(centres.weight[i])
-            lost = point == 0.0 and weight == 0.0
-            wanted = self.only is None or mark.key in self.only
-            mark.show(wanted and not lost)
-            if not wanted or lost:
-                continue
-            far = bool(self._far[mark.key][i])
-            mark.place(point if far else point / weight * MM, far, self._sight, taken)
+            shown = (self.only is None or mark.key in self.only) and not point == weight == 0.0
+            mark.show(shown)
+            if shown:
+                far = bool(self._far[mark.key][i])
+                here = mark.place(point if far else point / weight * MM, far, self._sight, room)
+                self._placed.append((mark, here))
+
+    def move(self, i: int) -> None:
+        room = self._room()
+        for mark, here in self._placed:
+            room.settle(mark.tag, (here,))
 
 
 class KennedyLines:
@@ -135,26 +122,26 @@ class KennedyLines:
 
     def __init__(self, table: CentreTable, steps: Sequence[Wanted], theme: Theme, sight: Sight) -> None:
         self._table, self._sight = table, sight
-        self._rows: list[tuple[Wanted, Triangle, QGraphicsLineItem]] = []
+        self.rows: list[tuple[Wanted, Triangle, QGraphicsLineItem]] = []
         for step in steps:
             for triangle in step.triangles[:2]:
                 line = QGraphicsLineItem()
                 line.setPen(theme.pen(theme.quiet, THIN, SPARSE))
-                self._rows.append((step, triangle, line))
+                self.rows.append((step, triangle, line))
         self._loud = theme.pen(theme.limit, OUTLINE)
         self._quiet = theme.pen(theme.quiet, THIN, SPARSE)
         self.only: Key | None = None
         self.hidden = False
-        self.item = Group([line for _, _, line in self._rows])
+        self.item = Group([line for _, _, line in self.rows])
 
     def emphasise(self, key: Key | None) -> None:
         """Draw only the lines of one centre, and these boldly; None: quietly those of all."""
         self.only = key
-        for _, _, line in self._rows:
+        for _, _, line in self.rows:
             line.setPen(self._quiet if key is None else self._loud)
 
     def move(self, i: int) -> None:
-        for step, triangle, item in self._rows:
+        for step, triangle, item in self.rows:
             wanted = not self.hidden and (self.only is None or step.key == self.only)
             ends = self._ends(triangle, i) if wanted else None
             item.setVisible(ends is not None)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from PySide6.QtCore import QRectF
 
 from core.mechanism import ROLLER
 from core.train import REVOLUTE, SLIDING
@@ -230,6 +231,11 @@ class Labels:
             tag.shift(push.real + 0.5 * lean.real * width, -push.imag - 0.5 * lean.imag * height)
             tag.lead(gap > GAPS[0] or label.foot is not None)
             self._moves[label.key] = pinned(tag, label.track + outwards * start)
+
+    def boxes(self, scale: float) -> list[QRectF]:
+        """The texts that are shown, in pixels of the whole scene, y downwards; scale in pixels per mm."""
+        shown = [(tag.pos() * scale, tag.pixel_box()) for _, tag in self._rows if tag.isVisible()]
+        return [box.translated(place.x(), -place.y()) for place, box in shown]
 
     def _choose(self, corners: tuple[complex, complex], scale: float) -> None:
         """Find the best side of each part."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from math import degrees
 from types import MappingProxyType
 
@@ -11,66 +10,19 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
-from core.mechanism import ROLLER, movable
 from core.study import Study
-from kindyna_gui.pictures import cam_parts, parts, vectors
-from kindyna_gui.pictures.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
-from kindyna_gui.pictures.items import Loop, Part, Tag
+from kindyna_gui.pictures import cam_parts, framing, parts, vectors
+from kindyna_gui.pictures.construct import OF_STEP, Construct
+from kindyna_gui.pictures.framing import MARGIN_UNITS
+from kindyna_gui.pictures.items import Loop, Part
 from kindyna_gui.pictures.labels import Labels
-from kindyna_gui.pictures.overlay import BOTTOM_STRIP, TOP_STRIP, Overlay, Scale
+from kindyna_gui.pictures.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, Layer, layers_of
+from kindyna_gui.pictures.overlay import Overlay, Scale
 from kindyna_gui.pictures.reading import Reading
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
-from kindyna_gui.shown_kinds import has_cam, is_linkage
 
-MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
-
-
-@dataclass(frozen=True)
-class Layer:
-    """One row of what can be shown: its name for the user, and whether it is shown at first."""
-
-    label: str
-    shown: bool = True
-
-
-LAYERS: Mapping[str, Layer] = MappingProxyType(
-    {
-        "ground": Layer("Ground"),
-        "guide": Layer("Guide"),
-        "cam": Layer("Cam"),
-        "pitch": Layer("Pitch curve"),
-        "base": Layer("Base circle"),
-        "roller": Layer("Roller"),
-        "linkage": Layer("Linkage"),
-        "normal": Layer("Contact normal"),
-        "centre": Layer("Instant centre"),
-        "velocities": Layer("Velocities", shown=False),
-        "forces": Layer("Forces", shown=False),
-        "labels": Layer("Labels"),
-        "scale": Layer("Scale bar"),
-    }
-)
-
-LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
-    {
-        "centres": Layer("Instant centres of all links", shown=False),
-        "kennedy": Layer("Kennedy's construction", shown=False),
-        "coupler": Layer("Coupler curves", shown=False),
-    }
-)
-"""What the drawing of a general linkage can show besides."""
-
-_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre")
-EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
-
-
-def layers_of(study: Study) -> tuple[str, ...]:
-    """The layers that have something to show of this kind of design."""
-    if not is_linkage(study.design):
-        return tuple(LAYERS)
-    return tuple(name for name in EVERY_LAYER if has_cam(study) or name not in _OF_CAMS)
 
 
 BUILDERS: tuple[Callable[[Reading, Theme], Iterator[Part]], ...] = (
@@ -111,8 +63,7 @@ class MechanismScene(QGraphicsScene):
         self._labels: Labels | None = None
         self._fields: dict[str, vectors.Field] = {}
         self.sight = Sight()
-        self._marks: CentreMarks | None = None
-        self._kennedy: KennedyLines | None = None
+        self.construct: Construct | None = None
         self._step: int | None = None
         self.overlay: Overlay | None = None
         if study is not None:
@@ -137,6 +88,8 @@ class MechanismScene(QGraphicsScene):
         stands = before is not None and reading.stands_as(before)
         if not stands:
             self._rebuild(reading)
+        if reading.linkage:
+            self.construct = Construct(reading, self.theme, self.sight, self._texts, self._step)
         for layer in FIELDS:
             self._need(layer)
         for layer in LINKAGE_LAYERS:
@@ -169,7 +122,7 @@ class MechanismScene(QGraphicsScene):
         for part in self._labels.parts():
             self._take(part)
         self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
-        self._whole = self._box(reading)
+        self._whole = framing.whole(reading, self.parts.values())
         self.setSceneRect(self._whole)
 
     def _drop_vectors(self) -> None:
@@ -180,7 +133,7 @@ class MechanismScene(QGraphicsScene):
         self._fields = {}
         for key in [key for key in self.parts if key.partition(".")[0] in LINKAGE_LAYERS]:
             self.removeItem(self.parts.pop(key).item)
-        self._marks = self._kennedy = None
+        self.construct = None
 
     def _take(self, part: Part) -> None:
         part.item.setZValue(part.z)
@@ -198,33 +151,15 @@ class MechanismScene(QGraphicsScene):
         self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.reading)))
 
     def _need_more(self, layer: str) -> None:
-        """Centres, their lines and the ways of points are read when their layer is first shown."""
-        reading = self.reading
-        if reading is None or not reading.linkage or not self.layer_shown(layer):
-            return
-        if any(key.partition(".")[0] == layer for key in self.parts):
-            return
-        if layer == "coupler":
-            for part in coupler_curves(reading, self.theme):
+        """What a linkage shows besides is read when its layer is first shown."""
+        if self.construct is not None and self.layer_shown(layer):
+            for part in self.construct.parts(layer):
                 self._take(part)
-            return
-        table = reading.study.centres
-        if layer == "centres":
-            self._marks = CentreMarks(table, self.theme, self.sight, self._texts)
-            self._take(Part("centres.all", self._marks.item, ("centres",), Z_CENTRES, self._marks.move))
-        else:
-            self._kennedy = KennedyLines(table, table.construction.steps, self.theme, self.sight)
-            self._take(Part("kennedy.all", self._kennedy.item, ("kennedy",), Z_LINES, self._kennedy.move))
-        self._mark_step()
 
     def _texts(self) -> list[QRectF]:
-        """Boxes of the labels that are shown, in pixels of the whole scene."""
-        boxes = []
-        for key, part in self.parts.items():
-            if key.startswith("label.") and part.item.isVisible() and isinstance(part.item, Tag):
-                place = part.item.pos() * self.sight.scale
-                boxes.append(part.item.pixel_box().translated(place.x(), -place.y()))
-        return boxes
+        if self._labels is None or self.overlay is None:
+            return []
+        return self._labels.boxes(self.sight.scale) + self.overlay.boxes(self.sight.visible, self.sight.scale)
 
     def show_step(self, step: int | None, draw: bool = True) -> None:
         """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.
@@ -232,24 +167,12 @@ class MechanismScene(QGraphicsScene):
         self._step = step
         if not draw:
             return
-        for layer in ("centres", "kennedy"):
+        for layer in OF_STEP:
             self._need_more(layer)
-        self._mark_step()
+        if self.construct is not None:
+            self.construct.show_step(step)
         self._show()
         self._move(self.index, self._told)
-
-    def _mark_step(self) -> None:
-        if self._marks is None and self._kennedy is None:
-            return
-        assert self.reading is not None
-        plan, step = self.reading.study.centres.construction, self._step
-        found = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
-        wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
-        if self._marks is not None:
-            self._marks.only = found
-        if self._kennedy is not None:
-            self._kennedy.emphasise(wanted if step is not None else None)
-            self._kennedy.hidden = step == 0
 
     def _make_room(self) -> None:
         """Labels keep clear of the vectors that are shown."""
@@ -261,22 +184,11 @@ class MechanismScene(QGraphicsScene):
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
         return self.parts[key].item
 
-    def joints_now(self) -> dict[str, complex]:
-        """Where the points of a linkage stand that can be drawn elsewhere, by name [mm]; none of other designs."""
-        if self.reading is None or not self.reading.linkage:
-            return {}
-        design, found = self.reading.study.design, {}
-        for body in self.reading.bodies.values():
-            for name, place in body.points.items():
-                if name != ROLLER and not name.isdecimal() and movable(design, name):
-                    found[name] = complex(body.track(place)[self.index])
-        return found
-
     # -- layers ---------------------------------------------------------------------------------------------
 
     def layer_shown(self, name: str) -> bool:
         """Whether it was asked for, or a step of the construction needs it."""
-        return self._shown[name] or (self._step is not None and name in ("centres", "kennedy"))
+        return self._shown[name] or (self._step is not None and name in OF_STEP)
 
     def layer_wanted(self, name: str) -> bool:
         """Whether it was asked for."""
@@ -312,6 +224,8 @@ class MechanismScene(QGraphicsScene):
         if self.reading is None or self.overlay is None:
             return
         self.index, self._told = index % self.reading.samples, angle
+        if self.construct is not None:
+            self.construct.begin(self.index)
         for part in self.parts.values():
             if part.move is not None and part.item.isVisible():
                 part.move(self.index)
@@ -340,39 +254,14 @@ class MechanismScene(QGraphicsScene):
         half = 0.5 * MARGIN_UNITS * self.reading.unit if self.reading is not None else 0.0
         return self._whole.adjusted(half, half, -half, -half)
 
-    def _box(self, reading: Reading) -> QRectF:
-        low, high = reading.core_box
-        rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
-        for part in self.parts.values():
-            if part.move is None and part.key.partition(".")[0] in ("rails", "ground", "pedestal"):
-                rect = rect.united(part.item.boundingRect())
-        q = reading.near_centres
-        if q.size:
-            x, y = q.real, q.imag
-            left, below = float(x.min()), float(y.min())
-            rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
-        room = MARGIN_UNITS * reading.unit
-        return rect.adjusted(-room, -room, room, room)
-
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
         """What a picture of so many pixels shows when the mechanism fills it between the strips that texts need:
         visible rectangle [mm] and scale [pixels per mm]."""
-        rect = self.fit_rect()
-        room = max(height - TOP_STRIP - BOTTOM_STRIP, 0.3 * height)
-        scale = min(width / rect.width(), room / rect.height())
-        centre, below = rect.center(), BOTTOM_STRIP - TOP_STRIP
-        visible = QRectF(0.0, 0.0, width / scale, height / scale)
-        visible.moveCenter(centre)
-        visible.translate(0.0, -0.5 * below / scale)
-        return visible, scale
+        return framing.fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
 
     def fill(self, width: float, height: float) -> tuple[QRectF, float]:
         """The same without strips for texts."""
-        rect = self.fit_rect()
-        scale = min(width / rect.width(), height / rect.height())
-        visible = QRectF(0.0, 0.0, width / scale, height / scale)
-        visible.moveCenter(rect.center())
-        return visible, scale
+        return framing.filled(self._whole, width, height)
 
     def look_at(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
         """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
@@ -394,3 +283,6 @@ class MechanismScene(QGraphicsScene):
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale)
             self.overlay.lay(visible, scale)
             self._move(self.index, self._told)
+
+
+__all__ = ["EVERY_LAYER", "FIELDS", "LAYERS", "LINKAGE_LAYERS", "Layer", "MechanismScene", "layers_of"]

@@ -13,6 +13,7 @@ from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
+from core.design import motion_of
 from core.study import Study
 from kindyna_gui.pictures.items import Tag, text_size, wrapped
 from kindyna_gui.pictures.plot_curves import Curve, drawn_alike, limits_of, read_curves
@@ -37,7 +38,6 @@ from kindyna_gui.pictures.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import DASHED, LIGHT, SMALL, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import Line, line_of, nearest
 from kindyna_gui.pictures.units import Rung, legible, readable, short, with_unit
-from kindyna_gui.shown_kinds import motion_of
 
 LEGEND_HEIGHT, RIGHT_MARGIN = 18, 16  # pixels
 WILD = 50.0  # values next to infinity are cut at so many times the rest's range

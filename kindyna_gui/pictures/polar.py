@@ -21,6 +21,7 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
+from core.design import motion_of
 from core.study import Study
 from kindyna_gui.pictures.boxes import near
 from kindyna_gui.pictures.detail import needed
@@ -33,7 +34,6 @@ from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
-from kindyna_gui.shown_kinds import motion_of
 
 HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
 CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch

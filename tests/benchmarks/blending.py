@@ -62,6 +62,7 @@ KERNEL = Kernel(
         Method("least squares (root, lm)", least_squares, TOLERANCES, "xtol"),
     ),
     roundings=8,
+    digits=1.5e-15,
     sizes=(1,),
     usual=1,
     between=1,

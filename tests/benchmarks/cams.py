@@ -74,6 +74,7 @@ PROFILE = Kernel(
         Method("linear table", table, (3600, 90, 360, 36_000), "points"),
     ),
     roundings=34 + 10 + 12 + 24,  # as in the cam's own tests, and 24 of the motion
+    digits=8e-15,
 )
 
 # -- curvature --------------------------------------------------------------------------------------------
@@ -119,4 +120,5 @@ CURVATURE = Kernel(
         Method("cubic spline of the pitch curve", bend_of_spline, (3600, 90, 360, 36_000), "points"),
     ),
     roundings=34 + 10 + 12 + 24,
+    digits=1.2e-14,
 )

@@ -17,20 +17,39 @@ FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times a limit that is too much
 TRIES = 6
 SECONDS = 1.0  # for one kernel at one size
-SIZES = (360, 3600, 36_000)
+SIZES = (360, 3600, 36_000)  # of cam angles; of anything else the usual number
+ROUNDS = 9  # of the window
 
 Limits = Mapping[str, float]
 
 
-def keys() -> dict[str, tuple[Kernel, int]]:
-    """What is checked: every kernel at every size, ``linkage 3600``."""
-    return {f"{k.name} {n}": (k, n) for k in kernels() for n in (SIZES if len(k.sizes) > 1 else k.sizes)}
+def keys() -> dict[str, Callable[[], float]]:
+    """What is checked, ``linkage 3600``, and how it is looked at: every kernel, and the window."""
+    sizes = {k.name: [n for n in SIZES if n in k.sizes] or [k.usual] for k in kernels()}
+    made = {f"{k.name} {n}": (lambda k=k, n=n: look(k, n)) for k in kernels() for n in sizes[k.name]}
+    return {**made, **windows()}
+
+
+def windows() -> dict[str, Callable[[], float]]:
+    """Edits, drags and frames with twelve plots by a bare repaint; one measurement serves each of them once."""
+    from benchmarks import window
+
+    known: dict[str, float] = {}
+
+    def told(name: str) -> float:
+        if name not in known:
+            rows = window.measure(ROUNDS, first=False)
+            bare = {row.kernel: row.seconds for row in rows if row.method == window.BARE}
+            known.update({f"{r.kernel}: {r.method}": r.seconds / bare[r.kernel] for r in rows})
+        return known.pop(name)
+
+    return {name: (lambda name=name: told(name)) for name in window.names()}
 
 
 def look(kernel: Kernel, n: int, seconds: float = SECONDS) -> float:
     """Time of our method by that of the yardstick."""
-    there = kernel.given(kernel.grid(n))
-    told = measure({"ours": lambda: kernel.ours.solve(there, None)}, max(n, 360), seconds)
+    there, setting = kernel.given(kernel.grid(n)), kernel.ours.settings[0]
+    told = measure({"ours": lambda: kernel.ours.solve(there, setting)}, max(n, 360), seconds)
     return told.seconds["ours"] / told.yardstick
 
 
@@ -56,8 +75,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     every = keys()
 
     def told(name: str) -> float:
-        kernel, n = every[name]
-        value = look(kernel, n)
+        value = every[name]()
         print(f"{name}: {value:.2f} yardsticks", flush=True)
         return value
 

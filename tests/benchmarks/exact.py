@@ -25,6 +25,8 @@ if __name__ == "__main__":
 
 import itertools
 
+from benchmarks.exact_dyads import dyad_values
+from benchmarks.exact_shafts import OF_SHAFTS
 from mechanisms import LIFT, with_shaft
 from references import LAW_TERMS, MP, Series, cam_shape, free_bodies, joins_of, law, law_joins, motion_series, placed
 
@@ -249,6 +251,8 @@ MADE: dict[str, Callable[[], dict[str, Any]]] = {
     "blending": _blending,
     **{name: (lambda n=name: _along_the_turn(n)) for name in ALONG_THE_TURN},
     "flywheel": _flywheel,
+    "dyads": lambda: _rows(*dyad_values(STEP)),
+    **{name: (lambda made=made: _rows(*made())) for name, made in OF_SHAFTS.items()},
 }
 
 

@@ -107,4 +107,5 @@ KERNEL = Kernel(
     # the motor's torque is a mean of the cam's; between ten values and their polynomial stand two sums of ten and
     # Lebesgue's constant of 2.5, from panel to panel some 240 roundings
     roundings=34 + 22 + 30 + 24 + 2 * 10 * 2.5 + 240,
+    digits=4e-16,
 )

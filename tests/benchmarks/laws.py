@@ -58,4 +58,5 @@ KERNEL = Kernel(
         Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
     ),
     roundings=16,
+    digits=2e-15,
 )

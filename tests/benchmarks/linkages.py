@@ -148,4 +148,5 @@ KERNEL = Kernel(
         Method("mechanism", peers.mechanism, needs=("mechanism",), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion
+    digits=1.2e-14,
 )

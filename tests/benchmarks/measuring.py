@@ -40,6 +40,7 @@ class Row:
     note: str
 
 
+WINDOW = ("edit to paint", "drag to paint", "animation", "start")  # kernels of the window, which window.py measures
 COLUMNS = tuple(field.name for field in fields(Row))
 
 
@@ -48,14 +49,16 @@ class Plan:
     """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
     settings left out; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 2.5
-    growth: float = 1.0
+    usual: float = 2.0
+    growth: float = 0.6
     sizes: int = 99
     settings: int = 99
     longest: float = 1.2
+    rounds: int = 25  # of the window
+    starts: int = 5
 
 
-FULL, QUICK = Plan(), Plan(usual=0.5, growth=0.2, sizes=3, settings=2, longest=0.1)
+FULL, QUICK = Plan(), Plan(usual=0.3, growth=0.1, sizes=2, settings=1, longest=0.1, rounds=3, starts=1)
 
 
 def _text(setting: Any) -> str:
@@ -129,6 +132,20 @@ def measured(plan: Plan) -> list[Row]:
     return rows
 
 
+def in_the_window(plan: Plan) -> list[Row]:
+    """Edits, drags and frames of the animation; their yardstick is a bare repaint of the same widgets."""
+    from benchmarks import window
+
+    told = window.measure(plan.rounds) + window.starts(plan.starts)
+    bare = {(row.kernel, row.n): row.seconds for row in told if row.method == window.BARE}
+    nan = math.nan
+    return [
+        Row(r.kernel, r.method, r.n, r.seconds, nan, nan, "", r.seconds / bare[r.kernel, r.n], nan, "")
+        for r in told
+        if r.method != window.BARE
+    ]
+
+
 def as_csv(rows: Sequence[Row]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -146,7 +163,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     asked = words.parse_args(argv)
     warnings.simplefilter("ignore")  # of methods that are made to fail
     began = time.perf_counter()
-    rows = measured(QUICK if asked.quick else FULL)
+    plan = QUICK if asked.quick else FULL
+    rows = measured(plan) + in_the_window(plan)
     from benchmarks import page, ratios, stress
 
     cases = stress.measured(asked.quick)

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from benchmarks.chart import COLOURS, Chart, Curve, font, legend, paint
 from benchmarks.measuring import Row
 from benchmarks.stress import Look
-from benchmarks.table import kernels
+from benchmarks.table import Kernel, kernels
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtSvg import QSvgGenerator
@@ -28,7 +28,8 @@ def _of(rows: Sequence[Row], kernel: str) -> dict[str, list[Row]]:
     return found
 
 
-def _kernel_charts(rows: Sequence[Row], title: str, usual: int, methods: Mapping[str, list[Row]]) -> list[Chart]:
+def _kernel_charts(rows: Sequence[Row], kernel: Kernel, methods: Mapping[str, list[Row]]) -> list[Chart]:
+    title, usual, unit = kernel.title, kernel.usual, kernel.unit
     precision, growth, memory = [], [], []
     for i, (name, told) in enumerate(methods.items()):
         colour, strong = COLOURS[i % len(COLOURS)], i == 0
@@ -40,8 +41,8 @@ def _kernel_charts(rows: Sequence[Row], title: str, usual: int, methods: Mapping
         memory.append(Curve(name, [(r.n, r.peak_memory_mib) for r in sizes if r.peak_memory_mib > 0.0], colour, strong=strong))
     made = [Chart(title, "largest true error, relative", "time / KINDYNA's", precision, limit=1.0, y_range=(-1, 1))]
     if len({r.n for r in rows}) > 1:
-        made.append(Chart("Growth", "cam angles", "time / yardstick's", growth))
-        made.append(Chart("Memory", "cam angles", "peak MiB", memory))
+        made.append(Chart("Growth", unit, "time / yardstick's", growth))
+        made.append(Chart("Memory", unit, "peak MiB", memory))
     return made
 
 
@@ -71,7 +72,7 @@ def _layout(rows: Sequence[Row], looks: Sequence[Look]) -> tuple[Places, Legends
         if not methods:
             continue
         own = [r for r in rows if r.kernel == kernel.name]
-        told = _kernel_charts(own, kernel.title, kernel.usual, methods)
+        told = _kernel_charts(own, kernel, methods)
         for i, chart in enumerate(told):
             charts.append((QRectF(EDGE + WIDE * i, y, WIDE, HIGH), chart))
         names = [(name, COLOURS[i % len(COLOURS)]) for i, name in enumerate(methods)]
@@ -90,7 +91,7 @@ def _paint(painter: QPainter, rows: Sequence[Row], looks: Sequence[Look]) -> Non
     painter.setFont(font(18, bold=True))
     painter.drawText(QRectF(EDGE, 12, 1200, 26), "Run time against true error")
     painter.setFont(font(12))
-    usual = "3600 cam angles; times are ratios, of the best of several runs in turn; errors against 50-digit values"
+    usual = "3600 cam angles, unless said otherwise; times are ratios, of the best of several runs in turn; errors against 50-digit values"
     painter.drawText(QRectF(EDGE, 38, 1300, 20), usual)
     stress_top = min((area.top() for area, chart in charts if chart.up == "error / bound"), default=0.0)
     if stress_top:

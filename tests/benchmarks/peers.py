@@ -1,4 +1,4 @@
-"""Other packages that solve planar linkages, set to the lift. Nothing else of KINDYNA uses them."""
+"""Other packages that solve planar linkages, set to the lift and to a four-bar. Nothing else of KINDYNA uses them."""
 
 from __future__ import annotations
 
@@ -8,14 +8,13 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from benchmarks.exact_dyads import LENGTHS
 from benchmarks.plain import BETA0, L0, PHI0, PIVOT, G
 from benchmarks.table import Channels
 
 
-@cache
-def _walk(compiled: bool) -> Callable[..., None]:
-    """A loop over the cam angles that calls pylinkage's own solvers: arm pin between pivot and slider pin, roller
-    fixed to the arm, positions, velocities, accelerations."""
+def _solvers(compiled: bool) -> list[Any]:
+    """pylinkage's own of a pin between two pins and of a point fixed to a link: positions, velocities, accelerations."""
     from pylinkage.solver import acceleration, joints, velocity
 
     names = (
@@ -24,9 +23,21 @@ def _walk(compiled: bool) -> Callable[..., None]:
         (acceleration, ("solve_revolute_acceleration", "solve_fixed_acceleration")),
     )
     found = [getattr(module, name) for module, group in names for name in group]
+    return found if compiled else [getattr(f, "py_func", f) for f in found]
+
+
+def _jitted(walk: Callable[..., None], compiled: bool) -> Callable[..., None]:
     if not compiled:
-        found = [getattr(f, "py_func", f) for f in found]
-    pin, fixed, pin_speed, fixed_speed, pin_gain, fixed_gain = found
+        return walk
+    from numba import njit
+
+    return njit(walk)
+
+
+@cache
+def _walk(compiled: bool) -> Callable[..., None]:
+    """A loop over the cam angles: arm pin between pivot and slider pin, roller fixed to the arm."""
+    pin, fixed, pin_speed, fixed_speed, pin_gain, fixed_gain = _solvers(compiled)
 
     def walk(px, py, l1, l2, arm, ahead, a, v, c, bx, by, out):  # type: ignore[no-untyped-def]
         for i in range(a.shape[0]):
@@ -40,11 +51,7 @@ def _walk(compiled: bool) -> Callable[..., None]:
             out[0, i], out[1, i], out[2, i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
             out[3, i], out[4, i], out[5, i] = complex(rx, ry), complex(sx, sy), complex(tx, ty)
 
-    if not compiled:
-        return walk
-    from numba import njit
-
-    return njit(walk)
+    return _jitted(walk, compiled)
 
 
 def _solve(there: Any, compiled: bool) -> Channels:
@@ -69,13 +76,18 @@ def pylinkage_plain(there: Any, setting: None) -> Channels:
     return _solve(there, False)
 
 
-def mechanism(there: Any, setting: None) -> Channels:
-    """Vectors around the loop, solved angle by angle with fsolve by the package."""
+def _mechanism() -> tuple[Any, Any, Any]:
     import os
 
     os.environ.setdefault("MPLBACKEND", "Agg")
     from mechanism import Joint, Mechanism, Vector
 
+    return Joint, Mechanism, Vector
+
+
+def mechanism(there: Any, setting: None) -> Channels:
+    """Vectors around the loop, solved angle by angle with fsolve by the package."""
+    Joint, Mechanism, Vector = _mechanism()
     p, s, a, b = (Joint(name) for name in "PSAB")
     along = Vector((p, s), theta=0.0)  # from the pivot along the guide, as long as the slider is away
     up = Vector((s, a), r=G.guide_height, theta=math.pi / 2)
@@ -96,3 +108,60 @@ def mechanism(there: Any, setting: None) -> Channels:
     ahead = (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle)
     direction = (a.x_positions + 1j * a.y_positions - pin) / G.rod
     return [PIVOT + pin, speed, gain, PIVOT + pin * ahead, speed * ahead, gain * ahead, direction]
+
+
+# -- a four-bar -------------------------------------------------------------------------------------------
+
+GROUND, CRANK, COUPLER, ROCKER = LENGTHS
+
+
+@cache
+def _dyad_walk(compiled: bool) -> Callable[..., None]:
+    """A loop over the crank angles: B between A and O4."""
+    pin, _, pin_speed, _, pin_gain, _ = _solvers(compiled)
+
+    def walk(a, v, c, ground, coupler, rocker, bx, by, out):  # type: ignore[no-untyped-def]
+        for i in range(a.shape[0]):
+            ax, ay, vx, vy, cx, cy = a[i].real, a[i].imag, v[i].real, v[i].imag, c[i].real, c[i].imag
+            bx, by = pin(bx, by, ax, ay, coupler, ground, 0.0, rocker)
+            ux, uy = pin_speed(bx, by, ax, ay, vx, vy, ground, 0.0, 0.0, 0.0)
+            wx, wy = pin_gain(bx, by, ux, uy, ax, ay, vx, vy, cx, cy, ground, 0.0, 0.0, 0.0, 0.0, 0.0)
+            out[0, i], out[1, i], out[2, i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
+
+    return _jitted(walk, compiled)
+
+
+def _dyad(there: Any, compiled: bool) -> Channels:
+    out = np.empty((3, there.theta.size), dtype=complex)
+    a = CRANK * np.exp(1j * there.theta)
+    _dyad_walk(compiled)(a, 1j * a, -a, GROUND, COUPLER, ROCKER, 40.0, 60.0, out)
+    return list(out)
+
+
+def dyad(there: Any, setting: None) -> Channels:
+    return _dyad(there, True)
+
+
+def dyad_plain(there: Any, setting: None) -> Channels:
+    """Without the compiler."""
+    return _dyad(there, False)
+
+
+def four_bar(there: Any, setting: None) -> Channels:
+    """The loop of its vectors, solved angle by angle by mechanism."""
+    Joint, Mechanism, Vector = _mechanism()
+    o2, a, b, o4 = (Joint(name) for name in ("O2", "A", "B", "O4"))
+    crank, coupler, rocker = Vector((o2, a), r=CRANK), Vector((a, b), r=COUPLER), Vector((o4, b), r=ROCKER)
+    ground = Vector((o2, o4), r=GROUND, theta=0.0, style="ground")
+    n = there.theta.size
+
+    def loops(x: Any, i: Any) -> Any:
+        return crank(i) + coupler(x[0]) - rocker(x[1]) - ground()
+
+    made = Mechanism(
+        vectors=(crank, coupler, rocker, ground), origin=o2, loops=loops,
+        pos=there.theta, vel=np.ones(n), acc=np.zeros(n),
+        guess=(np.array([0.8, 1.4]), np.full(2, 0.1), np.full(2, 0.1)),
+    )  # fmt: skip
+    made.iterate()
+    return [getattr(b, f"x_{k}") + 1j * getattr(b, f"y_{k}") for k in ("positions", "velocities", "accelerations")]

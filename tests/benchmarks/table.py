@@ -49,11 +49,12 @@ class Kernel:
     """One job.
 
     name     as in the CSV; title as in tables
-    given    what every method starts from at cam angles (n,); not timed
-    grid     the cam angles of a run with n of them
+    given    what every method starts from at cam angles (m,), or points of a chart, or times; not timed
+    grid     the cam angles of a run with n of them, or the points, or the times of n turns (m,)
     methods  ours first
     roundings  of the numbers that go in and of what is made of them, in our method; with the condition of the exact values
-               it bounds our error
+               it bounds our error where no larger one is wanted
+    digits   some four times our error, far below its bound: a digit that is lost is seen
     """
 
     name: str
@@ -62,18 +63,19 @@ class Kernel:
     grid: Callable[[int], np.ndarray]
     methods: tuple[Method, ...]
     roundings: float
+    digits: float
     sizes: tuple[int, ...] = SIZES
     usual: int = USUAL
     between: int = field(default=720)  # angles among which the exact ones stand, for methods that go from one to the next
+    unit: str = "cam angles"  # what n counts
 
     @property
     def ours(self) -> Method:
         return self.methods[0]
 
-    @property
-    def bound(self) -> float:
-        """What our error may be at most, relative to each channel's scale."""
-        return self.roundings * float(np.finfo(float).eps) * exact(self.name).condition
+    def bound(self, setting: Any = None) -> float:
+        """What our error may be at most, relative to each channel's scale. A setting of ours is the error wanted."""
+        return max(self.roundings * float(np.finfo(float).eps) * exact(self.name).condition, setting or 0.0)
 
     def error(self, method: Method, setting: Any) -> float:
         """The largest true error of a method, relative to each channel's scale."""
@@ -86,6 +88,9 @@ class Kernel:
 
 def kernels() -> tuple[Kernel, ...]:
     """All of them; later ones are further rows."""
-    from benchmarks import blending, cams, flywheels, forces, laws, linkages
+    from benchmarks import blending, cams, dyads, flywheels, forces, hill, laws, linkages, windups
 
-    return (laws.KERNEL, blending.KERNEL, linkages.KERNEL, cams.PROFILE, cams.CURVATURE, forces.KERNEL, flywheels.KERNEL)
+    return (
+        laws.KERNEL, blending.KERNEL, linkages.KERNEL, dyads.KERNEL, cams.PROFILE, cams.CURVATURE, forces.KERNEL,
+        flywheels.KERNEL, hill.TONGUES, hill.MONODROMY, windups.KERNEL,
+    )  # fmt: skip

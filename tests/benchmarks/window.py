@@ -1,19 +1,24 @@
-"""The window's frame budget: an edit until every view is painted, and a frame of the animation, by a bare repaint.
+"""The window's frame budget: edit, drag and frame of the animation until all is painted, by a bare repaint; the start.
 
     .venv/bin/python tests/benchmarks/window.py
 
-The lift at 1440 x 900, offscreen, 1800 cam angles. Times are processor time of the window's thread, the median of
-rounds in which everything is measured in turn, so that what slows the machine slows all of them; each edit has a value
-that was never there before. The yardstick is a bare repaint of the same plots and the same drawing in the same round.
+The lift at 1440 x 900, offscreen, 1800 cam angles, as the window opens and with all docks open and twelve plots. Times
+are processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what
+slows the machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of
+the same plots and drawings in the same round. Tables that are read rather than watched follow when editing pauses: they
+are a row of their own. The start is measured from the process to the first paint of the lift, warm, beside an empty
+window's.
 """
 
 from __future__ import annotations
 
 import os
 import statistics
+import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +26,9 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[2]))
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import get
@@ -33,22 +40,27 @@ from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.places import example
 from kindyna_gui.plots_view import PlotView
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
+from kindyna_gui.segments_view import SegmentsView
 
+ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)
 ROWS = 4  # plots one below the other
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve
-FEW, MANY = 8, 12
+MANY = 12
 EDITS = (
     ("edit of a length", "follower.rod_mm", 0.037),
     ("edit of the cam", "cam.base_radius_mm", 0.011),
     ("edit of the motion", "motion.start_mm", 0.013),
     ("edit of the speed", "shaft.speed_rpm", 0.003),
 )
-BARE, FRAME = "bare repaint", "frame"
-EDIT_KERNEL, FRAME_KERNEL = "edit to paint", "animation"
+BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "tables, after a pause"
+EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to paint", "animation", "start"
 STEP = 0.0371  # of the animation [rad]
+JOIN = 2  # that is drawn
+PAUSING = ("findings", "certificate", "flywheel")
 ROUNDS = 25
 WARM = 3  # rounds that do not count
+STARTS = 5
 
 
 class Row(NamedTuple):
@@ -60,34 +72,51 @@ class Row(NamedTuple):
     seconds: float
 
 
-def measure(rounds: int = ROUNDS) -> list[Row]:
-    """Seconds of every method with eight plots and with twelve; per kernel the last row is its yardstick."""
+def names() -> tuple[str, ...]:
+    """What is measured with all docks open, ``edit to paint: edit of a length``."""
+    edits = [f"{EDIT_KERNEL}: {name}" for name, _, _ in EDITS]
+    return (*edits, f"{EDIT_KERNEL}: {TABLES}", f"{DRAG_KERNEL}: {DRAG}", f"{FRAME_KERNEL}: {FRAME}")
+
+
+def measure(rounds: int = ROUNDS, first: bool = True) -> list[Row]:
+    """Seconds of every method with all docks open, before them as the window opens if wanted; ``bare repaint`` is the
+    yardstick of its kernel and number of plots."""
     with quiet():
-        return [row for plots in (FEW, MANY) for row in _measured(plots, rounds)]
+        return [row for every in ((False, True) if first else (True,)) for row in _measured(every, rounds)]
 
 
-def _measured(plots: int, rounds: int) -> list[Row]:
+def _measured(every: bool, rounds: int) -> list[Row]:
     window = hidden_window(load(example("transfer_lift")), SIZE)
     try:
-        _open_plots(window, plots)
-        seen = _seen(window)
-        assert len(seen) == plots + 1, "every plot and the mechanism are on screen"
+        docks: list[Dock] = []
+        if every:
+            docks = _open_plots(window, MANY)
+            _open_tables(window)
+        seen = _seen(window, docks)
+        plots = len(seen) - 2
+        assert not every or plots == MANY, "every plot, the mechanism and the motion are on screen"
         runs = _runs(window, seen)
-        times: dict[str, list[float]] = {name: [] for name in runs}
-        for count in range(rounds + WARM):
-            for name, run in runs.items():
-                start = time.thread_time()
-                run(count)
-                _process()
-                if count >= WARM:
-                    times[name].append(time.thread_time() - start)
+        found = _timed(runs, rounds)
+        rows = [Row(EDIT_KERNEL, name, plots, found[name]) for name in runs if name != FRAME]
+        rows += [Row(FRAME_KERNEL, name, plots, found[name]) for name in (FRAME, BARE)]
+        with _drawing(window) as drag:
+            found = _timed({DRAG: drag, BARE: runs[BARE]}, rounds)
+        return rows + [Row(DRAG_KERNEL, name, plots, found[name]) for name in (DRAG, BARE)]
     finally:
         dismiss(window)
-    median = {name: statistics.median(taken) for name, taken in times.items()}
-    rows = [Row(EDIT_KERNEL, name, plots, median[name]) for name, _, _ in EDITS]
-    rows.append(Row(EDIT_KERNEL, BARE, plots, median[BARE]))
-    rows += [Row(FRAME_KERNEL, name, plots, median[name]) for name in (FRAME, BARE)]
-    return rows
+
+
+def _timed(runs: Mapping[str, Callable[[int], None]], rounds: int) -> dict[str, float]:
+    """Median seconds of each until all is painted, run in turn."""
+    times: dict[str, list[float]] = {name: [] for name in runs}
+    for count in range(rounds + WARM):
+        for name, run in runs.items():
+            start = time.thread_time()
+            run(count)
+            _process()
+            if count >= WARM:
+                times[name].append(time.thread_time() - start)
+    return {name: statistics.median(taken) for name, taken in times.items()}
 
 
 def _runs(window: MainWindow, seen: list[QWidget]) -> dict[str, Callable[[int], None]]:
@@ -99,6 +128,13 @@ def _runs(window: MainWindow, seen: list[QWidget]) -> dict[str, Callable[[int], 
 
         return run
 
+    def tables(count: int) -> None:
+        """After the edits of the round, the design of the last is new to them."""
+        for name in PAUSING:
+            view = window.docks[name].view
+            if view is not None and view.on_screen():
+                view.pull()
+
     def bare(count: int) -> None:
         for widget in seen:
             widget.update()
@@ -107,21 +143,58 @@ def _runs(window: MainWindow, seen: list[QWidget]) -> dict[str, Callable[[int], 
         window.player.set_theta(STEP * (count + 1))
 
     made = {name: edit(path, get(window.session.design, path), step) for name, path, step in EDITS}
-    return {**made, BARE: bare, FRAME: frame}
+    return {**made, TABLES: tables, BARE: bare, FRAME: frame}
 
 
-def _open_plots(window: MainWindow, plots: int) -> None:
-    """All plots beside each other instead of behind each other, and more until there are enough."""
-    names = [name for name, row in VIEWS.items() if row.area == RIGHT]
-    for name in MORE[: max(0, plots - len(names))]:
+@contextmanager
+def _drawing(window: MainWindow) -> Iterator[Callable[[int], None]]:
+    """A join is held with the mouse and drawn a little farther each time."""
+    view = window.docks["motion"].view
+    assert isinstance(view, SegmentsView)
+    diagram, paper = view.diagram, view.diagram.viewport()
+    start = diagram.place_of_join(JOIN)
+    none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
+
+    def move(count: int) -> None:
+        before = window.session.design
+        at = start + QPointF(6.0 + 1.3 * count, 0.0)  # beyond what a hand trembles, and a step of its grid each time
+        buttons = Qt.MouseButton.NoButton, left
+        event = QMouseEvent(QEvent.Type.MouseMove, at, paper.mapToGlobal(at), *buttons, none)
+        QApplication.sendEvent(paper, event)
+        assert window.session.design is not before, "each move is another design"
+
+    QTest.mousePress(paper, left, none, start.toPoint())
+    yield move
+    QTest.mouseRelease(paper, left, none, start.toPoint())
+
+
+def _open_tables(window: MainWindow) -> None:
+    """The tables that are tabbed behind each other beside each other."""
+    docks = [window.docks[name] for name in PAUSING]
+    for dock in docks:
+        window.removeDockWidget(dock)
+    rest(window)
+    for dock in docks:
+        dock.setGeometry(0, 0, 300, 200)
+        window.addDockWidget(Qt.DockWidgetArea.BottomDockWidgetArea, dock, Qt.Orientation.Horizontal)
+        dock.show()
+    for _ in range(2):
+        rest(window)
+    assert all(dock.view is not None and dock.view.on_screen() for dock in docks)
+
+
+def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
+    """All plots beside each other instead of behind each other, and more until there are enough; all their docks."""
+    docks = [window.docks[name] for name, row in VIEWS.items() if row.area == RIGHT]
+    for name in MORE[: max(0, plots - len(docks))]:
         make = lazily("plots_view", "PlotView", quantities=(name,))
-        window.docks[name] = Dock(
+        dock = Dock(
             name,
             ViewRow(name, make, RIGHT),
             lambda make=make: make(window.session, window.player),  # type: ignore[misc]
         )
-        names.append(name)
-    docks = [window.docks[name] for name in names[:plots]]
+        docks.append(dock)
+    docks = docks[:plots]
     for dock in docks:
         window.removeDockWidget(dock)
     rest(window)
@@ -137,17 +210,20 @@ def _open_plots(window: MainWindow, plots: int) -> None:
         window.resizeDocks(docks[column::columns], [100] * ROWS, Qt.Orientation.Vertical)
     for _ in range(2):
         rest(window)
+    return docks
 
 
-def _seen(window: MainWindow) -> list[QWidget]:
-    """What is painted: the plots and the drawing that are on screen."""
-    views = [window.view("mechanism"), *(dock.view for dock in window.docks.values())]
+def _seen(window: MainWindow, plots: Iterable[Dock]) -> list[QWidget]:
+    """What is painted: the drawing of the mechanism and of the motion, and the plots that are on screen."""
+    views = [window.view("mechanism"), *(dock.view for dock in {*window.docks.values(), *plots})]
     made: list[QWidget] = []
     for view in views:
         if isinstance(view, PlotView) and view.on_screen():
             made.append(view.plot.viewport())
         elif isinstance(view, MechanismView) and view.on_screen():
             made.append(view.canvas.viewport())
+        elif isinstance(view, SegmentsView) and view.on_screen():
+            made.append(view.diagram.viewport())
     return made
 
 
@@ -157,12 +233,58 @@ def _process() -> None:
         QApplication.processEvents()
 
 
+# -- the start --------------------------------------------------------------------------------------------
+
+FIRST_PAINT = """
+import sys, time
+from PySide6.QtCore import QEvent, QObject
+{imports}
+
+class Watch(QObject):
+    def eventFilter(self, watched, event):
+        if event.type() == QEvent.Type.Paint:
+            self.painted = True
+        return False
+
+watch = Watch()
+watch.painted = False
+{made}
+paper.installEventFilter(watch)
+window.show()
+while not watch.painted:
+    app.processEvents()
+print(time.time())
+"""
+OURS = FIRST_PAINT.format(
+    imports="from kindyna_gui import __main__, main_window\nfrom kindyna_gui.pictures.app import ensure_app",
+    made="app = ensure_app(offscreen=True)\nwindow = main_window.open_window(app)\n"
+    'paper = window.view("mechanism").canvas.viewport()',
+)
+EMPTY = FIRST_PAINT.format(
+    imports="from PySide6.QtWidgets import QApplication, QMainWindow",
+    made="app = QApplication([])\npaper = window = QMainWindow()\nwindow.resize(1440, 900)",
+)
+
+
+def starts(times: int = STARTS) -> list[Row]:
+    """Seconds from a new process to the first paint of the lift, and of an empty window; the median, in turn."""
+    scripts = {"the lift drawn": OURS, BARE: EMPTY}
+    taken: dict[str, list[float]] = {name: [] for name in scripts}
+    for count in range(times + 1):
+        for name, script in scripts.items():
+            begin = time.time()
+            run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, cwd=ROOT)
+            if count:  # the first one warms up
+                taken[name].append(float(run.stdout.split()[-1]) - begin)
+    return [Row(START_KERNEL, name, 0, statistics.median(told)) for name, told in taken.items()]
+
+
 def main() -> None:
-    rows = measure()
-    bare = {row.n: row.seconds for row in rows if row.method == BARE}
+    rows = measure() + starts()
+    bare = {(row.kernel, row.n): row.seconds for row in rows if row.method == BARE}
     for row in rows:
-        ratio = row.seconds / bare[row.n]
-        print(f"{row.kernel:14} {row.method:20} {row.n:3} plots {1e3 * row.seconds:8.2f} ms {ratio:6.2f} bare repaints")
+        ratio = row.seconds / bare[row.kernel, row.n]
+        print(f"{row.kernel:14} {row.method:28} {row.n:3} plots {1e3 * row.seconds:8.2f} ms {ratio:6.2f} by a bare repaint")
 
 
 if __name__ == "__main__":

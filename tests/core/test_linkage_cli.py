@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 
 from core.__main__ import main
+from core.design import require_motion
+from core.project import load
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "resources" / "examples"
@@ -108,7 +110,7 @@ def test_centres(core: Callable[..., Done]) -> None:
     done = core("centres", SIX, "--angle", "45")
     assert (done.returncode, done.stderr) == (0, "")
     told = json.loads(done.stdout)
-    assert list(told) == ["angular_velocity_rad_s", "centres", "points"]
+    assert list(told) == ["angular_velocity_rad_s", "centres", "points", "velocity_ratios", "velocity_differences"]
     assert list(told["centres"]) == [f"{i},{j}" for i in range(1, 7) for j in range(i + 1, 7)]
     assert list(told["angular_velocity_rad_s"]) == ["1", "2", "3", "4", "5", "6"]
     assert set(told["points"]) == {"O1", "O2", "A", "B", "C", "D"}
@@ -139,10 +141,15 @@ def test_faults_of_a_linkage_are_lines(tmp_path: Path, core: Callable[..., Done]
     refused(core("check", path), "linkage.branch.E = 1: no joint with two sides; allowed: B | D")
 
 
-def test_a_blended_motion_goes_into_no_linkage(tmp_path: Path, core: Callable[..., Done]) -> None:
-    path = edited(tmp_path, "60.0, 0.0", "60.0, 0.0")
-    words = ["blend", "--type", "RRR", "--stroke", "10", "--start", "0", "--end", "360", "--into", path]
-    refused(core(*words), "linkage")
+def test_a_blended_motion_goes_into_a_linkage_that_follows_one(tmp_path: Path, core: Callable[..., Done]) -> None:
+    words = ["blend", "--type", "RRR", "--stroke", "10", "--start", "0", "--end", "360", "--into"]
+    six = edited(tmp_path, "60.0, 0.0", "60.0, 0.0")
+    refused(core(*words, six), "linkage.driver.kind = 'crank'", "allowed: motion")
+    path = edited(tmp_path, "speed_rpm = 20.0", "speed_rpm = 30.0", EXAMPLES / "cam_slider_linkage.toml")
+    assert core(*words, path).returncode == 0
+    motion = require_motion(load(path))
+    assert sum(s.rise for s in motion.segments if s.rise > 0.0) == pytest.approx(10.0)
+    assert "dwell" not in [s.curve.law for s in motion.segments]
 
 
 def test_scipy_is_not_loaded_for_linkages(tmp_path: Path) -> None:

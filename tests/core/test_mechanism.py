@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from assembled import cases, coordinates
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from linkages import (
     INSIDE_OUT,
     KINDS,
     SLIDING_GROUP,
-    assemblies,
+    assembly,
     closure,
     complex_step,
     four_bar,
@@ -52,28 +53,18 @@ def train_at(design: LinkageDesign, *angles: float) -> Train:
     return unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage, *ends))
 
 
-def coordinates(train: Train, order: int = 0) -> np.ndarray:
-    """x, y [mm] and angle of every moving link (3m, n), or their derivatives."""
-    rows = []
-    for name, pose in train.bodies.items():
-        if name != FRAME:
-            rows += [pose.x[order] * 1e3, pose.y[order] * 1e3, pose.angle[order]]
-    return np.array(rows)
-
-
 # -- the structure ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@settings(max_examples=15, derandomize=True, database=None)
-@given(data=st.data())
-def test_each_kind_of_dyad_is_recognised(kind: str, data: st.DataObject) -> None:
-    design, _ = data.draw(assemblies((kind,), 1))
-    order = solving_order(design.linkage)
-    assert [step.kind for step in order.steps] == [kind.upper()]
-    assert not order.overdetermined
-    assert not order.undetermined
-    assert mobility(design.linkage) == 1
+def test_each_kind_of_dyad_is_recognised(kind: str) -> None:
+    for seed in range(15):
+        design, _ = assembly(seed, (kind,))
+        order = solving_order(design.linkage)
+        assert [step.kind for step in order.steps] == [kind.upper()]
+        assert not order.overdetermined
+        assert not order.undetermined
+        assert mobility(design.linkage) == 1
 
 
 def test_links_that_hang_on_nothing_known_are_solved_as_a_group() -> None:
@@ -109,47 +100,37 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
 # -- positions and derivatives ----------------------------------------------------------------------------
 
 
-@settings(max_examples=60, derandomize=True, database=None)
-@given(assemblies())
-def test_any_linkage_closes_and_stands_where_it_was_drawn(drawn: tuple[LinkageDesign, float]) -> None:
-    design, q = drawn
-    train = train_at(design, q)
-    assert train.residual.max() <= 1e-13
-    x = coordinates(train)[:, 0]
-    miss = np.array(closure(design, q, list(x), plain_turn), dtype=float)
-    assert np.abs(miss).max() <= 1e-11  # [mm], lengths of some hundred
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_linkage_closes_and_stands_where_it_was_drawn(kind: str) -> None:
+    for case in cases(kind):
+        assert case.train.residual.max() <= 1e-13, case.name
+        miss = np.array(closure(case.design, case.q, list(case.x), plain_turn), dtype=float)
+        assert np.abs(miss).max() <= 1e-11, case.name  # [mm], lengths of some hundred
 
 
-@settings(max_examples=60, derandomize=True, database=None)
-@given(assemblies())
-def test_velocities_are_complex_step_derivatives(drawn: tuple[LinkageDesign, float]) -> None:
-    design, q = drawn
-    train = train_at(design, q)
-    x, rates = coordinates(train)[:, 0], coordinates(train, 1)[:, 0]
-    expected = complex_step(design, q, x)
-    scale = np.where(np.arange(x.size) % 3 == 2, 1.0, 100.0) + np.abs(expected).max()
-    assert np.abs((rates - expected) / scale).max() <= 1e-12
+@pytest.mark.parametrize("kind", KINDS)
+def test_velocities_are_complex_step_derivatives(kind: str) -> None:
+    for case in cases(kind):
+        x, rates = case.x, coordinates(case.train, 1)[:, 0]
+        expected = complex_step(case.design, case.q, x)
+        scale = np.where(np.arange(x.size) % 3 == 2, 1.0, 100.0) + np.abs(expected).max()
+        assert np.abs((rates - expected) / scale).max() <= 1e-12, case.name
 
 
-@settings(max_examples=12, derandomize=True, database=None)
-@given(assemblies())
-def test_three_derivatives_are_those_of_a_power_series(drawn: tuple[LinkageDesign, float]) -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
     """To 50 digits, for a driver that does not run evenly."""
-    design, q = drawn
-    course = course_of(design.linkage)
-    y = np.array([[q], [1.3], [-0.7], [0.4]])
-    solved = course.solve(y)
-    x = coordinates(train_at(design, q))[:, 0]
-    expected = in_series(design, q, x, (1.3, -0.7, 0.4))
-    links = [n for n in solved.poses if n != 1]
-    for i, n in enumerate(sorted(links)):
-        pose = solved.poses[n]
-        for order in range(4):
-            told = (pose.z[order, 0].real * 1e3, pose.z[order, 0].imag * 1e3, pose.angle[order, 0])
-            for k, value in enumerate(told):
-                exact = expected[3 * i + k][order]
-                size = max(1.0 if k == 2 else 100.0, max(abs(float(r[order])) for r in expected))
-                assert abs(float(MP.mpf(float(value)) - exact)) <= 1e-11 * size
+    for case in cases(kind)[1::4]:
+        solved = case.course.solve(np.array([[case.q], [1.3], [-0.7], [0.4]]))
+        expected = in_series(case.design, case.q, case.x, (1.3, -0.7, 0.4))
+        for i, n in enumerate(sorted(n for n in solved.poses if n != 1)):
+            pose = solved.poses[n]
+            for order in range(4):
+                told = (pose.z[order, 0].real * 1e3, pose.z[order, 0].imag * 1e3, pose.angle[order, 0])
+                for k, value in enumerate(told):
+                    exact = expected[3 * i + k][order]
+                    size = max(1.0 if k == 2 else 100.0, max(abs(float(r[order])) for r in expected))
+                    assert abs(float(MP.mpf(float(value)) - exact)) <= 1e-11 * size, case.name
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
@@ -182,22 +163,34 @@ def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
         assert steps.max() < 0.2, name
 
 
-def test_the_stated_side_chooses_where_a_group_starts() -> None:
-    """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
+def started(side: int) -> tuple[Train, np.ndarray]:
+    """The group begun with A on this side, at the driver angles tried that lie in its range."""
+    linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
+    (only,) = course_of(linkage).ranges
     tried = np.linspace(0.0, TURN, 25)[:-1]
-    found = []
-    for side in (1, -1):
-        linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
-        (only,) = course_of(linkage).ranges
-        inside = tried[(tried > only.low) & (tried < only.high)]
-        train = unit_speed_train(linkage, inside, course_of(linkage))
-        o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
-        assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
-        assert train.residual.max() < 1e-13
-        found.append(train.bodies["link2"].angle[0])
-    assert np.abs(found[0] - found[1]).max() > 0.1, "two assemblies"
-    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=1))).ranges == (), "B stands on one side only"
-    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=-1))).ranges != ()
+    inside = tried[(tried > only.low) & (tried < only.high)]
+    return unit_speed_train(linkage, inside, course_of(linkage)), inside
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_stated_side_chooses_where_a_group_starts(side: int) -> None:
+    """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
+    train, _ = started(side)
+    o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
+    assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
+    assert train.residual.max() < 1e-13
+
+
+def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
+    one, other = (dict(zip(at, train.bodies["link2"].angle[0], strict=True)) for train, at in (started(1), started(-1)))
+    both = one.keys() & other.keys()
+    assert both
+    assert max(abs(one[at] - other[at]) for at in both) > 0.1
+
+
+@pytest.mark.parametrize(("side", "stands"), [(1, False), (-1, True)])
+def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bool) -> None:
+    assert bool(course_of(replace(INSIDE_OUT.linkage, branch=sides(B=side))).ranges) == stands
 
 
 # -- sides ------------------------------------------------------------------------------------------------
@@ -296,16 +289,11 @@ def test_a_gap_between_samples_is_found() -> None:
     assert third.high == TURN
 
 
-@given(
-    st.floats(20.0, 200.0),
-    st.floats(20.0, 200.0),
-    st.floats(20.0, 200.0),
-    st.floats(20.0, 200.0),
-    st.sampled_from([1, -1]),
-)
-@settings(max_examples=60, derandomize=True, database=None)
+@pytest.mark.parametrize("side", [1, -1])
+@settings(max_examples=30, derandomize=True, database=None)
+@given(st.floats(20.0, 200.0), st.floats(20.0, 200.0), st.floats(20.0, 200.0), st.floats(20.0, 200.0))
 def test_a_four_bar_turns_where_grashof_says_so(
-    ground: float, crank: float, coupler: float, rocker: float, side: int
+    side: int, ground: float, crank: float, coupler: float, rocker: float
 ) -> None:
     lengths = sorted((ground, crank, coupler, rocker))
     assume(lengths[3] < 0.99 * sum(lengths[:3]))  # else it cannot be assembled at all
@@ -387,23 +375,19 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     )
 
 
-@settings(max_examples=40, derandomize=True, database=None)
-@given(assemblies())
-def test_the_stated_condition_bounds_the_error(drawn: tuple[LinkageDesign, float]) -> None:
-    design, q = drawn
-    train = train_at(design, q)
-    exact = in_digits(design, q, coordinates(train)[:, 0])
-    course = course_of(design.linkage)
-    bound = doubts(course.plan, course.solve(at_driver(np.array([q]))))
-    numbers = sorted(n for n in design.linkage.by_number if n != 1)
-    for i, n in enumerate(numbers):
-        pose = train.bodies[body_name(n)]
-        off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
-            ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
-        )]  # fmt: skip
-        turn = abs(math.remainder(off[2], TURN))
-        assert math.hypot(off[0], off[1]) <= 4.0 * EPS * float(np.ravel(bound[n].origin)[0])
-        assert turn <= 4.0 * EPS * (float(np.ravel(bound[n].angle)[0]) + 2.0)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_stated_condition_bounds_the_error(kind: str) -> None:
+    for case in cases(kind):
+        exact = in_digits(case.design, case.q, case.x)
+        bound = doubts(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
+        for i, n in enumerate(sorted(n for n in case.design.linkage.by_number if n != 1)):
+            pose = case.train.bodies[body_name(n)]
+            off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
+                ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
+            )]  # fmt: skip
+            turn = abs(math.remainder(off[2], TURN))
+            assert math.hypot(off[0], off[1]) <= 4.0 * EPS * float(np.ravel(bound[n].origin)[0]), case.name
+            assert turn <= 4.0 * EPS * (float(np.ravel(bound[n].angle)[0]) + 2.0), case.name
 
 
 # -- change points ----------------------------------------------------------------------------------------

@@ -19,14 +19,16 @@ from mechanisms import (
     with_loads,
     with_shaft,
 )
-from references import EPS
+from references import EPS, MP
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import bisect
 
+from core.channels import channels, existing
 from core.design import Shaft, SingleCam
 from core.motion import TURN, Angles, Program
-from core.shaft import NODES, filtered, flywheel, panel_angles, torque_curve
+from core.shaft import NODES, _phi, filtered, flywheel, panel_angles, torque_curve
 from core.study import Study
+from core.study.stages import evaluations
 
 # Between ten values and a polynomial through them stand two sums of ten and Lebesgue's constant of 2.5; from panel to
 # panel, some 200 of them, roundings add up.
@@ -354,3 +356,39 @@ def test_what_the_motor_does_not_give_the_flywheel_does() -> None:
     gained = inertia * TURN * -(after - before) / (2 * step) / slope
     # the difference leaves step²/6 of the third derivative and 1e-16/step of rounding
     assert here - torque(EVEN.angles(theta)) == pytest.approx(gained, abs=5.4 * (step**2 + PANEL / step))
+
+
+# -- digits, and nothing for nobody -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("z", [1e-300, 1e-12, 1e-3, 0.4, 1.0, 1.0 + 1e-9, 2.7, 4.0, 4.0 + 1e-9, 8.5, 30.0, 240.0, 1e5])
+def test_what_the_flywheel_does_within_a_panel_keeps_its_digits(z: float) -> None:
+    """∫ e^{-z(1-s)} s^k ds over 0 ... 1 = e^{-z} Σ z^n/(n! (n+k+1)). Three roundings a step, which the recurrence carries on
+    as it is told there."""
+    roundings = 4 if z <= 1.0 else 3 * 15 if z < 8.0 else 8
+    told = _phi(np.array([z]))[:, 0]
+    m = MP.mpf(z)
+    for k in range(NODES):
+        if z < 50.0:
+            terms = (m**n / MP.factorial(n) / (n + k + 1) for n in range(260))
+            exact = MP.exp(-m) * MP.fsum(terms)
+        else:  # by parts: an asymptotic series that ends, but for e^{-z}
+            exact = MP.fsum((-1) ** j * MP.factorial(k) / MP.factorial(k - j) / m ** (j + 1) for j in range(k + 1))
+        assert abs(told[k] - exact) <= roundings * EPS * exact, k
+
+
+def test_without_a_flywheel_nothing_of_it_is_computed_for_the_torque() -> None:
+    study = Study(LIFT, 90)
+    rows = existing(study, channels(LIFT, ("dynamics",)))
+    motor = next(row for row in rows if row.slug == "motor_torque_nm")
+    torque = next(row for row in rows if row.slug == "drive_torque_nm")
+    assert motor.values(study).tolist() == torque.values(study).tolist()
+    assert evaluations["flywheel"] == 0
+    assert evaluations["dynamics"] == 1, "no other angles than those shown"
+    assert study.flywheel.energy_swing > 0.0
+    assert evaluations["flywheel"] == 1
+    levelled = Study(with_shaft(LIFT, flywheel_inertia_kg_m2=300.0), 90)
+    assert motor in existing(levelled, rows)
+    assert evaluations["flywheel"] == 2
+    assert not np.array_equal(motor.values(levelled), torque.values(levelled))
+    assert "energy_swing" not in vars(levelled.flywheel), "made when it is asked for"

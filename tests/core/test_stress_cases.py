@@ -47,3 +47,10 @@ def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None
     assert found.low.value == pytest.approx(0.0, abs=1e-18)
     assert np.isfinite(study.flywheel.energy_swing)
     assert math.isfinite(study.flywheel.mean_torque)
+
+
+@pytest.mark.parametrize("after", [1e-3, 1e-6, 1e-9])
+def test_a_pressure_angle_near_zero_keeps_its_digits(after: float) -> None:
+    """By its cosine alone half of them would be lost."""
+    sample = NAMED["Pressure angle to 0°"].look(after)
+    assert sample.ratio <= 1.0, sample

@@ -1,6 +1,7 @@
 """Searches for numerical breakdown: hypothesis draws designs and leads them towards trouble for as long as it may.
 
-KINDYNA_STRESS_SECONDS is the time of all searches together. What one finds becomes a named case (``stress_cases``).
+KINDYNA_STRESS_SECONDS is the time of all searches together (``make stress``); every run of the tests searches for a second
+or two. What one finds becomes a named case (``stress_cases``).
 """
 
 import os
@@ -23,14 +24,18 @@ from core.study import Study
 SECONDS = float(os.environ.get("KINDYNA_STRESS_SECONDS", "600"))
 SEARCHES = 4
 ROUND = 40  # examples of one run of hypothesis; then the clock is looked at
+EVERY_RUN = 0.6  # [s] of each search in the ordinary tests
+FEW = 4  # examples between two looks at the clock there
+
+Check = Callable[..., None]
 
 
-def search(check: Callable[..., None], *drawn: st.SearchStrategy[Any]) -> int:
+def search(check: Check, *drawn: st.SearchStrategy[Any], seconds: float = SECONDS / SEARCHES, round_: int = ROUND) -> int:
     """Run after run, each with another seed, until the time is up; returns how many runs."""
     # nothing is slow, nothing too rarely drawn: there is a budget
-    free = settings(max_examples=ROUND, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
+    free = settings(max_examples=round_, derandomize=False, deadline=None, suppress_health_check=list(HealthCheck))
     run = free(given(*drawn)(check))
-    end, runs = time.monotonic() + SECONDS / SEARCHES, 0
+    end, runs = time.monotonic() + seconds, 0
     while runs == 0 or time.monotonic() < end:
         run()
         runs += 1
@@ -41,40 +46,29 @@ def kept(sample: Sample) -> None:
     assert sample.ratio <= 1.0, sample
 
 
-@pytest.mark.stress
-def test_no_way_into_trouble_leads_beyond_the_bound() -> None:
+# -- what is searched ---------------------------------------------------------------------------------------
+
+
+def any_case(number: int, depth: float) -> None:
     """Every case, at any depth."""
-
-    def check(number: int, depth: float) -> None:
-        case = CASES[number]
-        first, last = case.values[0], case.values[-1] or case.values[-2]
-        value = first * (last / first) ** depth
-        if case.name == "Many segments":
-            value = float(round(value))
-        kept(case.look(value))
-
-    cases = [i for i, case in enumerate(CASES) if "forces" not in case.name and "Guide" not in case.name]
-    assert search(check, st.sampled_from(cases), st.floats(0.0, 1.0)) > 0
+    case = CASES[number]
+    first, last = case.values[0], case.values[-1] or case.values[-2]
+    value = first * (last / first) ** depth
+    if case.name == "Many segments":
+        value = float(round(value))
+    kept(case.look(value))
 
 
-@pytest.mark.stress
-def test_no_design_leads_linkage_or_cam_beyond_the_bound() -> None:
-    def check(design: SingleCam, theta: float) -> None:
-        kept(motion(design, theta))
-        kept(linkage(design, theta))
-        kept(cam(design, theta))
-
-    assert search(check, buildable(), ANGLES) > 0
+def any_linkage_and_cam(design: SingleCam, theta: float) -> None:
+    kept(motion(design, theta))
+    kept(linkage(design, theta))
+    kept(cam(design, theta))
 
 
-@pytest.mark.stress
-def test_no_design_leads_the_forces_beyond_the_bound() -> None:
-    def check(design: SingleCam, theta: float) -> None:
-        there = Study(design).at_theta(np.array([theta]))
-        if float(there.dynamics.guide.jam[0]) < 1.0 - 1e-6:
-            kept(forces(design, theta))
-
-    assert search(check, buildable(), ANGLES) > 0
+def any_forces(design: SingleCam, theta: float) -> None:
+    there = Study(design).at_theta(np.array([theta]))
+    if float(there.dynamics.guide.jam[0]) < 1.0 - 1e-6:
+        kept(forces(design, theta))
 
 
 def refusal(study: Study) -> NoAnswer | None:
@@ -85,20 +79,42 @@ def refusal(study: Study) -> NoAnswer | None:
     return None
 
 
-@pytest.mark.stress
-def test_no_stroke_up_to_the_dead_centre_leads_beyond_the_bound() -> None:
+def any_stroke(design: SingleCam, theta: float, power: float) -> None:
     """Any cam-driven slider with its motion stretched until arm and rod are all but in line: an answer within its bound,
     or a refusal that names the cam angles."""
+    drive = design.drive
+    segments = tuple(replace(s, rise=s.rise * 10.0**power) for s in drive.motion.segments)
+    longer = replace(design, drive=replace(drive, motion=replace(drive.motion, segments=segments)))
+    study = Study(longer, 90)
+    told = refusal(study)
+    if told is None:
+        kept(linkage(longer, theta))
+    else:
+        assert told.cam_angles
 
-    def check(design: SingleCam, theta: float, power: float) -> None:
-        drive = design.drive
-        segments = tuple(replace(s, rise=s.rise * 10.0**power) for s in drive.motion.segments)
-        longer = replace(design, drive=replace(drive, motion=replace(drive.motion, segments=segments)))
-        study = Study(longer, 90)
-        told = refusal(study)
-        if told is None:
-            kept(linkage(longer, theta))
-        else:
-            assert told.cam_angles
 
-    assert search(check, cam_sliders(), ANGLES, st.floats(0.0, 1.2)) > 0
+NUMBERS = [i for i, case in enumerate(CASES) if "forces" not in case.name and "Guide" not in case.name]
+QUICK = [i for i in NUMBERS if CASES[i].few >= 4]
+SEARCHED: dict[str, tuple[Check, tuple[st.SearchStrategy[Any], ...]]] = {
+    "no way into trouble": (any_case, (st.sampled_from(NUMBERS), st.floats(0.0, 1.0))),
+    "no design's linkage or cam": (any_linkage_and_cam, (buildable(), ANGLES)),
+    "no design's forces": (any_forces, (buildable(), ANGLES)),
+    "no stroke up to the dead centre": (any_stroke, (cam_sliders(), ANGLES, st.floats(0.0, 1.2))),
+}
+"""What leads nowhere beyond the bound."""
+assert len(SEARCHED) == SEARCHES
+
+
+@pytest.mark.stress
+@pytest.mark.parametrize("name", SEARCHED)
+def test_nothing_leads_beyond_the_bound(name: str) -> None:
+    check, drawn = SEARCHED[name]
+    assert search(check, *drawn) > 0
+
+
+@pytest.mark.parametrize("name", SEARCHED)
+def test_a_short_search_on_every_run_finds_nothing_beyond_the_bound(name: str) -> None:
+    check, drawn = SEARCHED[name]
+    if check is any_case:
+        drawn = (st.sampled_from(QUICK), *drawn[1:])
+    assert search(check, *drawn, seconds=EVERY_RUN, round_=FEW) > 0

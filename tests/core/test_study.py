@@ -248,7 +248,7 @@ try:
     runpy.run_module("core", run_name="__main__", alter_sys=True)
 except SystemExit as stop:
     code = stop.code
-print("LOADED", code, *sorted({{name.partition(".")[0] for name in sys.modules}}))
+print("LOADED", code, *sorted({{".".join(name.split(".")[:2 if name.startswith("core.") else 1]) for name in sys.modules}}))
 """
 
 
@@ -263,3 +263,5 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path, stages: list
     assert code == "0"
     assert "core" in loaded
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & set(loaded)
+    others = {"core.blend", "core.making", "core.measured", "core.stability", "core.centring", "core.charting"}
+    assert not others & set(loaded), "of other commands"

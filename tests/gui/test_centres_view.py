@@ -77,6 +77,19 @@ def test_the_six_bars_numbers_stand_on_the_screen(six_bar: User) -> None:
     assert cells(view, "centres")["I16"][:2] == ("at infinity", "90.000000°")
 
 
+def test_the_differences_in_the_table_close_their_triangles(six_bar: User) -> None:
+    """V_B = V_A + V_BA, V_D = V_C + V_DC, as read from the cells; the block slides on the frame with all of V_D."""
+    view = centres(six_bar)
+    points = {name: complex(number(row[2]), number(row[3])) for name, row in cells(view, "points").items()}
+    rows = cells(view, "differences")
+    told = {name: complex(number(row[1]), number(row[2])) for name, row in rows.items()}
+    for name in ("BA", "CB", "DC"):
+        assert told[f"V {name}"] == pytest.approx(points[name[0]] - points[name[1]], abs=1e-5)
+    assert rows["V DC"][0] == "5"
+    assert told["V D6D1"] == pytest.approx(-223.82166 + 0j, abs=1e-5)
+    assert number(rows["V D6D1"][3]) / 10.0 == pytest.approx(22.39, abs=0.02)
+
+
 def test_the_table_follows_the_player(six_bar: User) -> None:
     view = centres(six_bar)
     before = cells(view, "links")["4"]
@@ -97,10 +110,10 @@ def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: 
     view = drawing(user)
     user.action("View", "Layers of the drawing", "Instant centres of all links").trigger()
     at(user, 40.0)
-    marks: CentreMarks = view.scene._marks  # type: ignore[assignment]
-    assert len(marks._marks) == count
+    marks: CentreMarks = view.scene.construct.marks  # type: ignore[assignment]
+    assert len(marks.marks) == count
     table = user.session.study.centres
-    for mark in marks._marks:
+    for mark in marks.marks:
         found = table.centres[mark.key]
         i = view.scene.index
         far = bool(found.far(table.size)[i])
@@ -116,8 +129,9 @@ def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
     view = drawing(user)
     view.show_layer("centres", True)
     at(user, 40.0)
-    assert view.scene._marks is not None
-    mark = next(m for m in view.scene._marks._marks if m.name == "14")
+    assert view.scene.construct is not None
+    assert view.scene.construct.marks is not None
+    mark = next(m for m in view.scene.construct.marks.marks if m.name == "14")
     assert mark.arrow.isVisible()
     assert mark.arrow.rotation() == pytest.approx(-90.0)  # across the guide
     edge = view.canvas.visible.bottom() - mark.arrow.pos().y()
@@ -128,10 +142,10 @@ def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
     view = drawing(six_bar)
     six_bar.action("View", "Layers of the drawing", "Kennedy's construction").trigger()
     settle()
-    lines: KennedyLines = view.scene._kennedy  # type: ignore[assignment]
+    lines: KennedyLines = view.scene.construct.kennedy  # type: ignore[assignment]
     table, i = six_bar.session.study.centres, view.scene.index
     tried = 0
-    for step, _, item in lines._rows:
+    for step, _, item in lines.rows:
         centre = complex(table.centres[step.key].finite[i]) * 1e3
         if item.isVisible() and math.isfinite(abs(centre)):
             one, other = item.line().p1(), item.line().p2()
@@ -170,8 +184,9 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> N
             assert triangle.first in view.diagram.solid
             assert triangle.second in view.diagram.solid
         scene = drawing(six_bar).scene
-        assert scene._kennedy is not None
-        assert {row[0].key for row in scene._kennedy._rows if row[2].isVisible()} <= {wanted.key}
+        assert scene.construct is not None
+        assert scene.construct.kennedy is not None
+        assert {row[0].key for row in scene.construct.kennedy.rows if row[2].isVisible()} <= {wanted.key}
         assert view.count.text() == f"{step} of 8"
     assert not view.next.isEnabled()
     view.back.click()

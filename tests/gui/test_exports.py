@@ -121,9 +121,9 @@ def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
         press(dialog, OK)
 
     with answering(act):
-        assert tables_wanted(user.window, tmp_path / "elsewhere") == TablesWanted(tmp_path, 720)
+        assert tables_wanted(user.window, tmp_path / "elsewhere", user.session.study) == TablesWanted(tmp_path, 720)
     with answering(lambda dialog: press(dialog, CANCEL)):
-        assert tables_wanted(user.window, tmp_path) is None
+        assert tables_wanted(user.window, tmp_path, user.session.study) is None
 
 
 def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -124,12 +124,21 @@ def test_wrong_words_are_told(words: tuple[str, str], capsys: pytest.CaptureFixt
 # -- selftest ---------------------------------------------------------------------------------------------
 
 
-def test_every_example_passes(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(selftest, "FRAMES", 24)
+@pytest.mark.parametrize("path", [path for _, path in examples()], ids=lambda path: path.stem)
+def test_every_example_passes(path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """One by one, so that they share the processors."""
+    monkeypatch.setattr(selftest, "FRAMES", 12)
+    monkeypatch.setattr(selftest, "examples", lambda: [row for row in examples() if row[1] == path])
     assert run("selftest") == 0
     told = capsys.readouterr()
     assert told.err == ""
-    assert [line.split(":")[0] for line in told.out.splitlines()] == [f"ok {path.stem}" for _, path in examples()]
+    assert [line.split(":")[0] for line in told.out.splitlines()] == [f"ok {path.stem}"]
+
+
+def test_the_selftest_walks_all_examples(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(selftest, "_try", lambda path: "tried")
+    assert run("selftest") == 0
+    assert capsys.readouterr().out.splitlines() == [f"ok {path.stem}: tried" for _, path in examples()]
 
 
 def test_what_differs_from_the_core_is_told(

@@ -40,9 +40,10 @@ NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec"
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
 # of our own: views behind tabs or not open, what works headless, what a menu asks for later
 LATER = {
-    "core.__main__", "core.blend", "core.making", "core.stability", "kindyna_gui.certificate_view",
-    "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice", "kindyna_gui.graph_panel", "kindyna_gui.graph_view",
-    "kindyna_gui.headless", "kindyna_gui.screenshots", "kindyna_gui.selftest", "kindyna_gui.stability_view",
+    "core.__main__", "core.blend", "core.commands", "core.making", "core.measured", "core.stability",
+    "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice", "kindyna_gui.graph_panel",
+    "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.screenshots", "kindyna_gui.selftest",
+    "kindyna_gui.stability_view",
 }  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
 from window_user import User, plain, settle, wait_for
 
 from core.design import edited
@@ -75,7 +75,10 @@ class Replay:
             "stroke": lambda: self.user.number("motion.stroke_mm").lineEdit(),
         }
         widget = places[what]()
+        wait_for(lambda: not widget.visibleRegion().isEmpty())
         QTest.mouseClick(widget, LEFT, pos=QPoint(widget.width() // 2, widget.height() // 2))
+        if isinstance(widget, QLineEdit):
+            wait_for(lambda: QApplication.focusWidget() in (widget, widget.parentWidget()))
 
     def _key(self, key: tuple[Qt.Key, Qt.KeyboardModifier]) -> None:
         QTest.keyClick(QApplication.focusWidget() or self.user.window, *key)

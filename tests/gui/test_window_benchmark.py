@@ -11,10 +11,14 @@ def test_edits_and_frames_are_measured_beside_a_bare_repaint(
     monkeypatch.setattr(window, "WARM", 0)
     rows = window.measure(rounds=1)
     edits = [name for name, _, _ in window.EDITS]
+    kernels = (
+        ("edit to paint", [*edits, window.TABLES, "bare repaint"]),
+        ("animation", ["frame", "bare repaint"]),
+        ("drag to paint", [window.DRAG, "bare repaint"]),
+    )
     assert [(row.kernel, row.method, row.n) for row in rows] == [
-        (kernel, method, plots)
-        for plots in (8, 12)
-        for kernel, methods in (("edit to paint", [*edits, "bare repaint"]), ("animation", ["frame", "bare repaint"]))
-        for method in methods
+        (kernel, method, plots) for plots in (3, 12) for kernel, methods in kernels for method in methods
     ]
     assert all(row.seconds > 0.0 for row in rows)
+    told = {f"{row.kernel}: {row.method}" for row in rows if row.method != window.BARE}
+    assert told == set(window.names())

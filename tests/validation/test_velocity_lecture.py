@@ -14,7 +14,15 @@ from linkages import four_bar, slider_crank
 from references import MP
 
 from core.__main__ import main
-from core.instant_centres import CentreTable, all_centres, angular_ratio, mechanical_advantage
+from core.instant_centres import (
+    CentreTable,
+    all_centres,
+    angular_ratio,
+    mechanical_advantage,
+    ratio_arms,
+    velocity_polygon,
+)
+from core.instant_centres.velocities import link_by_link
 from core.mechanism import body_name, course_of, unit_speed_train
 from core.project import load
 from core.study import LinkageStudy, Study
@@ -166,6 +174,38 @@ def test_velocity_ratios_with_directed_distances_are_the_lectures() -> None:
     )
 
 
+def test_velocity_differences_of_the_six_bar() -> None:
+    """Velocity, p. 3: V_P = V_A + V_PA. At fifty digits, from the angles 45 and 60 deg alone [cm/s]."""
+    study = six_bar()
+    polygon = velocity_polygon(study.linkage)
+    told = {side.end[0] + side.start[0]: complex(side.vector[0]) * study.omega / CM for side in polygon.sides}
+    e = lambda degrees: MP.expj(MP.mpf(degrees) * MP.pi / 180)  # noqa: E731
+    a, b, c, d = 2 * e(45), 6 + 4 * e(60), 6 + 6 * e(60), MP.mpf(12)
+    v_a = MP.mpc(0, 1) * 2 * MP.pi * a
+    # the coupler keeps its length: V_B - V_A is across B - A, and V_B across the rocker
+    w4 = (v_a * MP.conj(b - a)).real / (MP.mpc(0, 1) * (b - 6) * MP.conj(b - a)).real
+    v_b, v_c = (MP.mpc(0, 1) * w4 * (p - 6) for p in (b, c))
+    v_d = (v_c * MP.conj(d - c)).real / MP.conj(d - c).real  # along the guide
+    exact = {"A": v_a, "B": v_b, "C": v_c, "D": v_d, "BA": v_b - v_a, "CB": v_c - v_b, "DC": v_d - v_c}
+    assert set(told) == set(exact)
+    for name, value in exact.items():
+        assert abs(told[name] - complex(value)) <= 1e-13 * 25.0, name
+    assert told["D"] == pytest.approx(-22.39, abs=0.02)
+
+
+def test_the_lectures_way_through_the_six_bar() -> None:
+    """P. 11: ω3 from the crank by I23, ω4 by I34, ω5 by I45, v6 by I56, each by two distances as printed [cm]."""
+    table = six_bar().centres
+    chain = link_by_link(table, "link2")
+    assert chain == (("link3", "link2"), ("link4", "link3"), ("link5", "link4"), ("link6", "link5"))
+    arms = [ratio_arms(table, body, base) for body, base in chain]
+    lengths = [(float(r.base_arm[0]) / CM, float(r.body_arm[0]) / CM) for r in arms]
+    printed = [(2.0, -(20.07 - 2.0)), (16.39 - 4.0, -4.0), (6.0, -6.0)]
+    for told, print_ in zip(lengths, printed, strict=False):
+        assert told == pytest.approx(print_, abs=0.02)
+    assert lengths[3] == (pytest.approx(6.0 * math.sqrt(3.0), rel=1e-13), math.inf)
+
+
 def test_the_command_prints_the_printed_figures(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["centres", str(SIX_BAR), "--angle", "45"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -177,6 +217,12 @@ def test_the_command_prints_the_printed_figures(capsys: pytest.CaptureFixture[st
     x, y = told["centres"]["1,3"]
     assert math.hypot(x, y) == pytest.approx(200.76391, abs=1e-5)
     assert len(told["centres"]) == 15
+    assert told["velocity_ratios"]["4,3"] == pytest.approx(
+        {"ratio": -3.098076, "base_arm_mm": 123.923048, "body_arm_mm": -40.0}, abs=1e-6
+    )
+    slide = next(row for row in told["velocity_differences"] if row["kind"] == "sliding")
+    assert (slide["link"], slide["on"], slide["from"], slide["to"]) == (6, 1, "D", "D")
+    assert slide["v_difference_mm_s"] == pytest.approx([-223.82166, 0.0], abs=1e-5)
     assert told["points"]["D"] == pytest.approx(
         {"x_mm": 120.0, "y_mm": 0.0, "vx_mm_s": -223.82166, "vy_mm_s": 0.0}, abs=1e-5
     )

@@ -7,14 +7,24 @@ from collections.abc import Callable
 from math import isfinite
 from pathlib import Path
 
-from core.design import require_single_cam
+from core.commands import DONE, Painter
+from core.design import require_motion, speed_rpm
 from core.files import read_bytes
-from core.measured.columns import Wish, layout
-from core.measured.fitting import fit
-from core.measured.sheet import DECIMALS, DELIMITERS, read_sheet
-from core.measured.table import read_table
-from core.measured.telling import fit_data, fit_text, into_design
-from core.measured.words import ANGLE_UNITS, QUANTITIES, TIME_UNITS
+from core.measured import (
+    ANGLE_UNITS,
+    DECIMALS,
+    DELIMITERS,
+    QUANTITIES,
+    TIME_UNITS,
+    Wish,
+    fit,
+    fit_data,
+    fit_text,
+    into_design,
+    layout,
+    read_sheet,
+    read_table,
+)
 from core.project import load, save
 from core.summary import to_json
 
@@ -32,8 +42,7 @@ def _number(allowed: str, fits: Callable[[float], bool]) -> Callable[[str], floa
     return read
 
 
-def measured_words(parser: argparse.ArgumentParser) -> None:
-    """The words of the command."""
+def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("table", metavar="TABLE", type=Path, help="CSV or text file with a row for each cam angle")
     parser.add_argument(
         "--error",
@@ -67,11 +76,11 @@ def measured_words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def measured_motion(words: argparse.Namespace, painter: object) -> int:
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
-    design = require_single_cam(load(words.into)) if words.into is not None else None
-    unit = "mm" if design is None else design.drive.motion.unit
-    speed = words.speed if words.speed is not None or design is None else design.shaft.speed_rpm
+    design = load(words.into) if words.into is not None else None
+    unit = "mm" if design is None else require_motion(design).unit
+    speed = words.speed if words.speed is not None or design is None else speed_rpm(design)
     wish = Wish(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
     sheet = read_sheet(read_bytes(words.table), words.table.name, words.delimiter, words.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
@@ -79,4 +88,4 @@ def measured_motion(words: argparse.Namespace, painter: object) -> int:
     if design is not None:
         save(into_design(design, found), words.into)
     print(to_json(fit_data(sheet, found)) if words.json else fit_text(sheet, found), end="")
-    return 0
+    return DONE

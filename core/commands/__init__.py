@@ -1,0 +1,60 @@
+"""The commands of the command line: one row each, its module imported when it is chosen, not before."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from core.centring import Snapshot
+    from core.stability import Chart, Figure
+    from core.study import Study
+
+DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
+"""Exit codes: done; done and all files written, but a finding is an error; nothing done."""
+
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability."""
+
+Painter = Callable[[Drawn], Mapping[str, bytes]]
+"""Paints it: file name -> content."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """One row: its help, the words it takes, what it does; ``run`` returns the exit code."""
+
+    help: str
+    words: Callable[[argparse.ArgumentParser], None]
+    run: Callable[[argparse.Namespace, Painter | None], int]
+
+
+def _row(help: str, module: str) -> Command:
+    """The command of a module of this room: its functions ``words`` and ``run``."""
+
+    def words(parser: argparse.ArgumentParser) -> None:
+        import_module(f"{__name__}.{module}").words(parser)
+
+    def run(words: argparse.Namespace, painter: Painter | None) -> int:
+        code: int = import_module(f"{__name__}.{module}").run(words, painter)
+        return code
+
+    return Command(help, words, run)
+
+
+COMMANDS: Mapping[str, Command] = MappingProxyType(
+    {
+        "check": _row("findings and proof of a design", "check"),
+        "report": _row("the whole report of a design", "report"),
+        "export": _row("tables as CSV and figures as JSON", "export"),
+        "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
+        "laws": _row("the motion laws and their peak coefficients", "laws"),
+        "blend": _row("a motion blended from elementary curves", "blend"),
+        "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
+        "measured": _row("a motion from a measured table", "measured"),
+    }
+)

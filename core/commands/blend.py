@@ -1,0 +1,98 @@
+"""The command ``blend``: a motion blended from elementary curves."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
+from core.commands import DONE, Painter
+from core.making import beside_text, blend_text, curves_data, into_design
+from core.project import load, save
+from core.summary import to_json
+
+
+def _setting(text: str) -> tuple[str, float]:
+    name, _, value = text.partition("=")
+    try:
+        return name, float(value)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be NAME=NUMBER, one of {' | '.join(SETTINGS)}") from None
+
+
+def _point(text: str) -> tuple[float, float]:
+    angle, _, level = text.partition("=")
+    try:
+        return float(angle), float(level)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be ANGLE=DISPLACEMENT, two numbers") from None
+
+
+def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """By name; raises BlendError where a name is given two values."""
+    found = dict(given)
+    for name, value in given:
+        if value != found[name]:
+            raise BlendError(f"{name} = {value:g}, {name} = {found[name]:g}: a setting has one value; give one", name)
+    return found
+
+
+def words(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help="motion")
+    parser.add_argument("--stroke", required=True, type=float, metavar="S", help="of the rise (mm, or --unit)")
+    parser.add_argument("--return-stroke", type=float, default=0.0, metavar="S", help="where it differs")
+    parser.add_argument("--start", required=True, type=float, metavar="DEG", help="cam angle where it starts")
+    parser.add_argument("--end", required=True, type=float, metavar="DEG", help="cam angle where it ends")
+    parser.add_argument(
+        "--constant-velocity",
+        nargs="?",
+        const="rise",
+        default="none",
+        choices=CONSTANT_VELOCITY[1:],
+        help="plain = rise",
+    )
+    parser.add_argument(
+        "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=" | ".join(SETTINGS)
+    )
+    parser.add_argument(
+        "--point",
+        action="append",
+        default=[],
+        type=_point,
+        metavar="DEG=S",
+        help="a displacement to pass at a cam angle, above the lowest; counts as a setting",
+    )
+    parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
+    parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
+    parser.add_argument("--unit", choices=("mm", "deg"), default="mm")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
+
+
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
+    """A blended motion, printed and perhaps written into a design."""
+    constant = words.constant_velocity
+    if constant == "rise" and words.type == "DRD-return":
+        constant = "return"  # plain: of the one stroke there is
+    request = Request(
+        type=words.type,
+        stroke=words.stroke,
+        start=words.start,
+        end=words.end,
+        constant=constant,
+        settings=_settings(words.set),
+        return_stroke=words.return_stroke,
+        points=tuple(words.point),
+        sequence=words.sequence,
+        unit=words.unit,
+    )
+    found = best(request, words.best) if words.best else blend(request)
+    beside = ""
+    if words.into is not None:
+        before = load(words.into)
+        made = into_design(before, found)
+        save(made, words.into)
+        beside = beside_text(before, made, found)
+    print(to_json(curves_data(found)) if words.json else blend_text(found) + beside, end="")
+    return DONE

@@ -1,0 +1,29 @@
+"""The command ``check``: findings and certificate of a design."""
+
+from __future__ import annotations
+
+import argparse
+
+from core.commands import Painter
+from core.commands.common import design_file, verdict
+from core.project import load
+from core.report import finding_line, printable
+from core.study import Study
+
+words = design_file
+
+
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Findings and certificate of a design."""
+    study = Study(load(words.design))
+    found, proof = study.findings(), study.certificate()
+    for finding in found:
+        print(finding_line(finding, study.angle_name))
+    for name, residual in proof.items():
+        if not residual.kept:
+            print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
+    kept = sum(residual.kept for residual in proof.values())
+    print(
+        f"{printable(study.design.name)}: {len(found)} findings, {kept} of {len(proof)} residuals within their bounds"
+    )
+    return verdict(study)

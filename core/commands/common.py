@@ -1,0 +1,56 @@
+"""Words that several commands take, and the exit code that findings ask for."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
+from core.findings import ERROR
+from core.study import SAMPLES, Study
+
+LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
+
+
+def samples(text: str) -> int:
+    """Cam angles per turn."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if not LEAST_SAMPLES <= value <= MOST_SAMPLES:
+        raise argparse.ArgumentTypeError(f"{text!r}: samples per turn; allowed: {LEAST_SAMPLES} ... {MOST_SAMPLES}")
+    return value
+
+
+def folder(text: str) -> Path:
+    """A folder to write to."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("a folder is wanted, nothing was given")
+    return Path(text)
+
+
+def design_file(parser: argparse.ArgumentParser) -> None:
+    """The design file."""
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+
+
+def design_and_samples(parser: argparse.ArgumentParser) -> None:
+    """The design file, and how finely it is tabulated."""
+    design_file(parser)
+    parser.add_argument("--samples", type=samples, default=SAMPLES, metavar="N", help="cam angles per turn")
+
+
+def verdict(study: Study, stages: Sequence[str] = ()) -> int:
+    """The exit code: whether a finding of the stages (all where none is named) is an error."""
+    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
+
+
+def pictures(drawn: Drawn, painter: Painter | None) -> Mapping[str, bytes]:
+    """File name -> content; where nobody paints, that is said."""
+    if painter is None:
+        print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        return {}
+    return painter(drawn)

@@ -1,0 +1,26 @@
+"""The command ``export``: tables and summary into a folder."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from core.commands import Painter
+from core.commands.common import design_and_samples, folder, verdict
+from core.export import export
+from core.project import load
+from core.study import Study
+
+
+def words(parser: argparse.ArgumentParser) -> None:
+    design_and_samples(parser)
+    parser.add_argument("--out", type=folder, default=Path("out"), metavar="DIR", help="folder to write to (out)")
+    parser.add_argument("--only", nargs="+", default=[], metavar="STAGE", help="stages to compute and write")
+
+
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
+    """Tables and summary into a folder."""
+    study = Study(load(words.design), words.samples)
+    for path in export(study, words.out, words.only):
+        print(path)
+    return verdict(study, words.only)

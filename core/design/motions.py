@@ -1,0 +1,92 @@
+"""The motion of a design of any kind, and edits of its segments: what is assumed of a segment goes where it goes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+from core.design.edits import with_segment_inserted, without_segment
+from core.design.joins import with_join_moved
+from core.design.kinds import D, Design, kind_row
+from core.design.linkage import CRANK, MOTION
+from core.design.mirror import stroke_mirrored
+from core.design.parts import Motion
+from core.errors import DesignError, Fault
+
+
+def motion_of(design: Design) -> Motion | None:
+    """The motion program; None of a linkage whose crank turns at speed."""
+    return kind_row(design).motion(design)
+
+
+def require_motion(design: Design) -> Motion:
+    """The motion program. Raises DesignError where there is none."""
+    motion = motion_of(design)
+    if motion is None:
+        problem = "turns at constant speed: there is no motion to change"
+        raise DesignError([Fault("linkage.driver.kind", CRANK, problem, MOTION)])
+    return motion
+
+
+def with_motion(design: D, motion: Motion) -> D:
+    """The design with another motion."""
+    changed: D = kind_row(design).with_motion(design, motion)
+    return changed
+
+
+def without_marks(design: D) -> D:
+    """The design with nothing assumed of its motion any more."""
+    return replace(design, assumed=tuple(path for path in design.assumed if not path.startswith("motion.")))
+
+
+def with_marks_of(design: D, before: Sequence[int | None]) -> D:
+    """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
+    of, had, None where it is new. What was assumed of segments that are gone is dropped."""
+    kept: dict[str, None] = {}
+    for path in design.assumed:
+        match = re.match(r"motion\.segments\[(\d+)\]", path)
+        if match is None:
+            kept[path] = None
+            continue
+        for new, old in enumerate(before):
+            if old == int(match[1]):
+                kept[f"motion.segments[{new}]{path[match.end() :]}"] = None
+    order = {path: i for i, path in enumerate(kind_row(design).paths(design))}
+    moved = iter(sorted((p for p in kept if p.startswith("motion.segments[")), key=lambda p: order.get(p, len(order))))
+    return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))
+
+
+def insert_segment(design: D, index: int) -> D:
+    """``with_segment_inserted`` in a design."""
+    motion = require_motion(design)
+    old = range(len(motion.segments))
+    changed = with_motion(design, with_segment_inserted(motion, index))
+    return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
+
+
+def remove_segment(design: D, index: int) -> D:
+    """``without_segment`` in a design."""
+    before = require_motion(design)
+    motion = without_segment(before, index)
+    if motion is before:
+        return design
+    return with_marks_of(with_motion(design, motion), [i for i in range(len(before.segments)) if i != index])
+
+
+def move_join(design: D, join: int, angle: float | None = None, level: float | None = None) -> D:
+    """``with_join_moved`` in a design."""
+    return with_motion(design, with_join_moved(require_motion(design), join, angle, level))
+
+
+def mirror_stroke(design: D, index: int) -> D:
+    """``with_stroke_mirrored`` in a design: what is assumed of the stroke is assumed of its image."""
+    before = require_motion(design)
+    motion, numbers = stroke_mirrored(before, index)
+    return design if motion == before else with_marks_of(with_motion(design, motion), numbers)
+
+
+__all__ = [
+    "insert_segment", "mirror_stroke", "motion_of", "move_join", "remove_segment", "require_motion", "with_marks_of",
+    "with_motion", "without_marks",
+]  # fmt: skip

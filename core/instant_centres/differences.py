@@ -1,0 +1,157 @@
+"""Velocity differences, V_P = V_A + V_PA, and the polygon they make from one pole (Velocity, 6.1).
+
+Two points of one body: V_PA = iω(P - A), across the line between them. Two points that coincide, of bodies that slide on
+each other: V_PA lies along the guide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+from types import MappingProxyType
+
+import numpy as np
+
+from core.mechanism import body_name
+from core.train import FRAME, SLIDING, Pair, Pose, Train
+from core.vectors import dot
+
+TURNING = "turning"
+ABSOLUTE = "absolute"
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """One triangle of the velocity polygon.
+
+    kind              ``turning``: A and P are points of one body; ``sliding``: they coincide, and P's body slides on A's
+    body, on          of P and of A
+    a, p              names of the points
+    at_a, at_p        (n,) complex [m]
+    v_a, v_pa, v_p    (n,) complex, by the train's angle: V_A and V_P by the poses, V_PA by the angular velocity or the
+                      direction of the guide alone
+    """
+
+    kind: str
+    body: str
+    on: str
+    a: str
+    p: str
+    at_a: np.ndarray
+    at_p: np.ndarray
+    v_a: np.ndarray
+    v_pa: np.ndarray
+    v_p: np.ndarray
+
+    @property
+    def gap(self) -> np.ndarray:
+        """(n,) by how much V_A + V_PA misses V_P: rounding alone."""
+        return np.abs(self.v_a + self.v_pa - self.v_p)
+
+
+def velocity_differences(train: Train) -> Iterator[Difference]:
+    """The triangles of a train: of every moving body for each two of its points, A being its pivot on the frame or the
+    one nearer to the driver; then of every sliding pair."""
+    for name, body in train.bodies.items():
+        if name != FRAME:
+            for a, p in combinations(_outwards(train, name), 2):
+                yield _turning(name, body, a, p)
+    for pair in train.pairs.values():
+        if pair.kind == SLIDING:
+            yield _sliding(train, pair)
+
+
+def _outwards(train: Train, name: str) -> list[str]:
+    """The named points of a body: its pivot on the frame before the one by which it is reached first, then the others."""
+    named = [point for point in train.bodies[name].points if not point.isdecimal()]
+    fixed = train.bodies[FRAME].points if FRAME in train.bodies else {}
+    joined = [pair.point for pair in train.pairs.values() if pair.body == name and pair.point in named]
+    return sorted(named, key=lambda point: (point not in fixed, point not in joined[:1]))
+
+
+def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
+    start, end = body.point(a), body.point(p)
+    turned = 1j * body.angle[1] * (body.points[p] - body.points[a]) * body.unit
+    return Difference(TURNING, name, name, a, p, start[0], end[0], start[1], turned, end[1])
+
+
+def _sliding(train: Train, pair: Pair) -> Difference:
+    """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
+    first = train.bodies.get(pair.on) or _still(train.bodies[pair.body])
+    axis = pair.axis * first.unit
+    swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
+    name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
+    body, line = (train.bodies[name], train.bodies[on]) if swapped else (train.bodies[name], first)
+    p = next(iter(_outwards(train, name)), pair.point)
+    place, speed = body.point(p)[:2]
+    under = line.z[1] + 1j * line.angle[1] * (place - line.z[0])
+    return Difference(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
+
+
+def _still(like: Pose) -> Pose:
+    """The frame of a train that does not list it."""
+    n = like.z.shape[1]
+    return Pose(np.zeros((4, n), dtype=complex), np.zeros((4, n)))
+
+
+# -- the polygon ------------------------------------------------------------------------------------------
+
+Corner = tuple[str, str]
+"""A point and, of one that only coincides with it, the body it belongs to, else empty."""
+POLE: Corner = ("", FRAME)
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """One vector of the polygon: absolute from the pole, else a difference; ``body`` turns with it, or slides.
+
+    vector (n,) complex, by the train's angle
+    """
+
+    kind: str
+    body: str
+    start: Corner
+    end: Corner
+    vector: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class VelocityPolygon:
+    """Where the velocities end that start at the pole: corner -> (n,) complex, by the train's angle; the vectors between
+    them; ``images``: of each body with three points or more the corners of its velocity image."""
+
+    corners: Mapping[Corner, np.ndarray]
+    sides: tuple[Side, ...]
+    images: Mapping[str, tuple[Corner, ...]]
+
+    @property
+    def longest(self) -> np.ndarray:
+        """(n,) the longest velocity from the pole."""
+        return np.max([np.abs(v) for v in self.corners.values()] or [np.zeros(1)], axis=0)
+
+
+def velocity_polygon(train: Train) -> VelocityPolygon:
+    """All velocities of a train's points from one pole, with their differences; points of the frame are the pole."""
+    fixed = set(train.bodies[FRAME].points) if FRAME in train.bodies else set()
+    corners: dict[Corner, np.ndarray] = {}
+    sides: list[Side] = []
+    images: dict[str, tuple[Corner, ...]] = {}
+
+    def corner(point: str, body: str, velocity: np.ndarray, owner: str) -> Corner:
+        key = POLE if (point in fixed and not body) or body == FRAME else (point, body)
+        if key != POLE and key not in corners:
+            corners[key] = velocity
+            sides.append(Side(ABSOLUTE, owner, POLE, key, velocity))
+        return key
+
+    for d in velocity_differences(train):
+        start = corner(d.a, d.on if d.kind == SLIDING else "", d.v_a, d.on)
+        end = corner(d.p, "", d.v_p, d.body)
+        if POLE not in (start, end):
+            sides.append(Side(d.kind, d.body, start, end, d.v_pa))
+    for name, body in train.bodies.items():
+        own = [(p, "") if p not in fixed else POLE for p in body.points if not p.isdecimal()]
+        if name != FRAME and len(own) > 2:
+            images[name] = tuple(own)
+    return VelocityPolygon(MappingProxyType(corners), tuple(sides), MappingProxyType(images))

@@ -1,0 +1,179 @@
+"""Lengths from places: a joint of a cam's follower is put where it is wanted at one cam angle, the typed values follow.
+
+What the motion says stays true: the cam angle, and how far the follower has gone there. So the base position is found
+backwards, from the place at this angle less the motion.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
+from typing import Any
+
+from core.design import CamSlider, SingleCam, Translating, put, si
+from core.design.units import split_unit
+from core.errors import NoAssembly
+from core.linkage.base import LAYOUT_TABLE, Layout, base_position
+from core.linkage.triangle import area4_of
+from core.train import Train
+
+Changes = Mapping[str, Any]
+"""Path -> value as in the file."""
+
+_ANGLE_DECIMALS = 2  # more of them for an angle in degrees than for a length in mm
+
+
+@dataclass(frozen=True)
+class Drag:
+    """One joint: what it is called, the field that is edited by it above all, and what follows from a place ``to`` [m]
+    in the position that a train shows (n = 1)."""
+
+    label: str
+    field: str
+    changes: Callable[[SingleCam, Train, complex], Changes]
+
+
+def _pivot(design: SingleCam, train: Train, to: complex) -> Changes:
+    """It moves alone; all lengths stay."""
+    return {"follower.pivot_x_mm": to.real * 1e3, "follower.pivot_y_mm": to.imag * 1e3}
+
+
+def _arm_pin(design: SingleCam, train: Train, to: complex) -> Changes:
+    """Slider arm, rod and fixed angle: pivot and slider stay where they are, the roller on the base circle."""
+    pivot, slider = _at(train, "pivot"), _at(train, "slider_pin")
+    return {
+        "follower.slider_arm_mm": abs(to - pivot) * 1e3,
+        "follower.rod_mm": abs(slider - to) * 1e3,
+        **_turned_arm(design, train, pivot, to, slider),
+    }
+
+
+def _slider_pin(design: SingleCam, train: Train, to: complex) -> Changes:
+    """Rod, guide height and fixed angle: pivot and arm pin stay where they are, the roller on the base circle."""
+    pivot, pin = _at(train, "pivot"), _at(train, "arm_pin")
+    along = cmath.exp(1j * si(design.drive.follower).guide_angle)
+    return {
+        "follower.rod_mm": abs(to - pin) * 1e3,
+        "follower.guide_height_mm": ((to - pivot) / along).imag * 1e3,
+        **_turned_arm(design, train, pivot, pin, to),
+    }
+
+
+def _turned_arm(design: SingleCam, train: Train, pivot: complex, pin: complex, slider: complex) -> Changes:
+    """Fixed angle and layout with which the pins of arm and rod stand at these places: γ = α0 - φ0 - δ, Shin1995 (5), with
+    φ0 of the triangle whose slider is back at the base position. Raises NoAssembly where there is none."""
+    follower = design.drive.follower
+    assert isinstance(follower, CamSlider)
+    g, base = si(follower), base_position(follower, _reach(design))
+    along = cmath.exp(1j * g.guide_angle)
+    arm, end = (pin - pivot) / along, (slider - pivot) / along
+    sigma = math.copysign(1.0, (arm * end.conjugate()).imag)
+    start = complex(end.real - float(train.motion.y[0, 0]), end.imag)
+    l1, l2, r = abs(arm), abs(end - arm), abs(start)
+    k = area4_of(r, l1, l2)
+    if not k > 0.0:
+        raise NoAssembly(
+            f"slider arm {l1 * 1e3:.9g} mm and rod {l2 * 1e3:.9g} mm do not meet in the base position, where slider and "
+            f"pivot are {r * 1e3:.9g} mm apart",
+            "follower.rod_mm",
+            "put the joint elsewhere",
+        )
+    phi = cmath.phase(start) + sigma * math.atan2(k, r * r + (l1 - l2) * (l1 + l2))
+    layout = _layout(follower, slider_right=start.real > l1 * math.cos(phi))
+    return {
+        "follower.fixed_angle_deg": _near(base.alpha - phi - g.guide_angle, g.fixed_angle),
+        "follower.layout": layout,
+    }
+
+
+def _roller(design: SingleCam, train: Train, to: complex) -> Changes:
+    """Roller arm, fixed angle and base radius: arm, rod and slider stay where they are."""
+    follower = design.drive.follower
+    assert isinstance(follower, CamSlider)
+    g, base = si(follower), base_position(follower, _reach(design))
+    pivot = _at(train, "pivot")
+    arm = _at(train, "arm_pin") - pivot
+    fixed = g.fixed_angle + cmath.phase((to - pivot) / (arm * cmath.exp(1j * g.fixed_angle)))
+    first = abs(to - pivot) * cmath.exp(1j * (base.phi + fixed + g.guide_angle))
+    left = (first / -pivot).imag < 0.0  # of the ray to the cam: the roller arm turned clockwise from it
+    return {
+        "follower.roller_arm_mm": abs(to - pivot) * 1e3,
+        "follower.fixed_angle_deg": _near(fixed, g.fixed_angle),
+        "follower.layout": _layout(follower, roller_above=left == LAYOUT_TABLE[follower.layout].cam_left),
+        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.cam.roller_radius_mm,
+    }
+
+
+def _on_guide(design: SingleCam, train: Train, to: complex) -> Changes:
+    """Offset and base radius: the roller has gone as far as the motion says."""
+    g = si(design.drive.follower)
+    place = to * cmath.exp(-1j * g.direction)
+    back = place.real - float(train.motion.y[0, 0])
+    if back <= 0.0:
+        raise NoAssembly(
+            f"in the base position the roller would stand {-back * 1e3:.9g} mm behind the cam centre",
+            "cam.base_radius_mm",
+            "put it farther out",
+        )
+    reach = math.hypot(back, place.imag)
+    return {
+        "follower.offset_mm": place.imag * 1e3,
+        "cam.base_radius_mm": reach * 1e3 - design.drive.cam.roller_radius_mm,
+    }
+
+
+DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
+    {
+        CamSlider: {
+            "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
+            "arm_pin": Drag("arm pin", "follower.slider_arm_mm", _arm_pin),
+            "slider_pin": Drag("slider pin", "follower.rod_mm", _slider_pin),
+            "roller": Drag("roller", "follower.roller_arm_mm", _roller),
+        },
+        Translating: {"roller": Drag("roller", "follower.offset_mm", _on_guide)},
+    }
+)
+"""Kind of follower -> the joints that can be drawn elsewhere, by the names of their points."""
+
+
+def drags_of(design: SingleCam) -> Mapping[str, Drag]:
+    """The joints of a design that can be drawn elsewhere."""
+    return DRAGS[type(design.drive.follower)]
+
+
+def with_joint_at(design: SingleCam, train: Train, name: str, to: complex, decimals: int = 6) -> SingleCam:
+    """The design with a joint at ``to`` [m] in the position that ``train`` shows (n = 1). Lengths are rounded to so many
+    decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError, NoAssembly."""
+    for path, value in drags_of(design)[name].changes(design, train, to).items():
+        if not isinstance(value, str):
+            value = round(value, decimals + (_ANGLE_DECIMALS if split_unit(path)[1].symbol == "°" else 0)) + 0.0
+        design = put(design, path, value)
+    return design
+
+
+def _at(train: Train, point: str) -> complex:
+    """Where a point stands [m]."""
+    body = next(body for body in train.bodies.values() if point in body.points)
+    return complex(body.place(point)[0])
+
+
+def _reach(design: SingleCam) -> float:
+    parts = si(design.drive.cam)
+    reach: float = parts.base_radius + parts.roller_radius
+    return reach
+
+
+def _near(angle: float, old: float) -> float:
+    """The angle [rad] without the whole turns that take it away from the old one, in degrees."""
+    return math.degrees(angle - 2.0 * pi * round((angle - old) / (2.0 * pi)))
+
+
+def _layout(follower: CamSlider, **changed: bool) -> str:
+    """The letter of the follower's layout with one of its sides changed."""
+    row = LAYOUT_TABLE[follower.layout]
+    wanted = Layout(**{**vars(row), **changed})
+    return next(letter for letter, each in LAYOUT_TABLE.items() if each == wanted)

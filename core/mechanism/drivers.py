@@ -1,0 +1,184 @@
+"""Which link of a linkage leads, and how: a crank at speed, or a link that follows a motion, which a cam can make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import islice, product
+from math import floor, inf, isfinite, log10, pi
+
+import numpy as np
+
+from core.design import (
+    CRANK,
+    FRAME_LINK,
+    MOTION,
+    Driver,
+    Linkage,
+    LinkageCam,
+    LinkageDesign,
+    Motion,
+    Segment,
+    Side,
+    curve_of,
+    faults,
+)
+from core.design.kinds import kind_row
+from core.design.linkage_rules import sided_joints
+from core.design.topology import driver_pair, is_pin
+from core.errors import NoPosition
+from core.mechanism.assembly import body_name
+from core.mechanism.course import TURN, Course, Range, course_of
+from core.mechanism.driving import swept
+from core.mechanism.plan import plan_of
+from core.mechanism.solving import at_driver
+from core.motion import program
+from core.train import Train
+
+SWING, SLIDE = np.deg2rad(30.0), 0.1  # of a first motion: radians of a pinned link, parts of the size of one that slides
+ROLLER_SIZE = 0.08  # of a first roller, parts of the size
+LAW, SPANS = "cycloidal", (60.0, 120.0, 60.0, 120.0)
+_SAME = 1e-6  # of the size: a position this near is the same
+_NEAR = 1e-3  # of a range: a position this near to its end is its dead centre
+_MOST = 256  # ways of assembly that are tried
+
+
+def drivers(design: LinkageDesign) -> Iterator[Driver]:
+    """Every way to drive the linkage: a link pinned to the frame at speed or by a motion, one that slides there by a
+    motion; those whose linkage could be solved."""
+    speed = design.linkage.driver.speed_rpm
+    for link in sorted(n for n in design.linkage.by_number if n != FRAME_LINK):
+        for kind in (CRANK, MOTION):
+            driver = Driver(link, kind, speed)
+            changed = replace(design.linkage, driver=driver, branch=())
+            motion = None if kind == CRANK else Motion(0.0, (Segment(360.0, 0.0),), _unit(changed))
+            cam = design.cam if kind == MOTION else None
+            if not faults(replace(design, linkage=changed, motion=motion, cam=cam)):
+                yield driver
+
+
+def with_driver(design: LinkageDesign, driver: Driver, train: Train) -> LinkageDesign:
+    """The design led by ``driver`` from the position that ``train`` shows (n = 1), in which it stays assembled.
+
+    A link that comes to follow a motion gets one to begin with, from this position: dwell, rise, dwell, return, as far
+    as the linkage lets it, all of it assumed. A crank at speed has neither motion nor cam. Raises NoPosition where the
+    linkage cannot be led so from here.
+    """
+    old = design.linkage.driver
+    if (driver.link, driver.kind) == (old.link, old.kind):
+        return replace(design, linkage=replace(design.linkage, driver=driver))
+    linkage = replace(design.linkage, driver=driver, branch=())
+    place = driver_place(linkage, train)
+    if driver.kind == CRANK:
+        linkage, _ = _assembled(linkage, train, place % TURN, 0.0, TURN)
+        gone = ("motion.", "cam.")
+        assumed = tuple(path for path in design.assumed if not path.startswith(gone))
+        return replace(design, linkage=linkage, motion=None, cam=None, assumed=assumed)
+    half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
+    _, room = _assembled(linkage, train, place, place - half, place + half)
+    motion = _first_motion(linkage, room, place)
+    # sides hold from the driver's lowest position on, which is another one now
+    low, high = swept(program(motion))
+    linkage, _ = _assembled(linkage, train, min(max(place, low), high), low, high)  # its start is rounded
+    assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
+    changed = replace(design, linkage=linkage, motion=motion, assumed=assumed)
+    marks = tuple(path for path in kind_row(changed).paths(changed) if path.startswith("motion."))
+    return replace(changed, assumed=(*marks, *assumed))
+
+
+def with_roller(design: LinkageDesign, link: int, point: str) -> LinkageDesign:
+    """The design with its cam under a roller at this point; a first roller has a radius to begin with, assumed.
+
+    Raises NoPosition where no motion drives the linkage.
+    """
+    if design.cam is not None:
+        return replace(design, cam=replace(design.cam, link=link, point=point))
+    if design.motion is None:
+        raise NoPosition("a cam needs a motion to be made for", "linkage.driver.kind", "let a link follow a motion first")
+    radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.linkage).size)
+    mark = "cam.roller_radius_mm"
+    assumed = (*(path for path in design.assumed if path != mark), mark)
+    return replace(design, cam=LinkageCam(link=link, point=point, roller_radius_mm=radius), assumed=assumed)
+
+
+def without_roller(design: LinkageDesign) -> LinkageDesign:
+    """The design without its cam."""
+    assumed = tuple(path for path in design.assumed if not path.startswith("cam."))
+    return replace(design, cam=None, assumed=assumed)
+
+
+def roller_places(design: LinkageDesign) -> tuple[tuple[int, str], ...]:
+    """Link and point of every place that a roller can have: each point that moves, once, on the first link that has it."""
+    fixed = set(design.linkage.by_number[FRAME_LINK].places)
+    found: dict[str, int] = {}
+    for link in design.linkage.links:
+        for name in link.places:
+            if name not in fixed:
+                found.setdefault(name, link.number)
+    return tuple((link, name) for name, link in found.items())
+
+
+def _unit(linkage: Linkage) -> str:
+    pair = driver_pair(linkage)
+    return "deg" if pair is None or is_pin(pair) else "mm"
+
+
+def driver_place(linkage: Linkage, train: Train) -> float:
+    """Where the driver stands [rad or m]."""
+    name = body_name(linkage.driver.link)
+    if _unit(linkage) == "mm":
+        return float(train.coordinates[f"slide{linkage.driver.link}"][0, 0])
+    return float(train.coordinates[name][0, 0]) if name in train.coordinates else float(train.bodies[name].angle[0, 0])
+
+
+def _assembled(linkage: Linkage, train: Train, place: float, low: float, high: float) -> tuple[Linkage, Range]:
+    """The linkage with the sides that it has in this position, and the range around it, between low and high."""
+    joints = sided_joints(linkage)
+    for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
+        tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
+        course = course_of(tried, low, high)
+        here = next((r for r in course.ranges if r.low <= place <= r.high), None)
+        if here is not None and _away(here, place) and _apart(course, train, place) < _SAME * course.plan.size:
+            return tried, here
+    raise NoPosition(
+        f"link {linkage.driver.link} cannot lead the linkage from this position", "linkage.driver.link",
+        "turn it to another position first: here it stands at a dead centre, or beyond one",
+    )  # fmt: skip
+
+
+def _away(here: Range, place: float) -> bool:
+    """Not at a dead centre, from which no push would bring it on."""
+    least = _NEAR * (here.high - here.low)
+    return not ((here.low_joint and place - here.low < least) or (here.high_joint and here.high - place < least))
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
+def _apart(course: Course, train: Train, place: float) -> float:
+    """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
+    poses = course.solve(at_driver(np.array([place]))).poses
+    apart = [
+        abs(poses[link].derivative(at, 0)[0] - train.bodies[body_name(link)].derivative(at, 0)[0])
+        for link, places in course.plan.points.items()
+        for at in places.values()
+    ]
+    worst = float(np.max(apart))
+    return worst if isfinite(worst) else inf
+
+
+def _first_motion(linkage: Linkage, here: Range, place: float) -> Motion:
+    """Dwell, rise, dwell, return from here, to the side with more room, half of it at most."""
+    unit = _unit(linkage)
+    scale = 180.0 / pi if unit == "deg" else 1e3
+    ahead, behind = here.high - place, place - here.low
+    most = SWING if unit == "deg" else SLIDE * plan_of(linkage).size
+    rise = _readable(min(most, 0.5 * max(ahead, behind)) * scale) * (1.0 if ahead >= behind else -1.0)
+    spans = [Segment(span, 0.0) for span in SPANS]
+    spans[1] = Segment(SPANS[1], rise, curve_of(LAW))
+    spans[3] = Segment(SPANS[3], -rise, curve_of(LAW))
+    return Motion(round(place * scale, 6) + 0.0, tuple(spans), unit)
+
+
+def _readable(value: float) -> float:
+    """The number of one digit below a value."""
+    unit = 10.0 ** floor(log10(value))
+    return round(floor(value / unit + 1e-9) * unit, 9)

@@ -1,0 +1,92 @@
+"""Menus of a linkage: which link leads it and how, and where the roller of its cam is."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtWidgets import QMenu
+
+from core.design import CRANK, Design, Driver, LinkageDesign
+from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from kindyna_gui.player import TURN
+from kindyna_gui.wording import driver_text
+
+if TYPE_CHECKING:
+    from kindyna_gui.main_window import MainWindow
+
+
+def fill_drivers(window: MainWindow, menu: QMenu) -> None:
+    """Every link that can lead the linkage, at speed or by a motion."""
+    design = _linkage(window, menu)
+    if design is None:
+        return
+    group, now = QActionGroup(menu), design.linkage.driver
+    for driver in drivers(design):
+        action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
+        action.setStatusTip("The linkage goes on from the position in which it stands now")
+        action.triggered.connect(partial(_drive, window, driver))
+
+
+def _same(one: Driver, other: Driver) -> bool:
+    return (one.link, one.kind) == (other.link, other.kind)
+
+
+def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
+    """Let another link lead; the drawing stays as it stands."""
+    session, player = window.session, window.player
+    if _same(driver, session.design.linkage.driver):
+        return
+    before = session.design
+    player.play(False)
+
+    def changed() -> Design:
+        return with_driver(before, driver, session.at(player.theta).linkage)
+
+    train = session.at(player.theta).linkage
+    window.designing.change(changed, f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}")
+    if session.design is not before:
+        player.set_theta(driver_place(session.design.linkage, train) % TURN if driver.kind == CRANK else 0.0)
+
+
+def fill_rollers(window: MainWindow, menu: QMenu) -> None:
+    """No cam, or one under a roller at any point that moves; greyed where a crank turns at speed."""
+    design = _linkage(window, menu)
+    if design is None:
+        return
+    group, cam = QActionGroup(menu), design.cam
+    none = _choice(menu, group, "No cam", cam is None)
+    none.triggered.connect(partial(_change, window, without_roller(design), "Take the cam away"))
+    menu.addSeparator()
+    for link, point in roller_places(design):
+        here = cam is not None and cam.point == point
+        action = _choice(menu, group, f"{point} on link {link}", here)
+        action.setEnabled(design.motion is not None)
+        told = "A cam about the origin under a roller here makes the linkage follow its motion"
+        action.setStatusTip(told if design.motion is not None else "First let a link follow a motion: Compo > Driver")
+        if design.motion is not None and not here:
+            made = with_roller(design, link, point)
+            action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))
+
+
+def _change(window: MainWindow, design: Design, text: str, *_: object) -> None:
+    window.designing.change(lambda: design, text)
+
+
+def _linkage(window: MainWindow, menu: QMenu) -> LinkageDesign | None:
+    """The design, where it is a linkage; else the menu is not there."""
+    design = window.session.design
+    menu.menuAction().setVisible(isinstance(design, LinkageDesign))
+    return design if isinstance(design, LinkageDesign) else None
+
+
+def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QAction:
+    action = menu.addAction(text)
+    action.setCheckable(True)
+    action.setChecked(checked)
+    group.addAction(action)
+    return action
+
+
+__all__ = ["fill_drivers", "fill_rollers"]

@@ -1,0 +1,58 @@
+"""What a drawing of a mechanism can show and hide."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from core.study import Study
+from kindyna_gui.shown_kinds import has_cam, is_linkage
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One row of what can be shown: its name for the user, and whether it is shown at first."""
+
+    label: str
+    shown: bool = True
+
+
+LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "ground": Layer("Ground"),
+        "guide": Layer("Guide"),
+        "cam": Layer("Cam"),
+        "pitch": Layer("Pitch curve"),
+        "base": Layer("Base circle"),
+        "roller": Layer("Roller"),
+        "linkage": Layer("Linkage"),
+        "normal": Layer("Contact normal"),
+        "centre": Layer("Instant centre"),
+        "velocities": Layer("Velocities", shown=False),
+        "forces": Layer("Forces", shown=False),
+        "labels": Layer("Labels"),
+        "scale": Layer("Scale bar"),
+    }
+)
+
+LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "centres": Layer("Instant centres of all links", shown=False),
+        "kennedy": Layer("Kennedy's construction", shown=False),
+        "ratios": Layer("Velocity ratios to the driver", shown=False),
+        "chain": Layer("Velocity ratios from link to link", shown=False),
+        "coupler": Layer("Coupler curves", shown=False),
+    }
+)
+"""What the drawing of a general linkage can show besides."""
+
+_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre")
+EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
+
+
+def layers_of(study: Study) -> tuple[str, ...]:
+    """The layers that have something to show of this kind of design."""
+    if not is_linkage(study.design):
+        return tuple(LAYERS)
+    return tuple(name for name in EVERY_LAYER if has_cam(study) or name not in _OF_CAMS)

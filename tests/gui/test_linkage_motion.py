@@ -1,0 +1,272 @@
+"""The motion that drives a linkage in the window: the same editor as for a cam, and a cam that follows every edit."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, settle, wait_for
+
+from core.design import LinkageDesign, join_levels, motion_of, require_motion
+from core.project import load
+from kindyna_gui import measured_dialog
+from kindyna_gui.blend_wizard import BlendDialog
+from kindyna_gui.laws_view import LawsView
+from kindyna_gui.measured_dialog import MeasuredDialog
+from kindyna_gui.motion_editor import MotionEditor
+from kindyna_gui.places import example
+from kindyna_gui.segments_model import LAW, RISE, SPAN
+
+COUPLER = load(example("four_bar_coupler_cam"))
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """At the four-bar with the roller on its coupler, without plots."""
+    return open_user(example("four_bar_coupler_cam"), plots=False)
+
+
+def profile(user: User) -> np.ndarray:
+    shape: np.ndarray = user.session.study.cam.flank.profile
+    return shape
+
+
+def laws(user: User) -> list[str]:
+    return [s.curve.law for s in require_motion(user.design).segments]
+
+
+def test_the_table_is_the_linkages_motion(user: User) -> None:
+    view = user.motion()
+    assert not view.in_trouble
+    assert [user.cell(row, LAW) for row in range(4)] == ["Dwell", "Cycloidal", "Dwell", "Cycloidal"]
+    assert [user.cell(row, SPAN) for row in range(4)] == ["60", "100", "60", "140"]
+    assert set(view.head.fields) == {"motion.start_deg", "motion.stroke_deg"}
+    assert view.diagram.motion == motion_of(COUPLER)
+
+
+def test_a_typed_span_moves_the_cam_and_is_undone_by_name(user: User) -> None:
+    before = profile(user)
+    user.enter_cell(1, SPAN, "90")
+    assert [s.span_deg for s in require_motion(user.design).segments] == [60.0, 90.0, 70.0, 140.0]
+    assert user.steps == ["Change span of segment 2 to 90°"]
+    assert np.abs(profile(user) - before).max() > 1e-4
+    user.choose("Edit", "Undo Change span of segment 2 to 90°")
+    assert user.design == COUPLER
+    user.enter_cell(1, RISE, "15")
+    user.enter("motion.stroke_deg", "10")
+    assert [s.rise for s in require_motion(user.design).segments] == [0.0, 10.0, 0.0, -10.0]
+
+
+@pytest.mark.parametrize(
+    ("entry", "count", "step"),
+    [
+        ("Insert segment", 5, "Insert segment behind segment 2"),
+        ("Split segment", 5, "Split segment 2"),
+        ("Duplicate segment", 5, "Duplicate segment 2"),
+        ("Mirror stroke", 4, "Mirror the stroke of segment 2"),
+        ("Delete segment", 3, "Delete segment 2"),
+    ],
+)
+def test_whole_segments_are_edited_from_the_menu(entry: str, count: int, step: str, user: User) -> None:
+    user.motion().choose(1)
+    settle()
+    user.choose("Make", entry)
+    assert len(laws(user)) == count
+    assert user.steps == [step]
+    user.session.stack.undo()
+    assert user.design == COUPLER
+
+
+def test_a_join_is_drawn_with_the_mouse(user: User) -> None:
+    diagram = user.motion().diagram
+    assert isinstance(diagram, MotionEditor)
+    scale = diagram.scale_now()
+
+    def pixel(angle: float, level: float) -> QPointF:
+        return QPointF(diagram.mapFromScene(QPointF(scale.x(angle), scale.y(level))))
+
+    start = pixel(160.0, 12.0).toPoint()
+    end = start + (pixel(180.0, 12.0) - pixel(160.0, 12.0)).toPoint()
+    QTest.mousePress(diagram.viewport(), Qt.MouseButton.LeftButton, pos=start)
+    QTest.mouseMove(diagram.viewport(), (start + end) / 2)
+    QTest.mouseMove(diagram.viewport(), end)
+    QTest.mouseRelease(diagram.viewport(), Qt.MouseButton.LeftButton, pos=end)
+    settle()
+    motion = require_motion(user.design)
+    assert motion.segments[1].span_deg == pytest.approx(120.0, abs=2.0)
+    assert join_levels(motion)[2] == pytest.approx(12.0, abs=0.5)
+    assert len(user.steps) == 1
+    assert user.faults == []
+
+
+def test_a_motion_beyond_the_reach_of_the_links_is_refused(user: User) -> None:
+    """What the links cannot follow is told with the angles; the last good design stays."""
+    user.enter("motion.stroke_deg", "300")
+    assert user.design == COUPLER
+    assert "do not meet" in user.motion().fields["motion.stroke_deg"].trouble
+
+
+def test_a_law_is_used_from_the_law_table(user: User) -> None:
+    user.motion().choose(1)
+    settle()
+    laws_view = user.window.show_view("laws")
+    assert isinstance(laws_view, LawsView)
+    laws_view.pull()
+    laws_view.table.choose("modified-sine")
+    assert laws_view.use_button.text() == "Use in segment 2"
+    laws_view.use_button.click()
+    assert laws(user)[1] == "modified-sine"
+
+
+def test_findings_and_certificate_follow_the_motion(user: User) -> None:
+    for name in ("findings", "certificate"):
+        view = user.window.show_view(name)
+        wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
+    assert user.session.study.findings() == ()
+    user.enter_cell(1, SPAN, "40")
+    told = user.session.study.certificate()
+    assert set(told) >= {"motion_closure", "loop_closure", "three_centres", "instant_centre", "roller_tangency"}
+    assert all(residual.kept for residual in told.values())
+    user.enter_cell(1, SPAN, "20")
+    view = user.window.show_view("findings")
+    wait_for(lambda: view.up_to_date)
+    shown = [view.table.model().index(row, 0).data() for row in range(view.table.model().rowCount())]  # type: ignore[attr-defined]
+    assert [finding.code for finding in user.session.study.findings()] == ["undercut", "roller-pressure-angle"]
+    assert len(shown) == 2
+
+
+def test_a_blend_is_put_into_the_linkage(user: User) -> None:
+    user.motion().choose(1)
+    settle()
+    user.choose("Make", "Blend...")
+    dialog = user.window.findChild(BlendDialog)
+    assert isinstance(dialog, BlendDialog)
+    wait_for(lambda: not dialog.busy)
+    assert dialog.questions.asked().request.unit == "deg"
+    assert dialog.put_button.isEnabled()
+    dialog.questions.stroke.setFocus()
+    dialog.questions.stroke.selectAll()
+    QTest.keyClicks(dialog.questions.stroke, "9")
+    wait_for(lambda: not dialog.busy and dialog.design is not None)
+    QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
+    settle()
+    motion = require_motion(user.design)
+    assert max(join_levels(motion)) == pytest.approx(9.0)
+    assert user.steps[0].startswith("Blend ")
+    user.session.stack.undo()
+    assert user.design == COUPLER
+
+
+def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    theta = np.arange(0.0, 360.0, 5.0)
+    rows = "\n".join(f"{t:g},{6.0 - 6.0 * np.cos(np.radians(t)):.6f}" for t in theta)
+    path = tmp_path / "swing.csv"
+    path.write_text(f"cam_angle_deg,displacement_deg\n{rows}\n", encoding="utf-8")
+    monkeypatch.setattr(measured_dialog, "table_to_open", lambda *_: path)
+    user.choose("File", "Import measured motion...")
+    dialog = user.window.findChild(MeasuredDialog)
+    assert isinstance(dialog, MeasuredDialog)
+    wait_for(lambda: dialog.answer.fit is not None)
+    QTest.mouseClick(dialog.put_button, Qt.MouseButton.LeftButton)
+    settle()
+    assert laws(user) == ["spline"]
+    assert user.steps == ["Import swing.csv"]
+    assert np.rad2deg(user.session.study.motion.y[0]).max() == pytest.approx(12.0, abs=0.01)
+
+
+def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
+    """Every entry of the menu Make that needs one; the law table is there for any design."""
+    user = open_user(example("four_bar"), plots=False)
+    motion = user.window.show_view("motion")
+    wait_for(lambda: motion.up_to_date)
+    assert "Compo > Driver" in motion._trouble.text()
+    user.choose("Make", "Blend...")
+    assert "Compo > Driver" in user.window.status.currentMessage()
+    user.window.status.clearMessage()
+    user.choose("File", "Import measured motion...")
+    assert "Compo > Driver" in user.window.status.currentMessage()
+    view = user.window.show_view("laws")
+    wait_for(lambda: view.up_to_date)
+    assert not view.in_trouble
+    assert not view.use_button.isEnabled()  # type: ignore[attr-defined]
+    user.choose("Stability", "Flexible shaft")
+    assert "a linkage has none" in user.window.status.currentMessage()
+    assert user.steps == []
+
+
+# -- which link leads, and where the roller is ------------------------------------------------------------
+
+
+def stands(user: User) -> dict[str, complex]:
+    """Where every point stands [mm]."""
+    study = user.session.at(user.window.player.theta)
+    return {name: complex(z[0]) * 1e3 for name, (z, _) in study.points().items()}  # type: ignore[attr-defined]
+
+
+def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    user.window.player.set_theta(1.0)
+    before, crank = stands(user), user.design
+    assert user.entries("Compo", "Driver") == [
+        "Link 2 turns at speed", "Link 2 follows a motion", "Link 4 turns at speed", "Link 4 follows a motion",
+    ]  # fmt: skip
+    user.choose("Compo", "Driver", "Link 4 follows a motion")
+    assert isinstance(user.design, LinkageDesign)
+    assert user.design.motion is not None
+    assert user.window.player.theta == 0.0
+    assert stands(user) == pytest.approx(before, abs=1e-3)
+    assert user.steps == ["Let link 4 follow a motion"]
+    user.choose("Compo", "Driver", "Link 2 turns at speed")
+    assert stands(user) == pytest.approx(before, abs=1e-3)
+    assert user.window.player.theta == pytest.approx(1.0, abs=1e-6)
+    assert user.design.linkage == crank.linkage
+    user.session.stack.undo()
+    user.session.stack.undo()
+    assert user.design == crank
+
+
+def test_the_roller_asks_for_a_motion_first(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    assert user.entries("Compo", "Cam roller") == ["No cam", "A on link 2", "B on link 3", "C on link 3"]
+    action = user.action("Compo", "Cam roller", "C on link 3")
+    assert not action.isEnabled()
+    assert "Compo > Driver" in action.statusTip()
+
+
+Step = Callable[[User], None]
+
+
+@pytest.mark.parametrize(
+    ("name", "driver", "roller"),
+    [
+        ("watt_six_bar", "Link 6 follows a motion", "C on link 4"),
+        ("slider_crank", "Link 4 follows a motion", "B on link 3"),
+    ],
+)
+def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, open_user: Open) -> None:
+    user = open_user(example(name), plots=False)
+    user.window.player.set_theta(1.0)
+    user.choose("Compo", "Driver", driver)
+    user.choose("Compo", "Cam roller", roller)
+    assert user.action("Compo", "Cam roller", roller).isChecked()
+    view = user.window.view("mechanism")
+    view.pull()  # type: ignore[union-attr]
+    scene = view.scene  # type: ignore[union-attr]
+    for part in ("cam", "roller", "pitch"):
+        assert scene.item(part).isVisible()
+    point = roller.partition(" ")[0]
+    for theta in (0.0, 2.0, 4.0):
+        user.window.player.set_theta(theta)
+        settle()
+        at = scene.item("roller").pos()
+        assert complex(at.x(), at.y()) == pytest.approx(stands(user)[point], abs=0.5)
+    user.choose("Compo", "Cam roller", "No cam")
+    assert user.design.cam is None
+    assert user.faults == []
+
+
+def test_menus_of_linkages_are_not_there_for_a_cam(open_user: Open) -> None:
+    user = open_user(plots=False)
+    assert not {"Driver", "Cam roller"} & set(user.entries("Compo"))
