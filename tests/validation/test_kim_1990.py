@@ -14,8 +14,7 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from shafts import by_runge_kutta, kim, kim_table, push
+from shafts import kim, kim_table, leaves_cam
 
 from core.__main__ import main
 from core.project import load
@@ -252,40 +251,6 @@ def test_each_model_says_its_own_of_the_published_points(figure: int) -> None:
     # the paper: below Q = 0.1 the follower never leaves the cam
     wanted = {11: 2.2750, 12: 3.3019}.get(figure)
     assert rest.lost == (None if wanted is None else pytest.approx(wanted, abs=5e-5))
-
-
-def plain_force(eta: float, q: float, theta: float, beta: float, rate: float) -> float:
-    """(3) for the moving cam, M Ẍ + K_v X with K_v = a M X''m ω²/X_m, by M X''m ω²; no line of the program in it."""
-    x, x1, x2 = (1.0 - np.cos(2.0 * theta)) / 2.0, np.sin(2.0 * theta), 2.0 * np.cos(2.0 * theta)
-    acceleration = -push(eta, q, 0.0, theta, beta, rate) / (2.0 * np.pi)
-    return (x2 * (1.0 - rate) ** 2 + x1 * acceleration) / 2.0 + 1.5 * x
-
-
-@cache
-def leaves_cam(eta: float, q: float, until: float) -> float | None:
-    """The first y at which that force falls through zero while the cam moves the follower, by another integrator."""
-    run = by_runge_kutta(eta, q, 0.0, until)
-    moving = np.flatnonzero(np.isfinite(run.theta) & (run.theta > 0.0))
-    force = np.array([plain_force(eta, q, run.theta[i], run.beta[i], run.rate[i]) for i in moving])
-    bad = np.flatnonzero(force < 0.0)
-    if bad.size == 0:
-        return None
-    last = moving[bad[0]] - 1
-    offset = 2.0 * np.pi * (run.y[last] - run.beta[last]) - run.theta[last]
-
-    def angle(y: float, s: np.ndarray) -> float:
-        return float(2.0 * np.pi * (y - s[0]) - offset)
-
-    def crossing(y: float, s: np.ndarray) -> float:
-        return plain_force(eta, q, angle(y, s), s[0], s[1])
-
-    def rates(y: float, s: np.ndarray) -> list[float]:
-        return [s[1], push(eta, q, 0.0, angle(y, s), s[0], s[1])]
-
-    crossing.terminal = True  # type: ignore[attr-defined]
-    start = [run.beta[last], run.rate[last]]
-    found = solve_ivp(rates, (run.y[last], run.y[last] + 0.1), start, "DOP853", events=crossing, rtol=1e-12, atol=1e-14)
-    return float(found.t_events[0][0])
 
 
 @pytest.mark.parametrize(("figure", "y"), [(9, None), (11, 2.27504), (12, 3.30185)])
