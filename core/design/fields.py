@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 
 from core.design.units import Unit, split_unit
 from core.errors import Fault
@@ -109,7 +110,7 @@ def unit_of(field: dataclasses.Field[Any]) -> Unit:
 def field_faults(part: Any, path: str) -> list[Fault]:
     """Every field of a part that is outside its range; ``path`` is the part's own."""
     found = []
-    for field, info in _entries_of(type(part)):
+    for field, info in _entries_of(cast(Hashable, type(part))):
         value = getattr(part, field.name)
         if not info.admits(value):
             problem = "unknown word" if info.choices else "outside its range"
