@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 
+BLOCK = 16_384  # vectors that are worked on at once: what a processor's cache holds
+
+
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
     """a × b, the component out of the plane."""
     return np.asarray(a.real * b.imag - a.imag * b.real)
@@ -46,6 +49,9 @@ def turned(u: np.ndarray, angle: np.ndarray, order: int, out: np.ndarray | None 
 def turning(u: np.ndarray, angle: np.ndarray) -> np.ndarray:
     """The vector itself and its three derivatives (4, n)."""
     out = np.empty((4, u.size), dtype=complex)
-    for order in range(4):
-        turned(u, angle, order, out[order])
+    block = BLOCK if u.shape == angle.shape[1:] else max(u.size, 1)
+    for i in range(0, u.size, block):
+        at = slice(i, i + block)
+        for order in range(4):
+            turned(u[at], angle[:, at], order, out[order, at])
     return out

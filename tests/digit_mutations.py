@@ -26,7 +26,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          LINKAGE + "test_the_area_keeps_all_its_digits_down_to_dead_centres"),
     ],
     "core/linkage/rod_and_arm.py": [
-        ("by_arm, by_rod = square + difference,", "by_arm, by_rod = (square + 1024.0) + difference - 1024.0,", BENCH + "[linkage-None]"),
+        ("np.add(square, difference, out", "np.add((square + 1024.0) - 1024.0, difference, out", BENCH + "[linkage-None]"),
     ],
     "core/mechanism/dyads.py": [
         ("between = 0.5 * (la * la + lb * lb - square)", "between = 0.5 * ((la * la + 64.0) + lb * lb - square) - 32.0",

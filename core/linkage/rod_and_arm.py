@@ -12,6 +12,7 @@ from core.design import SI
 from core.keeping import WhenAsked
 from core.linkage.base import BasePosition
 from core.linkage.dead_centres import dead_centres
+from core.vectors import BLOCK
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +33,6 @@ class RodAndArm:
     square: WhenAsked[np.ndarray] = WhenAsked()
 
 
-@np.errstate(divide="ignore", invalid="ignore")
 def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
     """Angles φ and β of arm and rod for the slider at L0 + y, y (4, n) with three derivatives.
 
@@ -42,19 +42,43 @@ def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
     as printed; third derivatives by differentiating them once more. All NaN where there is no triangle, infinite or NaN
     where it is flat.
     """
-    l1, l2, h = g.slider_arm, g.rod, g.guide_height
-    slider = base.slider + y[0]
-    square = slider * slider + h * h
-    k = dead_centres(l1, l2, h).area4(slider)
-    difference = (l1 - l2) * (l1 + l2)
-    by_arm, by_rod = square + difference, square - difference
+    h, n = g.guide_height, y.shape[1]
+    slider, square, k, by_arm, by_rod = made = np.empty((5, n))
+    arm, rod = np.empty((2, n), dtype=complex)
     phi, beta = np.empty_like(y), np.empty_like(y)
+    for i in range(0, n, BLOCK):
+        at = slice(i, i + BLOCK)
+        _solve(g, base, y[:, at], made[:, at], (arm[at], rod[at]), (phi[:, at], beta[:, at]))
 
     def angle(rates: np.ndarray, sigma: float, by_side: np.ndarray, turns: float) -> np.ndarray:
         """The angle before its derivatives."""
         rates[0] = np.arctan2(h, slider) + sigma * np.arctan2(k, by_side) + turns
         return rates
 
+    return RodAndArm(
+        slider,
+        lambda: angle(phi, base.sigma, by_arm, _whole_turns(g, base)[0]),
+        lambda: angle(beta, -base.sigma, by_rod, _whole_turns(g, base)[1]),
+        phi, beta, arm, rod, k, square,
+    )  # fmt: skip
+
+
+Pair = tuple[np.ndarray, np.ndarray]
+
+
+@np.errstate(divide="ignore", invalid="ignore")
+def _solve(g: SI, base: BasePosition, y: np.ndarray, made: np.ndarray, units: Pair, rates: Pair) -> None:
+    """The same for some cam angles into rows L, r², K, r² + L1² - L2², r² - L1² + L2² (5, m), unit vectors (m,) and rates
+    (4, m) of arm and rod."""
+    l1, l2, h = g.slider_arm, g.rod, g.guide_height
+    (arm, rod), (phi, beta) = units, rates
+    slider = np.add(base.slider, y[0], out=made[0])
+    square = np.multiply(slider, slider, out=made[1])
+    square += h * h
+    k = made[2]
+    k[:] = dead_centres(l1, l2, h).area4(slider)
+    difference = (l1 - l2) * (l1 + l2)
+    by_arm, by_rod = np.add(square, difference, out=made[3]), np.subtract(square, difference, out=made[4])
     up, ahead = k * (base.sigma * h), k * (base.sigma)
     ahead *= slider
     cos_phi, sin_phi = slider * by_arm - up, h * by_arm + ahead
@@ -75,18 +99,7 @@ def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
     p3, b3 = 3.0 * l1 * p1 * phi[2], 3.0 * l2 * b1 * beta[2]
     np.multiply(y[3] * cos_beta + p3 * cos - p2 * p1 * sin + b3, to_phi, out=phi[3])
     np.multiply(y[3] * cos_phi + p3 + b3 * cos + b2 * b1 * sin, to_beta, out=beta[3])
-    return RodAndArm(
-        slider,
-        lambda: angle(phi, base.sigma, by_arm, _whole_turns(g, base)[0]),
-        lambda: angle(beta, -base.sigma, by_rod, _whole_turns(g, base)[1]),
-        phi, beta, _complex(cos_phi, sin_phi), _complex(cos_beta, sin_beta), k, square,
-    )  # fmt: skip
-
-
-def _complex(real: np.ndarray, imag: np.ndarray) -> np.ndarray:
-    made = np.empty(real.shape, dtype=complex)
-    made.real, made.imag = real, imag
-    return made
+    arm.real, arm.imag, rod.real, rod.imag = cos_phi, sin_phi, cos_beta, sin_beta
 
 
 def _whole_turns(g: SI, base: BasePosition) -> tuple[float, float]:

@@ -107,7 +107,7 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("tangent of the half angle (Freudenstein)", half_angle),
-        Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-4, 1e-6, 1e-8), "xtol", one_by_one=True),
+        Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-5), "xtol", one_by_one=True),
         Method("finite differences", finite_differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
         Method("linear table", table, (3600, 90, 360, 36_000), "points"),
         Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),

@@ -128,7 +128,7 @@ def spline(there: Any, points: int) -> Channels:
     return [*moved, _rod(displacement(there.theta), moved[0])]
 
 
-TOLERANCES = (1e-10, 1e-2, 1e-4, 1e-6, 1e-8)
+TOLERANCES = (1e-10, 1e-2, 1e-5)
 
 KERNEL = Kernel(
     "linkage",
