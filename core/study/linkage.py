@@ -102,7 +102,7 @@ class LinkageStudy(Study, of=LinkageDesign):
         found = course_of(self.design.linkage, *ends)
         if not found.ranges:
             raise NoPosition(
-                "its links cannot be put together at any position of the driver", "linkage.links",
+                "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
                 "change their lengths, or linkage.branch",
             )  # fmt: skip
         if self.by_crank and self._between_samples(found):

@@ -344,4 +344,12 @@ def test_a_crank_that_can_hardly_move_is_refused_where_no_angle_lies_in_its_rang
     told = r"linkage\.links: .* within 0\.5699\d*\.\.\.0\.5759\d* deg only, where none of the 90 driver angles lies"
     with pytest.raises(NoPosition, match=told):
         _ = study_of(design, 90).angles
-    assert study_of(design, 360_000).angles.theta.size == 6
+    assert study_of(design, 36_000).angles.theta.size == 1
+
+
+@pytest.mark.parametrize(("rod", "offset"), [(60.0, 100.0), (1e-7, 0.0)])
+def test_a_linkage_that_stands_at_single_positions_only_has_no_range(rod: float, offset: float) -> None:
+    """Rounding alone would decide where such a range ends."""
+    with pytest.raises(NoPosition, match="or at single ones only"):
+        _ = study_of(slider_crank(40.0, rod, offset), 360).course
+    assert len(study_of(slider_crank(40.0, 39.0)).course.ranges) == 3
