@@ -14,12 +14,12 @@ from core.instant_centres.differences import (
     velocity_differences,
     velocity_polygon,
 )
-from core.instant_centres.linkage import CentreTable, all_centres, collinearity, primary_pairs
+from core.instant_centres.linkage import CentreTable, all_centres, collinearity, doubted_collinearity, primary_pairs
 from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, mechanical_advantage, ratio_arms
 
 __all__ = [
     "ABSOLUTE", "CAM_CENTRES", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Construction", "Corner", "Difference",
     "RatioArms", "Side", "Triangle", "VelocityPolygon", "Wanted", "all_centres", "angular_ratio", "cam_follower_centre",
-    "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage", "primary_pairs", "ratio_arms",
+    "collinearity", "construction", "doubted_collinearity", "kennedy", "line_of", "mechanical_advantage", "primary_pairs", "ratio_arms",
     "velocity_differences", "velocity_polygon",
 ]  # fmt: skip

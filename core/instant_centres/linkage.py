@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from itertools import combinations
 from types import MappingProxyType
 
@@ -63,7 +63,9 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
             centre = _by_velocity(train.bodies[key[0]], train.bodies[key[1]])
             length = np.hypot(np.abs(centre.point), centre.weight * size)
             rest = length <= _AT_REST * speed
-            found[key] = centre.scaled(size)
+            with np.errstate(divide="ignore"):
+                doubt = np.maximum(1.0, speed / length)  # where both move nearly alike, little is left of their velocities
+            found[key] = replace(centre.scaled(size), doubt=doubt)
             if rest.any():
                 resting[key] = rest
     for wanted in plan.steps:
@@ -75,7 +77,7 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
                 Centres(np.where(told, limit.point, 0.0), np.where(told, limit.weight, 0.0)),
             )
             found[wanted.key] = Centres(
-                np.where(rest, limit.point, now.point), np.where(rest, limit.weight, now.weight)
+                np.where(rest, limit.point, now.point), np.where(rest, limit.weight, now.weight), now.doubt
             )
     ordered = {key: found[key] for key in combinations(names, 2)}
     return CentreTable(names, MappingProxyType(ordered), frozenset(primary), plan, size)
@@ -112,10 +114,23 @@ def _key(a: str, b: str, order: Mapping[str, int]) -> Key:
 def collinearity(table: CentreTable) -> np.ndarray:
     """How far the three centres of any three bodies are from one line (n,): the largest determinant of their scaled
     coordinates, 0 by Kennedy's theorem."""
-    worst = np.zeros(1)
+    return np.asarray(np.max([zero for zero, _ in _triples(table)] or [np.zeros(1)], axis=0))
+
+
+def doubted_collinearity(table: CentreTable) -> tuple[np.ndarray, np.ndarray]:
+    """The same of those three bodies of which it is largest against the doubt of their centres; and that doubt (n,)."""
+    worst, doubt = np.zeros(1), np.ones(1)
+    for zero, of_these in _triples(table):
+        larger = zero * doubt > worst * of_these
+        worst, doubt = np.where(larger, zero, worst), np.where(larger, of_these, doubt)
+    return worst, doubt
+
+
+def _triples(table: CentreTable) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Of every three bodies the determinant of their centres, and the largest of the centres' doubts."""
     for a, b, c in combinations(table.bodies, 3):
-        rows = [table.of(*pair).homogeneous for pair in ((a, b), (b, c), (a, c))]
-        m = np.array(rows)
+        three = [table.of(*pair) for pair in ((a, b), (b, c), (a, c))]
+        m = np.array([centre.homogeneous for centre in three])
         m[:, :2] /= table.size
-        worst = np.maximum(worst, np.abs(np.einsum("in,in->n", m[0], np.cross(m[1], m[2], axis=0))))
-    return worst
+        zero = np.abs(np.einsum("in,in->n", m[0], np.cross(m[1], m[2], axis=0)))
+        yield zero, np.broadcast_to(np.max(np.broadcast_arrays(*(c.doubt for c in three)), axis=0), zero.shape)

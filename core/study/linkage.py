@@ -16,7 +16,7 @@ from core.dynamics import LinkageForces, LinkLoading, link_loading, linkage_forc
 from core.errors import NoAnswer, NoPosition, angle_list
 from core.extremes import Extreme, Range
 from core.findings import ERROR, NOTE, Finding, Residual
-from core.instant_centres import CentreTable, all_centres, collinearity
+from core.instant_centres import CentreTable, all_centres, doubted_collinearity
 from core.mechanism import Course, CrankProgram, body_name, course_of, linkage_train, swept, unit_speed_train
 from core.motion import EPS, Angles, MotionState, Program, degrees, program
 from core.study.base import Study
@@ -284,7 +284,8 @@ class LinkageStudy(Study, of=LinkageDesign):
         if "linkage" in wanted:
             train = self.linkage
             proof["loop_closure"] = _worst(train.residual, EPS * train.condition)
-            proof["three_centres"] = _worst(collinearity(self.centres), 16.0 * EPS * train.condition)
+            lines, doubt = doubted_collinearity(self.centres)
+            proof["three_centres"] = _worst(lines, 16.0 * EPS * train.condition * doubt)
         if "cam" in wanted:
             centre = cam.centre_residual(self.linkage, self.cam)
             proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)

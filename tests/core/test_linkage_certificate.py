@@ -6,9 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from linkages import assembly
 
 from core.design import CRANK, Driver, LinkageDesign, LinkageLoads, LinkMass
 from core.errors import NoCam, NoPosition
+from core.instant_centres import collinearity
 from core.mechanism import drivers, roller_places, with_driver, with_roller
 from core.project import load
 from core.study import LinkageStudy, Study
@@ -109,3 +111,12 @@ def test_a_roller_that_goes_round_the_cam_centre_is_no_cam(name: str) -> None:
     design = with_roller(led(name, 1.0, Driver(2, "motion", 60.0)), 2, "A")
     with pytest.raises(NoCam, match=r"cam\.point: the roller keeps its distance from the cam centre"):
         _ = Study(design, 90).cam
+
+
+def test_centres_of_links_that_move_nearly_alike_are_as_certain_as_what_is_left_of_their_velocities() -> None:
+    """Three links that slide on each other turn alike: their centres are at infinity, told by small differences."""
+    design, _ = assembly(1173854518, ("rpr", "rpp", "rpp"))
+    study = Study(design, 180)
+    assert beyond(design) == {}
+    assert collinearity(study.centres).max() < 1e-10
+    assert study.certificate(("linkage",))["three_centres"].bound < 1e-7
