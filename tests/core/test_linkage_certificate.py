@@ -79,7 +79,8 @@ def test_a_pole_far_away_is_as_certain_as_its_lines(
 ) -> None:
     """The bound of the cam's instant centre knows how flat the lines cross which find it, and stays far from telling
     nothing."""
-    study = Study(with_roller(led(name, theta, Driver(driver, "motion", 60.0)), *roller), 720)
+    samples = 720 if name == "four_bar" else 180  # which come near to where two lines are parallel
+    study = Study(with_roller(led(name, theta, Driver(driver, "motion", 60.0)), *roller), samples)
     residual = study.certificate(("cam",))["instant_centre"]
     assert residual.kept
     assert residual.bound < 1e-6
