@@ -175,7 +175,7 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/instant_centres/cam.py": [
         ("turn * pole.point / pole.weight, point)", "-turn * pole.point / pole.weight, point)",
          STUDY + "test_a_cam_under_a_coupler_moves_its_four_bar[60.0]"),
-        ("doubt = pole.doubt / np.abs(pole.weight)", "doubt = pole.doubt",
+        ("np.where(told, np.maximum(doubt, 1.0), 1.0)", "1.0",
          CERTIFICATE + "test_a_pole_far_away_is_as_certain_as_its_lines"),
     ],
     "core/cam/limits.py": [
