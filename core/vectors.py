@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-
 BLOCK = 16_384  # vectors that are worked on at once: what a processor's cache holds
 
 
