@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,21 @@ from core.position import differences
 from core.study import LinkageStudy, Study
 
 _MM = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A linkage at one driver angle [deg], to be drawn with its centres and its velocity polygon."""
+
+    study: LinkageStudy
+    angle_deg: float
+
+
+def snapshot(study: Study, angle_deg: float) -> Snapshot:
+    """Raises NoSuchStage for a design that is no linkage."""
+    if not isinstance(study, LinkageStudy):
+        raise NoSuchStage("centres", study.stages)
+    return Snapshot(study, angle_deg)
 
 
 def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:

@@ -5,49 +5,38 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from textwrap import wrap
 
 import numpy as np
 
 from core.design import require_single_cam
-from core.export import TONGUES, csv, tongues_table
 from core.files import write_all
 from core.findings import ERROR
 from core.project import load
 from core.report import finding_line, report, stability_text
+from core.shaft_tables import claims_text, needed_text, profile_plot, profile_table, tables
 from core.stability import (
-    EQUATIONS,
     ETA_MAX,
-    Averages,
     Chart,
-    Claim,
-    Curve,
     Figure,
     History,
-    Plot,
     Stability,
     averages_plots,
     chart,
     claims,
     coefficients_plot,
-    count_up_to,
+    flexible,
     histories,
     history_plot,
-    tongues,
 )
 from core.stability.claims import FIGURES, ROWS
-from core.stability.figures import CAM_ANGLE
+from core.stability.guess import USUAL_ETA, USUAL_Q
 from core.study import Study
 from core.summary import summary, to_json
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
-SAMPLES_PER_TURN = 100
-COEFFICIENT_ROWS = 720
-LINE = 108  # characters of a claim's line
-HARD_SPACE = "\N{NO-BREAK SPACE}"
+UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 
 ChartPainter = Callable[[Chart | Figure], Mapping[str, bytes]]
 """Paints a chart or another figure: file name -> content."""
@@ -114,6 +103,19 @@ def stability_words(parser: argparse.ArgumentParser) -> None:
     periods = _number(0.0, MOST_PERIODS, "turns")
     parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
     parser.add_argument(
+        "--rpm",
+        action="append",
+        default=[],
+        type=_number(0.0, 1e5, "speed"),
+        metavar="RPM",
+        help="tell how stiff the shaft must be to run at this speed",
+    )
+    parser.add_argument(
+        "--guess",
+        action="store_true",
+        help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}",
+    )
+    parser.add_argument(
         "--claims",
         action="store_true",
         help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
@@ -126,6 +128,8 @@ def stability_words(parser: argparse.ArgumentParser) -> None:
 def stability_command(words: argparse.Namespace, painter: ChartPainter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     study = Study(require_single_cam(load(words.design)))
+    if words.guess and study.design.shaft.elastic is None:
+        study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     found = study.flexible_shaft()
     if words.claims:
         text = claims_text(claims(found))
@@ -137,6 +141,8 @@ def stability_command(words: argparse.Namespace, painter: ChartPainter | None) -
     if words.out is not None:
         write_all(words.out, stability_files(study, found, words, painter))
     print(text, end="")
+    for rpm in words.rpm:
+        print(needed_text(found.stiffness_for(rpm)))
     told = study.findings(("stability",))
     for finding in told:
         print(finding_line(finding))
@@ -156,7 +162,9 @@ def stability_files(
         "summary.json": to_json(summary(study, study.stages)),
     }
     title, machine, eta_max = study.design.name, found.machine, words.eta_max or found.eta_max
-    drawn = chart(found.coefficients, machine, title, eta_max=eta_max, damping=machine.damping, marked=words.q)
+    drawn = chart(
+        found.coefficients, machine, title, eta_max=eta_max, damping=machine.damping, marked=words.q, error=UNSEEN
+    )
     return made | _painted(
         painter,
         drawn,
@@ -198,94 +206,7 @@ def paper_files(
         **{number: history_plot(each) for (number, *_), each in zip(FIGURES, gone, strict=True)},
     }
     figures = [Figure(f"figure_{n}", f"Kim1990 Fig. {n}", (plot,)) for n, plot in numbered.items()]
-    drawn = chart(found.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max)
+    drawn = chart(found.coefficients, None, "Kim1990 Fig. 8", eta_max=eta_max, error=UNSEEN)
     pictures = _painted(painter, drawn, *figures)
     chart_named = {name.replace("stability", "figure_8"): data for name, data in pictures.items()}
     return {**made, "figure_4.csv": profile_table(study, found), **chart_named}
-
-
-def profile_plot(study: Study, found: Stability) -> Plot:
-    """Displacement, velocity and acceleration by cam angle, each relative to its largest (Kim1990 Fig. 4)."""
-    degrees, *rows = _profile(study, found)
-    names = ("displacement X", "velocity X'", "acceleration X''")
-    return Plot(CAM_ANGLE, "Relative to the largest", tuple(
-        Curve(degrees, row, name, i) for i, (row, name) in enumerate(zip(rows, names, strict=True))
-    ))  # fmt: skip
-
-
-def profile_table(study: Study, found: Stability) -> str:
-    return csv(["cam_angle_deg", "displacement", "velocity", "acceleration"], _profile(study, found))
-
-
-def _profile(study: Study, found: Stability) -> list[np.ndarray]:
-    sizes, y = found.coefficients.sizes, study.motion.y
-    parts = (y[0] - sizes.lowest) / sizes.stroke, y[1] / sizes.slope, y[2] / sizes.curvature
-    return [study.angle_degrees, *parts]
-
-
-# -- tables -----------------------------------------------------------------------------------------------
-
-
-def tables(
-    found: Stability, q: np.ndarray, gone: Sequence[History], means: Averages, eta_max: float
-) -> dict[str, str | bytes]:
-    """File name -> text of the tables of a flexible shaft: tongues of the rows q, histories, means, coefficients."""
-    count, damping = count_up_to(eta_max), found.machine.damping
-    return {
-        TONGUES: tongues_table([tongues(found.coefficients, q, count, e, damping, error=1e-11) for e in EQUATIONS]),
-        "windup.csv": windup_table(gone),
-        "windup_averages.csv": averages_table(means),
-        "coefficients.csv": coefficients_table(found),
-    }
-
-
-def windup_table(gone: Sequence[History]) -> str:
-    """Histories from rest, one below the other: time in turns of the input, wind-up β and its slope β', contact force as a
-    multiple of M X''m ω² where there is a cam."""
-    parts = []
-    for each in gone:
-        y = np.arange(int(each.ended * SAMPLES_PER_TURN) + 1) / SAMPLES_PER_TURN
-        beta, slope = each.at(y)
-        parts.append([np.full(y.size, each.eta), np.full(y.size, each.q), y, beta, slope, each.force(y)])
-    names = ["eta", "q", "input_turns", "wind_up", "wind_up_slope", "contact_force_ratio"]
-    table = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return csv(*((names[:-1], table[:-1]) if gone[0].contact is None else (names, table)))
-
-
-def averages_table(means: Averages) -> str:
-    """Means of |β| and |β'| by η (Kim1990 Figs. 6, 7), and 1 where the follower leaves the cam within the turn; what cannot
-    be followed is left out."""
-    there = np.isfinite(means.wind_up).ravel()
-    columns = [
-        np.repeat(means.q, means.eta.size),
-        np.tile(means.eta, means.q.size),
-        means.wind_up.ravel(),
-        means.slope.ravel(),
-    ]
-    names = ["q", "eta", "mean_wind_up", "mean_wind_up_slope"]
-    if means.lost is not None:
-        names.append("leaves_cam")
-        columns.append(means.lost.ravel().astype(float))
-    return csv(names, [column[there] for column in columns])
-
-
-def coefficients_table(found: Stability) -> str:
-    """What the equation is made of by cam angle (Kim1990 Fig. 5 is ψ): inertia share d, C, U, κ, ψ."""
-    degrees = 360.0 * np.arange(COEFFICIENT_ROWS) / COEFFICIENT_ROWS
-    rows = found.coefficients.panels.at(np.deg2rad(degrees), 5)
-    return csv(["cam_angle_deg", "inertia", "centripetal", "load", "curvature", "psi"], [degrees, *rows])
-
-
-def claims_text(told: Sequence[Claim]) -> str:
-    """Kim1990's claims against ours, and how many agree."""
-    head = "Kim, Jeon, Lee and Park 1990: what the paper says, and what comes out here"
-    lines = [head, "=" * len(head)]
-    for claim in told:
-        lines += ["", f"{claim.where}: {claim.verdict}"]
-        for who, said in (("the paper", claim.paper), ("here", claim.here)):
-            start = f"    {who + ':':<11}"
-            kept = said.replace(" = ", f"{HARD_SPACE}={HARD_SPACE}")
-            rows = wrap(kept, LINE, initial_indent=start, subsequent_indent=" " * len(start))
-            lines += [row.replace(HARD_SPACE, " ") for row in rows]
-    counts = Counter(claim.verdict for claim in told)
-    return "\n".join([*lines, "", ", ".join(f"{verdict}: {counts[verdict]}" for verdict in sorted(counts))]) + "\n"

@@ -95,6 +95,24 @@ def blend_text(blended: Blended) -> str:
     return "\n".join(lines) + "\n"
 
 
+def changed_beside(before: Motion, after: Motion, blended: Blended) -> tuple[int, Segment] | None:
+    """What moves otherwise beside the blended curves, so that the follower comes back to where it starts: the first such
+    segment and its number, counted from 1; None where the rest stays as it was."""
+    was = {(s.curve, s.rise) for s in before.segments}
+    others = ((n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments)
+    return next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+
+
+def beside_text(before: Design, after: Design, blended: Blended) -> str:
+    """The same in a line, for a design into which the curves came; nothing where the rest stays."""
+    changed = changed_beside(require_motion(before), require_motion(after), blended)
+    if changed is None:
+        return ""
+    n, segment = changed
+    moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
+    return f"in the design segment {n}, {segment.curve.law}, moves otherwise, to come back: {moves}\n"
+
+
 # -- into a design ----------------------------------------------------------------------------------------
 
 Numbered = tuple[Segment, int | None]

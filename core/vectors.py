@@ -4,11 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-# The C library of Linux gives the memory of every freed array back to the system and fetches it again page by page,
-# until it has once freed a larger block: from then on it keeps what is smaller. This halves the time of every stage.
-np.empty(4_000_000)
-
-
 BLOCK = 16_384  # vectors that are worked on at once: what a processor's cache holds
 
 

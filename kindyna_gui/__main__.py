@@ -19,9 +19,7 @@ from kindyna_gui.display import lacking, obstacle
 from kindyna_gui.places import default_design
 
 if TYPE_CHECKING:
-    from core.commands import Painter
-    from core.stability import Chart, Figure
-    from core.study import Study
+    from core.commands import Drawn, Painter
 
     Run = Callable[[argparse.Namespace, Painter | None], int]
 
@@ -52,7 +50,7 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def paint(study: Study | Chart | Figure) -> Mapping[str, bytes]:
+def paint(drawn: Drawn) -> Mapping[str, bytes]:
     """The pictures of a study, a chart or another figure; none, and one line that says why, where Qt cannot be loaded."""
     try:
         from kindyna_gui.pictures.files import paint as painted
@@ -61,7 +59,7 @@ def paint(study: Study | Chart | Figure) -> Mapping[str, bytes]:
             raise
         print(f"pictures left out: {missing(str(error))}", file=sys.stderr)
         return {}
-    return painted(study)
+    return painted(drawn)
 
 
 def _with_qt(run: Run) -> Run:

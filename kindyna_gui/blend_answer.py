@@ -85,8 +85,11 @@ class AnswerPanel(QFrame):
         self.figures.setWordWrap(True)
         for label in (self.headline, self.figures):
             label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        titles = [heading.format(u=symbol) for heading in HEADINGS]
-        self.table = RowsTable([Heading(title, number=i > 0, wide=True) for i, title in enumerate(titles)])
+        columns = [(i > 0, heading) for i, heading in enumerate(HEADINGS)]
+        # what names its unit is long: it takes the room it needs, the angles share the rest
+        self.table = RowsTable(
+            [Heading(text.format(u=symbol), number=n, wide=n and "{u}" not in text) for n, text in columns]
+        )
         self.table.setFrameShape(QFrame.Shape.NoFrame)
         self.table.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.plots = [CurvePlot(names=i == 0, angles=i == len(QUANTITIES) - 1) for i in range(len(QUANTITIES))]

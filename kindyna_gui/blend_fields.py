@@ -8,7 +8,7 @@ from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QSizePolicy, QToolButton, QWidget
 
-from core.blend import Range
+from core.blend import MAY_VANISH, Range
 from core.design import UNITS, Info, Unit
 from kindyna_gui.blend_asked import POINT, Setting
 from kindyna_gui.blend_words import UNASKED, begin_of, range_text
@@ -57,7 +57,7 @@ class LiveBox(NumberBox):
         value = self.number
         if value is None:
             return NO_NUMBER
-        return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}"
+        return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}".replace(">=", "≥")
 
     def _take(self, value: float) -> None:
         refused = self.refused
@@ -140,7 +140,7 @@ class SettingRow(Ranged):
 
     def __init__(self, setting: Setting, unit: Unit) -> None:
         super().__init__(setting.name, setting.symbol)
-        info = Info(setting.label, setting.help, 0.0, open_low=True)
+        info = Info(setting.label, setting.help, 0.0, open_low=setting.name not in MAY_VANISH)
         self.share, self.usual, self.shown = setting.share, 1.0, False
         self.check = QCheckBox(setting.label)
         self.check.setToolTip(setting.help)

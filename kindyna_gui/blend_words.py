@@ -8,7 +8,7 @@ from math import isfinite
 
 from core.blend import Blended, Range
 from core.design import UNITS, Motion
-from core.making import curve_rows
+from core.making import changed_beside, curve_rows
 from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
 from kindyna_gui.wording import law_label, shortest
 
@@ -48,10 +48,9 @@ def range_text(ranges: Sequence[Range], name: str) -> str:
 def _one(found: Range, name: str) -> str:
     least = 0.0 if isfinite(found.high) and abs(found.low) <= SAME * abs(found.high) else found.low
     low = rounded(least, not found.low_open)
-    open_low = found.low_open or least == 0.0  # a setting of 0 is none
-    less, most = "<" if open_low else "≤", "<" if found.high_open else "≤"
+    less, most = "<" if found.low_open else "≤", "<" if found.high_open else "≤"
     if not isfinite(found.high):
-        return f"{name} {'>' if open_low else '≥'} {_text(low)}"
+        return f"{name} {'>' if found.low_open else '≥'} {_text(low)}"
     return f"{_text(low)} {less} {name} {most} {_text(rounded(found.high, not found.high_open, down=True))}"
 
 
@@ -117,13 +116,11 @@ def _at_speed(value: float, symbol: str) -> str:
 
 def effect(before: Motion, after: Motion, blended: Blended) -> str:
     """What else of the motion comes to move otherwise, in a sentence."""
-    others = [(n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments]
-    was = {(s.curve, s.rise) for s in before.segments}
-    if not others:
+    if not any(s.rise and s not in blended.segments for s in after.segments):
         return "These curves and the dwells about them make the whole turn."
     if not any(s.rise for s in before.segments):
         return "Nothing else moves yet, so the same curves run backwards bring the follower back."
-    changed = next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+    changed = changed_beside(before, after, blended)
     if changed is None:
         return "The rest of the motion stays."
     n, segment = changed

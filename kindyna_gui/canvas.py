@@ -96,7 +96,7 @@ class Canvas(QGraphicsView):
 
     def look_again(self) -> None:
         """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
-        if self.fitted:
+        if self.fitted and not self._joint:  # under the hand the picture stays
             wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
             if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
                 self.look_at(wanted.center(), scale, keep_labels=True)
@@ -116,9 +116,14 @@ class Canvas(QGraphicsView):
         y = pixel.y() - self.viewport().height() / 2.0
         return self._centre + QPointF(x / self._scale, -y / self._scale)
 
+    def _drawn_at(self, pixel: QPointF) -> QPointF:
+        """The same of what Qt has drawn there: it puts the scene on whole pixels."""
+        inverse, _ = self.viewportTransform().inverted()
+        return inverse.map(pixel)
+
     def joint_at(self, pixel: QPointF) -> str:
         """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
-        at = self._place(pixel)
+        at = self._drawn_at(pixel)
         found = joints_now(self._scene)
         near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in found.items()}
         best = min(near, key=lambda name: near[name], default="")
@@ -143,7 +148,7 @@ class Canvas(QGraphicsView):
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._joint:
-            at = self._place(event.position())
+            at = self._drawn_at(event.position())
             self.dragged.emit(self._joint, complex(at.x(), at.y()))
             return
         if self._grip is None:
@@ -163,6 +168,7 @@ class Canvas(QGraphicsView):
         if self._joint and event.button() == Qt.MouseButton.LeftButton:
             name, self._joint = self._joint, ""
             self.dropped.emit(name)
+            self.look_again()
         elif event.button() in _GRIPS:
             self._grip = None
             self.setCursor(Qt.CursorShape.ArrowCursor)

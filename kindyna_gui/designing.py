@@ -94,12 +94,12 @@ class Designing(QObject):
 
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
-        from kindyna_gui.stability_shaft import flexible
+        from core.stability import flexible
 
         if self._elastic is None:
             try:
-                only_cams(self._session.design, NO_SHAFT)
-                changed = flexible(self._session.study)
+                design, study = only_cams(self._session.design, NO_SHAFT), self._session.study
+                changed = flexible(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.told.emit(str(error))
                 return

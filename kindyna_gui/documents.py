@@ -90,9 +90,9 @@ class Documents(QObject):
                 self._tell(f"{path.name} cannot be opened.", error)
 
     def begin(self, design: Design, name: str) -> None:
-        """Begin with a design that has no file yet."""
-        self._session.start(design)
-        self.told.emit(f"Began with {name}")
+        """Begin with a design that has no file yet; Undo brings the one before back."""
+        self._session.begin(design, f"Begin with {name}")
+        self.told.emit(f"Began with {name}; Undo brings the design before back")
 
     def _open(self, path: Path) -> bool:
         try:

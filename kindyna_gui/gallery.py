@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from math import ceil
 from pathlib import Path
 from types import MappingProxyType
 
@@ -31,7 +32,9 @@ from kindyna_gui.pictures.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.places import FIRST_EXAMPLE, example, examples
 from kindyna_gui.wording import choice_tip
 
-THUMB = QSize(168, 118)
+THUMB, SMALL_THUMB = QSize(168, 118), QSize(136, 96)  # the small ones where the screen has no room for all of the others
+MOST_COLUMNS = 8  # the layouts in one row
+BESIDE, BELOW = QSize(14, 44), QSize(60, 176)  # room for gaps and captions; of the dialog for margins, headings and buttons
 SAMPLES = 180  # of a thumbnail's turn
 _LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre")
 
@@ -114,18 +117,18 @@ def thumbnail(design: Design, size: QSize = THUMB, ratio: float = 1.0) -> QPixma
 class Pictures(QListWidget):
     """Pictures with captions, side by side; they are painted one after the other once the dialog is on the screen."""
 
-    def __init__(self, choices: list[Choice]) -> None:
+    def __init__(self, choices: list[Choice], thumb: QSize = THUMB) -> None:
         super().__init__()
-        self.choices = choices
+        self.choices, self._thumb = choices, thumb
         self.setViewMode(QListWidget.ViewMode.IconMode)
         self.setResizeMode(QListWidget.ResizeMode.Adjust)
         self.setMovement(QListWidget.Movement.Static)
-        self.setIconSize(THUMB)
-        self.setGridSize(QSize(THUMB.width() + 14, THUMB.height() + 44))
+        self.setIconSize(thumb)
+        self.setGridSize(thumb + BESIDE)
         self.setWordWrap(True)
         self.setUniformItemSizes(True)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
-        blank = QPixmap(THUMB)
+        blank = QPixmap(thumb)
         blank.fill(Qt.GlobalColor.white)
         for choice in choices:
             item = QListWidgetItem(QIcon(blank), choice.name, self)
@@ -138,20 +141,56 @@ class Pictures(QListWidget):
         if self._next >= len(self.choices):
             return False
         at, self._next = self._next, self._next + 1
-        self.item(at).setIcon(QIcon(thumbnail(self.choices[at].design(), ratio=self.devicePixelRatioF())))
+        self.item(at).setIcon(QIcon(thumbnail(self.choices[at].design(), self._thumb, self.devicePixelRatioF())))
         return True
 
 
-class Gallery(QDialog):
-    """Layouts above, linkages below; a double click or Enter chooses."""
+@dataclass(frozen=True)
+class Plan:
+    """How pictures are laid out: their size, how many stand beside each other, rows of each group."""
 
-    def __init__(self, parent: QWidget) -> None:
+    thumb: QSize
+    columns: int
+    rows: tuple[int, ...]
+
+    @property
+    def size(self) -> QSize:
+        """Of the dialog that shows them all."""
+        grid = self.thumb + BESIDE
+        return QSize(self.columns * grid.width(), sum(self.rows) * grid.height()) + BELOW
+
+
+def plan(room: QSize, counts: tuple[int, ...]) -> Plan:
+    """The largest pictures that can all be seen in a room [pixels], in as few columns as that takes; else the small ones,
+    in as many columns as there are."""
+    best = Plan(SMALL_THUMB, 1, counts)
+    for thumb in (THUMB, SMALL_THUMB):
+        for columns in range(2, MOST_COLUMNS + 1):
+            tried = Plan(thumb, columns, tuple(ceil(count / columns) for count in counts))
+            if tried.size.width() > room.width():
+                break
+            best = tried
+            if tried.size.height() <= room.height():
+                return tried
+    return best
+
+
+class Gallery(QDialog):
+    """Layouts above, linkages below; a double click or Enter chooses. room: of the screen, where None [pixels]."""
+
+    def __init__(self, parent: QWidget, room: QSize | None = None) -> None:
         super().__init__(parent)
         self.setWindowTitle("Choose a mechanism")
-        self.layouts, self.presets = Pictures(layouts()), Pictures(presets())
+        room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
+        above, below = layouts(), presets()
+        laid = plan(room, (len(above), len(below)))
+        self.layouts, self.presets = Pictures(above, laid.thumb), Pictures(below, laid.thumb)
         self.chosen: Choice | None = None
-        self.resize(5 * (THUMB.width() + 14) + 60, 820)
-        told = QLabel("The design begins with the lengths of the picture; it has no file until it is saved.")
+        self.resize(laid.size.boundedTo(room))
+        told = QLabel(
+            "The design begins with the lengths of the picture; it has no file until it is saved. "
+            "Undo brings the design before back."
+        )
         coloured(told, QUIET)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
@@ -160,9 +199,10 @@ class Gallery(QDialog):
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
-        for title, pictures in (("Layouts of the cam slider", self.layouts), ("Linkages", self.presets)):
+        groups = (("Layouts of the cam slider", self.layouts), ("Linkages", self.presets))
+        for (title, pictures), rows in zip(groups, laid.rows, strict=True):
             column.addWidget(QLabel(f"<b>{title}</b>"))
-            column.addWidget(pictures, 1)
+            column.addWidget(pictures, rows)
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())
         column.addWidget(told)

@@ -48,6 +48,7 @@ class MotionHead(QWidget):
     def _build(self, specs: list[Spec]) -> None:
         for field in self.fields.values():
             for widget in field.widgets():
+                widget.hide()  # it may be painted once more before it goes
                 widget.deleteLater()
             field.deleteLater()
         while self._row.count():

@@ -73,6 +73,21 @@ class ChangeDesign(QUndoCommand):
         return True
 
 
+class BeginDesign(QUndoCommand):
+    """Another design that has no file yet; undone, the one before comes back with its file."""
+
+    def __init__(self, session: Session, design: Design, text: str) -> None:
+        super().__init__(text)
+        self._session, self._after = session, design
+        self._before = (session.design, session.path)
+
+    def redo(self) -> None:
+        self._session._begin(self._after, None)
+
+    def undo(self) -> None:
+        self._session._begin(*self._before)
+
+
 class Session(QObject):
     """Owns the design and the undo stack.
 
@@ -108,7 +123,9 @@ class Session(QObject):
         self._study: Study | None = None
         self._at: tuple[float, Study] | None = None
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
+        self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
         self.stack.cleanChanged.connect(self.file_changed)
+        self.stack.indexChanged.connect(self._step_taken)
 
     # -- what views pull ----------------------------------------------------------------------------------
 
@@ -225,12 +242,26 @@ class Session(QObject):
 
     def start(self, design: Design, path: Path | None = None) -> None:
         """Begin with a design; path None: it has no file yet."""
-        self.path = path
         self.stack.clear()
+        self._unchanged = [(design, path)]
+        self._begin(design, path)
+
+    def begin(self, design: Design, text: str) -> None:
+        """Begin with a design that has no file yet, as a step that can be undone; text names it."""
+        self._unchanged.append((design, None))
+        self.stack.push(BeginDesign(self, design, text))
+
+    def _begin(self, design: Design, path: Path | None) -> None:
+        self.path = path
         self.choose_step(None)
         self.started.emit()
         self._show(design, restored=True)
         self.file_changed.emit()
+
+    def _step_taken(self, *_: object) -> None:
+        """What stands as its file has it, or as it was begun, asks for no saving, whichever way it was reached."""
+        if (self.design, self.path) in self._unchanged:
+            self.stack.setClean()
 
     def save(self, path: Path | None = None) -> None:
         """Write the design, to its own file where none is named. Raises FileError, DesignError."""
@@ -239,6 +270,7 @@ class Session(QObject):
             raise KindynaError("no file name; choose one")
         save(self.design, target)
         self.path = target
+        self._unchanged = [each for each in self._unchanged if each[1] != target] + [(self.design, target)]
         self.stack.setClean()
         self.end_gesture()
         self.file_changed.emit()

@@ -19,6 +19,7 @@ SHORT = {
     FROM_REST: "Nonlinear (13), from rest",
 }
 
+WORDS = {"model", "verdict"}  # columns that hold no numbers
 BRIEF = {APPROXIMATE: "(22)", EXACT: "(21)"}
 
 
@@ -100,7 +101,7 @@ def _cell(text: str, colour: str = "", right: bool = False) -> str:
 
 
 def _table(head: Sequence[str], rows: Sequence[str]) -> str:
-    top = "".join(f'<td style="color:{QUIET}">{escape(text)}&nbsp;&nbsp;</td>' for text in head)
+    top = "".join(_cell(text, QUIET, right=text not in WORDS) for text in head)
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
@@ -142,11 +143,10 @@ def shaft_text(found: Stiffness) -> str:
     """What a wanted speed asks of the shaft."""
     if found.allowed:
         return f"{speed(found.rpm)} rpm: the present {digits(found.now, 5)} N·m/rad keeps clear of every band."
-    inside = any(low <= found.now <= high for _, low, high in found.forbidden)
     softer = f" or at most {digits(found.softer, 5)}" if found.softer is not None else ""
     return (
         f"{speed(found.rpm)} rpm: at least {digits(found.stiffer, 5)} N·m/rad{softer}; "
-        f"the present {digits(found.now, 5)} stands {'in' if inside else 'too near'} a band."
+        f"the present {digits(found.now, 5)} stands {'in' if found.inside else 'too near'} a band."
     )
 
 

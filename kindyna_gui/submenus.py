@@ -21,11 +21,14 @@ if TYPE_CHECKING:
 
 
 def fill_new(window: MainWindow, menu: QMenu) -> None:
-    """A design of each kind."""
+    """A design of each kind, or a mechanism chosen by its picture."""
     for slug, row in FOLLOWER_KINDS.items():
         action = menu.addAction(row.label)
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
+    action = menu.addAction("Chosen by its picture...")
+    action.setStatusTip("Begin with a layout of the cam slider or with a linkage")
+    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.choose_mechanism))
 
 
 def fill_recent(window: MainWindow, menu: QMenu) -> None:

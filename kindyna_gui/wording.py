@@ -87,7 +87,8 @@ def value_text(value: Any, unit: Unit) -> str:
 
 def step_text(name: str, value: Any, unit: Unit) -> str:
     """The name of a step of the undo stack: ``Change rod L2 to 850 mm``."""
-    return f"Change {name[:1].lower()}{name[1:]} to {value_text(value, unit)}"
+    word = name[1:2].islower()  # and no letter: of a point, or of an angle
+    return f"Change {name[:1].lower() if word else name[:1]}{name[1:]} to {value_text(value, unit)}"
 
 
 def segment_of(path: str) -> int | None:
@@ -165,7 +166,8 @@ def name_of(design: Design, path: str) -> str:
             if head:
                 return f"{head}: {label}"
             return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
-    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links"}.get(path, path)
+    return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
+            "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}.get(path, path)
 
 
 def named(design: Design, text: str) -> str:

@@ -207,9 +207,17 @@ def _refined(curve: Curve, places: list[np.ndarray], measure: Callable[[np.ndarr
     return min(fx, fy)
 
 
+FOLD = 1e-4
+
+
 def lies_on_a_line(kind: Kind, kept: list[Asked], made: Motion) -> bool:
-    """Whether other motions beside it have the same settings: their growth is dependent there."""
+    """Whether other motions beside it have the same settings: their growth is dependent there.
+
+    Within FOLD of that (least singular value of the growths of unit length) a second motion with the same settings is
+    near, and the settings reach their ends: they are within FOLD² = 1e-8 of them, and rounding of 1e-13 moves the
+    motion by 1e-13 / FOLD = 1e-9.
+    """
     curve = Curve(kind, kept, made)
     rows = curve.slopes(curve.begin)
     size = np.linalg.norm(rows, axis=1)
-    return bool((size < 1e-9).any() or np.linalg.svd(rows / size[:, None], compute_uv=False)[-1] < 1e-6)
+    return bool((size < 1e-9).any() or np.linalg.svd(rows / size[:, None], compute_uv=False)[-1] < FOLD)

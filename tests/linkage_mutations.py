@@ -11,7 +11,6 @@ GROUP = MECHANISM + "test_a_group_is_solved_like_the_others"
 PARALLEL = MECHANISM + "test_a_parallelogram_stays_one_through_its_change_points"
 THROUGH = MECHANISM + "test_a_slider_goes_on_through_the_pivot"
 SWINGS = MECHANISM + "test_a_crank_that_cannot_turn_moves_between_two_dead_centres"
-DOUBT = MECHANISM + "test_the_stated_condition_bounds_the_error"
 DRAGGED = "tests/core/test_dragging.py::test_a_joint_of_any_linkage_lands_where_it_is_put"
 NEAR_END = MECHANISM + "test_near_a_dead_centre_errors_stay_below_condition_times_four_eps"
 REACTIONS = DYNAMICS + "test_every_reaction_is_a_multiplier_of_the_loop_equations"
@@ -28,6 +27,10 @@ CLOSED, ONE_PICTURE = POLYGON + "test_every_triangle_closes", POLYGON + "test_th
 ARMS = POLYGON + "test_directed_distances_give_the_ratio"
 LIFT_CAM = STUDY + "test_the_lift_seen_as_a_linkage_gets_the_lifts_cam"
 RATES = STUDY + "test_rates_are_by_time_with_the_cranks_sense"
+
+DRAGGING, DRIVERS = (f"tests/core/test_{name}.py::" for name in ("dragging", "linkage_drivers"))
+LANDS = DRAGGING + "test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay"
+LEADS = DRIVERS + "test_whatever_leads_the_linkage_goes_on_from_where_it_stands"
 
 LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/mechanism/dyads.py": [
@@ -71,11 +74,13 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if (gap(place + scale", "if True or (gap(place + scale", MECHANISM + "test_a_gap_between_samples_is_found"),
     ],
     "core/mechanism/ranges.py": [
+        ("(low * right + high * left) / (left + right)", "(low * left + high * right) / (left + right)",
+         PROOF + "test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle"),
         ("for sign in (1.0, -1.0):", "for sign in ():", MECHANISM + "test_a_gap_between_samples_is_found"),
         ("good, bad = np.where(moving & keeps, middle, good)", "good, bad = np.where(moving & ~keeps, middle, good)", SWINGS),
     ],
     "core/mechanism/rounding.py": [
-        ("closed.reach * (2.0 +", "1e-3 * closed.reach * (2.0 +", DOUBT),
+        ("closed.reach * (2.0 +", "1e-3 * closed.reach * (2.0 +", PROOF + "test_the_stated_doubt_counts_the_rods_themselves"),
     ],
     "core/mechanism/grashof.py": [
         ("if surplus > 0.0:", "if surplus < 0.0:", MECHANISM + "test_a_four_bar_turns_where_grashof_says_so"),
@@ -86,16 +91,36 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("if turns_fully and locked:", "if turns_fully and not locked:",
          PROOF + "test_dead_centres_open_ranges_and_circuits_are_told_with_their_angles"),
         ("at = degrees(change.at) if", "at = change.at if", PROOF + "test_change_points_are_told_where_the_circuits_meet"),
-        ("lowest < degrees(AT_DEAD_CENTRE)", "lowest < 0.0", PROOF + "test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle"),
     ],
     "core/mechanism/assembly.py": [
-        ("z[0] + held.point * pose.unit", "z[0] + 1.01 * held.point * pose.unit", PROOF + "test_newtons_residual_stands_in_the_certificate"),
+        ("z[0] + held.point * pose.unit", "z[0] + 1.01 * held.point * pose.unit",
+         PROOF + "test_newtons_residual_stands_in_the_certificate"),
         ("found[f\"slide{joint.name}\"] = _slide(bodies, joint)", "found[f\"slide{joint.name}\"] = -_slide(bodies, joint)",
          STUDY + "test_the_columns_of_the_six_bar_hold_what_their_names_say"),
         ("travel = forward / np.abs(forward)", "travel = 1j * forward / np.abs(forward)", LIFT_CAM),
     ],
     "core/mechanism/dragging.py": [
         ("(to - origin) * axis.conjugate()", "(to - origin) * axis", DRAGGED),
+        ("places[name] = (to - origin)", "places[name] = (to + origin)", DRAGGING + "test_a_joint_of_any_linkage_lands_where_it_is_put"),
+        ("return old + axis * ((to - old)", "return old + axis * ((to + old)", DRAGGING + "test_a_point_that_slides_keeps_to_its_guide"),
+        ("return start + along * ((to - start)", "return start - along * ((to - start)",
+         DRAGGING + "test_a_point_of_the_crank_keeps_to_its_line"),
+    ],
+    "core/linkage/dragging.py": [
+        ("base.alpha - phi - g.guide_angle", "base.alpha - phi + g.guide_angle", DRAGGING + "test_a_turned_guide_is_followed"),
+        ("(arm * end.conjugate()).imag", "(arm.conjugate() * end).imag", LANDS),
+        ("end.real - float(train.motion.y[0, 0])", "end.real + float(train.motion.y[0, 0])", LANDS),
+        ("start.real > l1 * math.cos(phi)", "start.real < l1 * math.cos(phi)", LANDS),
+        ("base.phi + fixed + g.guide_angle", "base.phi - fixed + g.guide_angle", LANDS),
+        ("(first / -pivot).imag < 0.0", "(first / -pivot).imag > 0.0", LANDS),
+        ("place.real - float(train.motion.y[0, 0])", "place.real",
+         DRAGGING + "test_the_roller_of_a_translating_follower_lands_where_it_is_put"),
+    ],
+    "core/mechanism/drivers.py": [
+        ("product((1, -1), repeat", "product((1,), repeat", LEADS),
+        ("min(max(place, low), high), low, high)", "place, place - 3.0, place + 3.0)", LEADS),
+        ("least = _NEAR * (here.high - here.low)", "least = -1.0", DRIVERS + "test_a_link_at_its_dead_centre_leads_nothing"),
+        ("if ahead >= behind else -1.0", "if ahead < behind else -1.0", DRIVERS + "test_a_first_motion_goes_as_far_as_the_linkage_lets_it"),
     ],
     "core/instant_centres/linkage.py": [
         ("+ 1j * (b.z[1] - a.z[1])", "- 1j * (b.z[1] - a.z[1])", ONE_VELOCITY),
@@ -111,7 +136,8 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("own.weight * above / (other.weight * below)", "other.weight * above / (own.weight * below)", RATIOS),
         ("np.where(ratio < 0.0, -body_arm, body_arm)", "body_arm", ARMS),
         ("to_base / (common.weight * other.weight)", "to_base / (common.weight * own.weight)", ARMS),
-        ("np.where(own.far(table.size), np.inf,", "np.where(False, np.inf,", LECTURE + "test_the_lectures_way_through_the_six_bar"),
+        ("np.where(own.far(table.size), np.inf,", "np.where(False, np.inf,",
+         POLYGON + "test_a_coupler_that_does_not_turn_has_an_infinite_arm"),
         ("return key in table.primary and bool(", "return key not in table.primary and bool(",
          LECTURE + "test_the_lectures_way_through_the_six_bar"),
         ("return 1.0 / angular_ratio(table, output, driver)", "return angular_ratio(table, output, driver)",

@@ -3,6 +3,7 @@
 COEFFICIENTS, FOURIER, TONGUES, MONODROMY, WINDUP, SPEEDS = (
     f"tests/core/test_stability_{name}.py::" for name in ("coefficients", "fourier", "tongues", "monodromy", "windup", "speeds")
 )
+FIGURES, CLI = "tests/core/test_stability_figures.py::", "tests/core/test_stability_cli.py::"
 KIM = "tests/validation/test_kim_1990.py::"
 
 BODIES = COEFFICIENTS + "test_inertia_and_load_of_a_train_are_those_of_its_bodies[c-2.5]"
@@ -27,11 +28,17 @@ TURN = MONODROMY + "test_one_turn_is_that_of_thirty_digits"
 SLOPE = MONODROMY + "test_the_slope_is_the_derivative_by_eta[kim]"
 LIOUVILLE = MONODROMY + "test_the_determinant_is_liouvilles[kim]"
 OTHER = WINDUP + "test_the_wind_up_is_that_of_another_integrator"
-BACK = OTHER + "[2.0-0.05-0.0-12.0]"
 DIFFERENCES = WINDUP + "test_the_derivatives_of_a_turn_are_differences_of_turns"
 OWN = WINDUP + "test_the_contact_force_is_that_of_the_followers_own_motion"
 BANDS = SPEEDS + "test_bands_are_tongues_as_speeds_with_their_largest_growth[kim]"
 CLEAR = SPEEDS + "test_the_stiffness_that_is_told_keeps_clear_and_what_is_forbidden_grows"
+LEAVES = KIM + "test_the_follower_leaves_the_cam_where_another_integrator_says"
+REPEATS = WINDUP + "test_a_steady_response_repeats_and_its_matrix_is_its_stability"
+LIMITS = SPEEDS + "test_the_own_speed_among_the_bands_is_told"
+CLAIMS = KIM + "test_one_command_prints_the_papers_claims_against_ours"
+EACH = FIGURES + "test_means_are_those_of_each_history"
+DASHED = FIGURES + "test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost"
+REACHED = FIGURES + "test_the_certificate_and_the_report_say_what_error_was_reached"
 ELEVEN = KIM + "test_the_eleven_by_eleven_matrix_is_the_papers"
 
 MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
@@ -117,20 +124,24 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/stability/march.py": [
         ("(here[:, 1] - there[:, 1]) / speed", "(there[:, 1] - here[:, 1]) / speed", DIFFERENCES + "[0.0-parabolic]"),
-        ("self._leave(state, at, 2 * near - 1)", "self._leave(state, at, 1 - 2 * near)", BACK),
-        ("left = outside.any(axis=1)", "left = outside.all(axis=1)", BACK),
+        ("left = outside.any(axis=1)", "left = outside.all(axis=1)", OTHER + "[0.9-0.4-0.0-3.0]"),
+        ("(old + way) // count", "(old - way) // count", OTHER + "[2.0-0.05-0.0-12.0]"),
         ("right[..., 2] += by_eta", "right[..., 2] -= by_eta", DIFFERENCES + "[0.0-kim]"),
     ],
     "core/stability/windup.py": [
         ("- 2.0 * pi * self.eta**2 * beta", "+ 2.0 * pi * self.eta**2 * beta", OWN),
         ("acceleration = -(push", "acceleration = (push", OWN),
         ("3.0 * (b - a) - 2.0 * u - v", "3.0 * (b - a) - 2.0 * u + v", WINDUP + "test_the_averages_are_those_of_many_samples"),
+        ("before = i - 1 if", "before = i if", LEAVES + "[12-3.30185]"),
+        ("self.force(np.array([middle]))[0] < 0.0", "self.force(np.array([middle]))[0] > 0.0", LEAVES + "[11-2.27504]"),
         ("moves & (force < 0.0)", "moves & (force < -0.5)", WINDUP + "test_the_follower_leaves_the_cam_where_the_force_first_vanishes"),
     ],
     "core/stability/orbit.py": [
         ("np.eye(2) - matrix, miss", "np.eye(2) + matrix, miss", WINDUP + "test_as_the_load_vanishes_the_last_word_is_that_of_21"),
+        ("self.growth <= TOLERANCE", "self.growth > TOLERANCE", REPEATS + "[1.5-0.05]"),
+        ("np.linalg.solve(np.eye(2) - matrix, miss)", "np.linalg.solve(np.eye(2) - matrix, -miss)", REPEATS + "[0.85-0.1]"),
         ("np.cross(slopes[0] / SCALE, slopes[1] / SCALE)", "np.cross(slopes[0] / SCALE, slopes[1])",
-         WINDUP + "test_the_branch_of_steady_responses_goes_through_its_fold"),
+         WINDUP + "test_along_the_tangent_of_a_branch_nothing_changes"),
     ],
     "core/stability/speeds.py": [
         ("self.natural * RPM / eta", "self.natural / RPM / eta", BANDS),
@@ -142,5 +153,42 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/stability/paper.py": [
         ("return np.diag(r * r).astype(complex) - toeplitz", "return np.diag(r * r).astype(complex) + toeplitz", ELEVEN + "[False]"),
         ("(0.5 if half else 0.0)", "(-0.5 if half else 0.0)", ELEVEN + "[True]"),
+    ],
+    "core/stability/means.py": [
+        ("np.tile(eta, rows.size), np.repeat(rows, eta.size)", "np.repeat(eta, rows.size), np.tile(rows, eta.size)", EACH),
+        ("h.loses_contact for h in gone", "h.turned_back is not None for h in gone", CLI + "test_the_tables_hold_what_their_columns_say"),
+        ("history.ended == periods else", "history.ended > 0.0 else", FIGURES + "test_what_cannot_be_followed_has_no_mean"),
+        ("min(round((eta_max - FIRST_ETA) / STEP), MOST)", "round((eta_max - FIRST_ETA) / STEP)",
+         FIGURES + "test_a_far_chart_has_no_more_means_than_a_near_one"),
+    ],
+    "core/stability/figures.py": [
+        ("np.where(lost, np.nan, row)", "np.where(lost, row, np.nan)", DASHED),
+        ("lost | np.append(lost[1:], False) | np.append(False, lost[:-1])", "lost", DASHED),
+        ("Curve(y, gone.at(y)[0]", "Curve(y, gone.at(y)[1]", FIGURES + "test_a_history_is_marked_where_the_follower_leaves_the_cam"),
+        ("_by_contact(found, found.slope)", "_by_contact(found, found.wind_up)", DASHED),
+        ("DEGREES[:-1]), len(TERMS)", "-DEGREES[:-1] % 360.0), len(TERMS)", FIGURES + "test_terms_are_kims"),
+    ],
+    "core/stability/stage.py": [
+        ("if last is None or last[0] != key:", "if last is None:", FIGURES + "test_the_last_history_is_kept_and_no_other"),
+        ("max(ETA_MAX, min(BEYOND", "min(ETA_MAX, min(BEYOND", FIGURES + "test_the_chart_reaches_as_far_as_the_machine"),
+        ("np.nanmax(self.exact.error, initial=0.0)", "np.nanmin(self.exact.error, initial=0.0)", REACHED),
+        ("[times * m.q for times in TIMES]", "[times for times in TIMES]",
+         FIGURES + "test_the_rows_of_a_machine_are_kims_where_its_q_is_kims"),
+    ],
+    "core/stability/limits.py": [
+        ("ERROR if band.growth >= NOTICEABLE", "ERROR if band.growth < NOTICEABLE", LIMITS),
+        ("b.distance(rpm) <= CLEAR", "b.distance(rpm) > CLEAR", LIMITS),
+    ],
+    "core/stability/chart.py": [
+        ("np.floor(2.0 * eta_max + 1e-9)", "np.floor(eta_max + 1e-9)", SPEEDS + "test_marked_rows_are_in_sight"),
+        ("[[0.5 * n, 0.0]]", "[[1.0 * n, 0.0]]", SPEEDS + "test_the_chart_is_edges_and_the_machine_stands_in_it"),
+    ],
+    "core/stability/guess.py": [
+        ("largest / USUAL_Q", "largest * USUAL_Q", FIGURES + "test_a_first_guess_is_a_usual_shaft"),
+        ("(USUAL_ETA * omega) ** 2", "USUAL_ETA * omega**2", FIGURES + "test_a_first_guess_is_a_usual_shaft"),
+    ],
+    "core/stability/claims.py": [
+        ("first.wind_up[first.q <= TWICE]", "first.wind_up[first.q > TWICE]", CLAIMS),
+        ("np.abs(rows[LOAD_SLOPE] - slope)", "0.0 * np.abs(rows[LOAD_SLOPE] - slope)", CLI + "test_claims_are_about_kims_cam_only"),
     ],
 }  # fmt: skip

@@ -154,3 +154,39 @@ def by_runge_kutta(eta: float, q: float, damping: float, periods: float) -> Run:
         y, state = float(run.t[-1]), run.y[:, -1].tolist()
         half += int(run.t_events[0].size) - int(run.t_events[1].size)
     return Run(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def plain_force(eta: float, q: float, theta: float, beta: float, rate: float) -> float:
+    """(3) for the moving cam, M Ẍ + K_v X with K_v = a M X''m ω²/X_m, by M X''m ω²; no line of the program in it."""
+    x, x1, x2 = (1.0 - np.cos(2.0 * theta)) / 2.0, np.sin(2.0 * theta), 2.0 * np.cos(2.0 * theta)
+    acceleration = -push(eta, q, 0.0, theta, beta, rate) / (2.0 * np.pi)
+    return (x2 * (1.0 - rate) ** 2 + x1 * acceleration) / 2.0 + 1.5 * x
+
+
+@cache
+def leaves_cam(eta: float, q: float, until: float) -> float | None:
+    """The first y at which that force falls through zero while the cam moves the follower, by another integrator."""
+    from scipy.integrate import solve_ivp
+
+    run = by_runge_kutta(eta, q, 0.0, until)
+    moving = np.flatnonzero(np.isfinite(run.theta) & (run.theta > 0.0))
+    force = np.array([plain_force(eta, q, run.theta[i], run.beta[i], run.rate[i]) for i in moving])
+    bad = np.flatnonzero(force < 0.0)
+    if bad.size == 0:
+        return None
+    last = moving[bad[0]] - 1
+    offset = 2.0 * np.pi * (run.y[last] - run.beta[last]) - run.theta[last]
+
+    def angle(y: float, s: np.ndarray) -> float:
+        return float(2.0 * np.pi * (y - s[0]) - offset)
+
+    def crossing(y: float, s: np.ndarray) -> float:
+        return plain_force(eta, q, angle(y, s), s[0], s[1])
+
+    def rates(y: float, s: np.ndarray) -> list[float]:
+        return [s[1], push(eta, q, 0.0, angle(y, s), s[0], s[1])]
+
+    crossing.terminal = True  # type: ignore[attr-defined]
+    start = [run.beta[last], run.rate[last]]
+    found = solve_ivp(rates, (run.y[last], run.y[last] + 0.1), start, "DOP853", events=crossing, rtol=1e-12, atol=1e-14)
+    return float(found.t_events[0][0])

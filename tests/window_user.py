@@ -8,17 +8,19 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import QDeadlineTimer, Qt
+from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
 
 from core.design import Design
 from kindyna_gui import dialogs
+from kindyna_gui.canvas import Canvas
 from kindyna_gui.dialogs import Answer
 from kindyna_gui.fields import Field
 from kindyna_gui.forms import ParametersView
 from kindyna_gui.main_window import MainWindow
+from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.segments_view import SegmentsView
 from kindyna_gui.session import Session
@@ -51,6 +53,11 @@ Open = Callable[..., "User"]
 
 def _not_foreseen(question: str, *_: Any) -> None:
     raise AssertionError(f"{question}: nobody has said what the user would answer")
+
+
+def pixel(canvas: Canvas, at: complex) -> QPoint:
+    """The pixel of a place of the drawing [mm]."""
+    return canvas.viewportTransform().map(QPointF(at.real, at.imag)).toPoint()
 
 
 class User:
@@ -170,6 +177,24 @@ class User:
         self.type(text)
         self.press(Qt.Key.Key_Return)
         wait_for(lambda: view.table.state() != QAbstractItemView.State.EditingState)
+
+    # -- the drawing --------------------------------------------------------------------------------------
+
+    def drawing(self) -> MechanismView:
+        view = self.window.view("mechanism")
+        assert isinstance(view, MechanismView)
+        view.pull()
+        return view
+
+    def drag(self, start: complex, end: complex) -> None:
+        """Draw with the left button from one place of the drawing to another [mm]."""
+        canvas = self.drawing().canvas
+        one, other = pixel(canvas, start), pixel(canvas, end)
+        QTest.mousePress(canvas.viewport(), Qt.MouseButton.LeftButton, pos=one)
+        for part in (0.3, 0.7, 1.0):
+            QTest.mouseMove(canvas.viewport(), one + (other - one) * part)
+        QTest.mouseRelease(canvas.viewport(), Qt.MouseButton.LeftButton, pos=other)
+        settle()
 
     # -- questions ----------------------------------------------------------------------------------------
 

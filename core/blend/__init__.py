@@ -18,12 +18,13 @@ from core.blend.range import Range
 from core.blend.ranges import feasible_range, feasible_ranges
 from core.blend.request import Blended, BlendError, Request, candidates
 from core.blend.solver import Problem
-from core.blend.wishes import SETTINGS, Wish
+from core.blend.wishes import MAY_VANISH, SETTINGS, Wish
 
 __all__ = [
     "CONSTANT_VELOCITY",
     "ELEMENTS",
     "GOALS",
+    "MAY_VANISH",
     "MOTION_TYPES",
     "SETTINGS",
     "BlendError",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 ALIKE = 1e-9  # two stretches that are nearer to each other are one
-NOTHING = 1e-14  # a share of the upper end that is none
+NOTHING = 1e-12  # a share of the upper end that is none
 TIED = 1e-12  # values that are the same but for rounding
 
 

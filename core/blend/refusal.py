@@ -11,7 +11,7 @@ from core.blend.curves import sequences
 from core.blend.openings import dependent, determining, new_settings, openings
 from core.blend.range import Range, hull
 from core.blend.ranges import ranges_by
-from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, renamed, wish_of
+from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, names_of, renamed, wish_of
 from core.blend.wishes import POINT, SETTINGS, Wish, hardest_first
 
 
@@ -45,7 +45,7 @@ def _redundant(request: Request, fitting: Sequence[Candidate], wishes: Sequence[
             others = [w for w in wishes if w is not wish]
             by = determining(request, candidate, wish, others)
             ranges = ranges_by(request, [candidate], by, wish) if by is not None else []
-            if by is not None and ranges:
+            if by is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
                 name, unit = _name(request, wish), _unit(request, wish.name)
                 cause = f" by {', '.join(_named(request, w) for w in by)}" if by else ""
                 values = " or ".join(f"{r.low:.9g}" for r in ranges)
@@ -100,7 +100,7 @@ def _told(request: Request, wish: Wish, ranges: Sequence[Range], beside: Sequenc
     tail = f" beside {others}" if others else ""
     name, allowed = _name(request, wish), hull(ranges)
     text = f"{_named(request, wish)} {unit} is not feasible{tail}"
-    if isfinite(allowed[1]) and allowed[1] - allowed[0] <= SAME * max(map(abs, allowed)):
+    if _is_one(*allowed):
         text = f"{_named(request, wish)} {unit}: determined already{tail}: {allowed[0]:.9g} {unit}; set another one"
         return BlendError(text, name, allowed)
     told = " or ".join(range_text(r, name) for r in ranges)
@@ -108,6 +108,11 @@ def _told(request: Request, wish: Wish, ranges: Sequence[Range], beside: Sequenc
         text = f"{_named(request, wish)} {unit}: many motions have it{tail}: it leaves them undetermined"
         return BlendError(f"{text}; set another one, or one within {told} {unit}", name, allowed)
     return BlendError(f"{text}; feasible: {told} {unit}", name, allowed)
+
+
+def _is_one(low: float, high: float) -> bool:
+    """Whether there is but one value."""
+    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
 def _is_well_within(found: Range, value: float) -> bool:
@@ -134,11 +139,17 @@ def wrong_number(request: Request) -> BlendError:
     """How many settings each sequence takes and which of them are still open, or which sequences there are."""
     rows = candidates(request)
     if not rows:
-        known = " | ".join(str(s) for s in sequences(request.type, request.constant))
-        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {known}")
-    counts = sorted({(c.freedom, str(c.sequence)) for c in rows})
+        told = " | ".join(str(s) for s in sequences(request.type, request.constant))
+        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {told}")
+    counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
     given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
+    known = set().union(*(names_of(c) for c in rows))
+    strange = [name for name in request.settings if renamed(request, name) not in known]
+    if strange:
+        allowed = " | ".join(_spelt(request, name) for name in SETTINGS if name in known)
+        text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
+        return BlendError(text, strange[0])
     named = {name for opening in openings(request) for name in opening.settings}
     more = f"; still open: {', '.join(_spelt(request, n) for n in SETTINGS if n in named)}" if named else ""
     return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")

@@ -8,10 +8,10 @@ from functools import lru_cache
 from math import isfinite
 from types import MappingProxyType
 
-from core.blend.curves import CONSTANT_VELOCITY, MOTION_TYPES, Sequence, sequences
+from core.blend.curves import CONSTANT, CONSTANT_VELOCITY, MOTION_TYPES, Sequence, sequences
 from core.blend.family import Family, Solution, Task
 from core.blend.solver import Problem
-from core.blend.wishes import POINT, SETTINGS, Wish
+from core.blend.wishes import MAY_VANISH, POINT, SETTINGS, Wish
 from core.design import Named, Segment
 from core.errors import KindynaError
 
@@ -23,6 +23,7 @@ _MIRRORED_SETTING = {
     "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
 }  # fmt: skip
 _OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
+ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
 
 
@@ -154,12 +155,17 @@ def require_sense(request: Request) -> None:
             f"start {request.start:g} deg, end {request.end:g} deg: outside their range; "
             "allowed: 0 <= start < end <= 360 deg"
         )
+    meant: dict[str, str] = {}
     for name, value in request.settings.items():
         if name not in SETTINGS:
             raise BlendError(f"{name}: unknown setting; allowed: {' | '.join(SETTINGS)}")
-        if not 0.0 < value < 1e100:
+        other = meant.setdefault(renamed(request, name), name)
+        if other != name:
+            raise BlendError(f"{other}, {name}: two names of one setting where there is only a return; give one", name)
+        least = ">=" if name in MAY_VANISH else ">"
+        if not 0.0 <= value < 1e100 or (value == 0.0 and name not in MAY_VANISH):
             unit = UNITS.get(name, "{u}").format(u=request.unit)
-            raise BlendError(f"{name} = {value:g}: outside its range; allowed: > 0 {unit}", name)
+            raise BlendError(f"{name} = {value:g}: outside its range; allowed: {least} 0 {unit}", name)
     for at, value in request.points:
         if not (request.start < at < request.end and isfinite(value)):
             raise BlendError(
@@ -192,8 +198,8 @@ def wishes_of(request: Request) -> list[Wish]:
     ]
 
 
-def means_something(candidate: Candidate, wishes: Iterable[Wish]) -> bool:
-    """Whether every wish is of a curve that the candidate has."""
+def names_of(candidate: Candidate) -> set[str]:
+    """What can be wished of the curves that a candidate has."""
     rise, back = candidate.sequence.rise, candidate.sequence.back
     names = {"acceleration", POINT}
     if len(rise) > 1:
@@ -202,7 +208,12 @@ def means_something(candidate: Candidate, wishes: Iterable[Wish]) -> bool:
         names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
     if rise and back:
         names.add("peak")
-    return {w.name for w in wishes} <= names
+    return names
+
+
+def means_something(candidate: Candidate, wishes: Iterable[Wish]) -> bool:
+    """Whether every wish is of a curve that the candidate has."""
+    return {w.name for w in wishes} <= names_of(candidate)
 
 
 def task_of(request: Request, candidate: Candidate) -> Task:
@@ -245,9 +256,10 @@ def _ordered(candidate: Candidate, solution: Solution) -> tuple[Solution, tuple[
         heights, spans, speed, back_speed = heights[::-1], spans[::-1], back_speed, speed
     shown = Solution(candidate.sequence, heights, spans, speed, back_speed)
     rises = len(candidate.sequence.rise)
+    none = ROUNDING * sum(spans)
     segments = tuple(
         Segment(span, height if i < rises else -height, Named(name.lower()))
         for i, (name, height, span) in enumerate(zip(candidate.sequence.curves, heights, spans, strict=True))
-        if span > 0.0
+        if span > (none if name in CONSTANT else 0.0)
     )
     return shown, segments

@@ -11,6 +11,8 @@ from core.blend.polynomials import ONE, minus, scaled, whole
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
+MAY_VANISH = ("h2", "h5", "length")
+"""What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
 BENT = ("acceleration", POINT)
 """What is not linear in the linear numbers of a family."""

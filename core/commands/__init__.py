@@ -7,17 +7,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
+    from core.centring import Snapshot
     from core.stability import Chart, Figure
     from core.study import Study
 
 DONE, DONE_WITH_ERRORS, NOTHING_DONE = 0, 1, 2
 """Exit codes: done; done and all files written, but a finding is an error; nothing done."""
 
-Painter = Callable[["Study | Chart | Figure"], Mapping[str, bytes]]
-"""Paints a study, or a chart or another figure of stability: file name -> content."""
+Drawn: TypeAlias = "Study | Snapshot | Chart | Figure"
+"""What can be painted: a study, a linkage at one angle, a chart or another figure of stability."""
+
+Painter = Callable[[Drawn], Mapping[str, bytes]]
+"""Paints it: file name -> content."""
 
 
 @dataclass(frozen=True)

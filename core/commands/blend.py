@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
-from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, Request, best, blend
+from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
 from core.commands import DONE, Painter
-from core.making import blend_text, curves_data, into_design
+from core.making import beside_text, blend_text, curves_data, into_design
 from core.project import load, save
 from core.summary import to_json
 
@@ -18,6 +19,23 @@ def _setting(text: str) -> tuple[str, float]:
         return name, float(value)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r}: must be NAME=NUMBER, one of {' | '.join(SETTINGS)}") from None
+
+
+def _point(text: str) -> tuple[float, float]:
+    angle, _, level = text.partition("=")
+    try:
+        return float(angle), float(level)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be ANGLE=DISPLACEMENT, two numbers") from None
+
+
+def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
+    """By name; raises BlendError where a name is given two values."""
+    found = dict(given)
+    for name, value in given:
+        if value != found[name]:
+            raise BlendError(f"{name} = {value:g}, {name} = {found[name]:g}: a setting has one value; give one", name)
+    return found
 
 
 def words(parser: argparse.ArgumentParser) -> None:
@@ -37,6 +55,14 @@ def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=" | ".join(SETTINGS)
     )
+    parser.add_argument(
+        "--point",
+        action="append",
+        default=[],
+        type=_point,
+        metavar="DEG=S",
+        help="a displacement to pass at a cam angle, above the lowest; counts as a setting",
+    )
     parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
     parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
     parser.add_argument("--unit", choices=("mm", "deg"), default="mm")
@@ -55,13 +81,18 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
         start=words.start,
         end=words.end,
         constant=constant,
-        settings=dict(words.set),
+        settings=_settings(words.set),
         return_stroke=words.return_stroke,
+        points=tuple(words.point),
         sequence=words.sequence,
         unit=words.unit,
     )
     found = best(request, words.best) if words.best else blend(request)
+    beside = ""
     if words.into is not None:
-        save(into_design(load(words.into), found), words.into)
-    print(to_json(curves_data(found)) if words.json else blend_text(found), end="")
+        before = load(words.into)
+        made = into_design(before, found)
+        save(made, words.into)
+        beside = beside_text(before, made, found)
+    print(to_json(curves_data(found)) if words.json else blend_text(found) + beside, end="")
     return DONE

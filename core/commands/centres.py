@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import math
 
-from core.centring import centres_data
+from core.centring import centres_data, snapshot
 from core.commands import DONE, Painter
-from core.commands.common import design_file
+from core.commands.common import design_file, folder, pictures
+from core.files import write_all
 from core.project import load
 from core.study import Study
 from core.summary import to_json
@@ -16,6 +17,7 @@ from core.summary import to_json
 def words(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
     parser.add_argument("--angle", type=_angle, required=True, metavar="DEG", help="of the driver")
+    parser.add_argument("--out", type=folder, metavar="DIR", help="also write them there, with pictures")
 
 
 def _angle(text: str) -> float:
@@ -29,6 +31,12 @@ def _angle(text: str) -> float:
 
 
 def run(words: argparse.Namespace, painter: Painter | None) -> int:
-    """Instant centres and velocities of a linkage at one position, as JSON."""
-    print(to_json(centres_data(Study(load(words.design)), words.angle)), end="")
+    """Instant centres and velocities of a linkage at one position, as JSON; with a folder also drawn."""
+    study = Study(load(words.design))
+    text = to_json(centres_data(study, words.angle))
+    if words.out is not None:
+        made: dict[str, str | bytes] = {"centres.json": text}
+        made.update(pictures(snapshot(study, words.angle), painter))
+        write_all(words.out, made)
+    print(text, end="")
     return DONE

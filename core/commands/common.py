@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from core.commands import DONE, DONE_WITH_ERRORS
+from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
 from core.findings import ERROR
 from core.study import SAMPLES, Study
 
@@ -45,3 +46,11 @@ def design_and_samples(parser: argparse.ArgumentParser) -> None:
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     """The exit code: whether a finding of the stages (all where none is named) is an error."""
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
+
+
+def pictures(drawn: Drawn, painter: Painter | None) -> Mapping[str, bytes]:
+    """File name -> content; where nobody paints, that is said."""
+    if painter is None:
+        print("pictures left out: they need kindyna --headless", file=sys.stderr)
+        return {}
+    return painter(drawn)

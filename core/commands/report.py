@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Mapping
 
 from core.commands import Painter
-from core.commands.common import design_and_samples, folder, verdict
+from core.commands.common import design_and_samples, folder, pictures, verdict
 from core.export import files
 from core.files import write_all
 from core.project import load
@@ -26,14 +24,7 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     text = report(study)
     if words.out is not None:
         made: dict[str, str | bytes] = {"report.txt": text, "summary.json": files(study)["summary.json"]}
-        made.update(_pictures(study, painter))
+        made.update(pictures(study, painter))
         write_all(words.out, made)
     print(text, end="")
     return verdict(study)
-
-
-def _pictures(study: Study, painter: Painter | None) -> Mapping[str, bytes]:
-    if painter is None:
-        print("pictures left out: they need kindyna --headless", file=sys.stderr)
-        return {}
-    return painter(study)

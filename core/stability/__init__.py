@@ -7,7 +7,7 @@ from core.stability.contact import Contact, contact
 from core.stability.edges import refined, tongues
 from core.stability.equations import APPROXIMATE, EQUATIONS, EXACT
 from core.stability.figures import Curve, Figure, Plot, averages_plots, coefficients_plot, contact_marks, history_plot
-from core.stability.guess import first_guess
+from core.stability.guess import first_guess, flexible
 from core.stability.limits import findings
 from core.stability.means import TIMES, Averages, mean_wind_up
 from core.stability.monodromy import Monodromy, monodromy
@@ -23,6 +23,6 @@ __all__ = [
     "Claim", "Coefficients", "Contact", "Curve", "Figure", "History", "Machine", "Monodromy", "Orbit", "Plot",
     "Stability", "Stiffness", "Tongues", "Verdict", "averages_plots", "bands", "branch", "chart",
     "claims", "coefficients", "coefficients_plot", "contact", "contact_marks", "count_up_to", "findings",
-    "first_guess", "harmonic_tongues", "histories", "history", "history_plot", "mean_wind_up", "monodromy", "orbit",
+    "first_guess", "flexible", "harmonic_tongues", "histories", "history", "history_plot", "mean_wind_up", "monodromy", "orbit",
     "refined", "shoot", "stability", "stiffness_for", "tongues", "tongues_of_order", "verdicts",
 ]  # fmt: skip

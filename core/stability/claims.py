@@ -203,7 +203,7 @@ def _figure(found: Stability, figure: tuple[int, float, float, bool], gone: Hist
     return Claim(
         f"Fig. {number}",
         f"η = {eta:.2f}, Q = {q:.2f} is {'stable' if stable else 'unstable'}",
-        f"{told}; from rest max |β| = {rest.largest:.6f} in 30 turns{lost}",
+        f"{told}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}",
         AGREES if verdicts[-1].stable == stable else DIFFERS,
     )
 

@@ -61,6 +61,6 @@ def mean_wind_up(
     )
     whole = [history.averages() if history.ended == periods else (np.nan, np.nan) for history in gone]
     means = np.array(whole).T.reshape(2, *shape)
-    lost = None if contact is None else np.array([h.contact_lost is not None for h in gone]).reshape(shape)
+    lost = None if contact is None else np.array([h.loses_contact for h in gone]).reshape(shape)
     turned = np.array([h.turned_back is not None for h in gone]).reshape(shape)
     return Averages(eta, rows, means[0], means[1], lost, turned, periods)

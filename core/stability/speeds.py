@@ -157,6 +157,11 @@ class Stiffness:
     stiffer: float
     softer: float | None
 
+    @property
+    def inside(self) -> bool:
+        """The machine's own stiffness lies in a forbidden band; else at most too near one."""
+        return any(low <= self.now <= high for _, low, high in self.forbidden)
+
 
 def stiffness_for(coefficients: Coefficients, machine: Machine, rpm: float, count: int) -> Stiffness:
     """How stiff the shaft must be to run at a speed [1/min], by the tongues 1 ... count; a tongue counts where it grows

@@ -135,22 +135,33 @@ class History:
         return force, self.contact.moves[at]
 
     @cached_property
-    def contact_lost(self) -> float | None:
-        """The first y at which the contact force falls through zero while the follower moves, None where it never does
-        (and where no contact is known)."""
+    def _first_loss(self) -> tuple[float, float] | None:
+        """Two y between which the contact force first falls below zero while the follower moves; they are one where it
+        begins to move so; None where it never does."""
         if self.contact is None:
             return None
-        y, beta, rate = self._looks
-        force, moves = self._force(y.ravel(), beta.ravel(), rate.ravel())
+        y, beta, rate = (each.ravel() for each in self._looks)
+        force, moves = self._force(y, beta, rate)
         bad = np.flatnonzero(moves & (force < 0.0))
         if bad.size == 0:
             return None
-        i, j = np.unravel_index(bad[0], y.shape)
-        if j == 0 or not moves.reshape(y.shape)[i, j - 1]:
-            return float(y[i, j])
-        low, high = float(y[i, j - 1]), float(y[i, j])
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
+        i = int(bad[0])
+        before = i - 1 if i % LOOKED_AT.size and moves[i - 1] else i
+        return float(y[before]), float(y[i])
+
+    @property
+    def loses_contact(self) -> bool:
+        """The follower leaves the cam (False where no contact is known)."""
+        return self._first_loss is not None
+
+    @cached_property
+    def contact_lost(self) -> float | None:
+        """The first y at which the contact force falls through zero while the follower moves, None where it never does
+        (and where no contact is known)."""
+        if self._first_loss is None:
+            return None
+        low, high = self._first_loss
+        while low < (middle := 0.5 * (low + high)) < high:
             if self.force(np.array([middle]))[0] < 0.0:
                 high = middle
             else:

@@ -77,7 +77,7 @@ class _Mark:
         here = place
         if not seen:
             towards = place if infinite else place - sight.centre
-            here = sight.edge(towards, EDGE)
+            here = room.inwards(sight.edge(towards, EDGE))
             self.arrow.setPos(at(here))
             self.arrow.setRotation(float(-np.degrees(np.angle(towards))))
         else:

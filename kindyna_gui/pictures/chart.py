@@ -21,7 +21,8 @@ from kindyna_gui.pictures.units import decimals_of, number, ticks
 
 LEAST_X, LEAST_Y = 46.0, 26.0  # pixels between ticks
 RIGHT_MARGIN, LEGEND_HEIGHT = 16, 18
-LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue; or beyond the machine's own speed
+LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
+TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own speed
 Z_GRID, Z_TONGUE, Z_PATH, Z_POINT = -80.0, 0.0, 10.0, 20.0
 
 
@@ -50,7 +51,7 @@ ACROSS: Mapping[str, Measure] = MappingProxyType(
 UPWARDS: Mapping[str, Measure] = MappingProxyType(
     {
         "q": Measure("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
-        "mass": Measure("masses", "Moved masses, × the present ones", lambda q, m: q / m.q, lambda y, m: y * m.q),
+        "mass": Measure("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
     }
 )
 
@@ -145,7 +146,9 @@ class ChartPlot(pg.PlotWidget):
 
     def _fastest(self, chart: Chart) -> float:
         assert chart.machine is not None
-        return chart.machine.rpm(min(LEAST_ETA, 0.8 * chart.machine.eta))
+        own = chart.machine.rpm(chart.machine.eta)
+        least, most = (times * own for times in TIMES_OWN)
+        return min(max(chart.machine.rpm(LEAST_ETA), least), most)
 
     def _x(self, eta: np.ndarray) -> np.ndarray:
         return ACROSS[self._across].of(eta, self._machine)

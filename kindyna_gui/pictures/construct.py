@@ -58,12 +58,12 @@ class Construct:
         if self._room is None:
             drawn = ink(self._reading, np.array([self._index]), ())
             self._room = Room(self._sight, drawn, self._texts())
-            if self.marks is not None and self.marks.item.isVisible():
-                self.marks.dots(self._index, self._room)
             down = 0.0
             for ratios in self._listed():
                 ratios.list(self._index, self._room, down)
                 down += ratios.height
+            if self.marks is not None and self.marks.item.isVisible():
+                self.marks.dots(self._index, self._room)
         return self._room
 
     @property

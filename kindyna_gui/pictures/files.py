@@ -13,6 +13,7 @@ from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, 
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
+from core.centring import Snapshot
 from core.channels import Channel, channels, existing
 from core.study import Study
 from kindyna_gui.linkage_plots import quantities_for
@@ -194,13 +195,17 @@ def chart_file(chart: Chart, ending: str) -> bytes:
     return svg(plot, chart.name) if vector else png(plot)
 
 
-def paint(drawn: Study | Chart | Figure) -> dict[str, bytes]:
-    """The pictures of a report, of a chart or of another figure: file name -> content. Raises NoAnswer where the design has
-    none."""
+def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
+    """The pictures of a report, of a linkage at one angle, of a chart or of another figure: file name -> content. Raises
+    NoAnswer where the design has none."""
     ensure_app(offscreen=True)
     if isinstance(drawn, Study):
         without = () if has_cam(drawn) else ("cam.png",)
         return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
+    if isinstance(drawn, Snapshot):
+        from kindyna_gui.pictures.snapshots import SNAPSHOTS
+
+        return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
     from core.stability import Chart
     from kindyna_gui.pictures.xy_sheet import figure_file
 

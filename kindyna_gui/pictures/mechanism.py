@@ -157,7 +157,9 @@ class MechanismScene(QGraphicsScene):
                 self._take(part)
 
     def _texts(self) -> list[QRectF]:
-        return self._labels.boxes(self.sight.scale) if self._labels is not None else []
+        if self._labels is None or self.overlay is None:
+            return []
+        return self._labels.boxes(self.sight.scale) + self.overlay.boxes(self.sight.visible, self.sight.scale)
 
     def show_step(self, step: int | None, draw: bool = True) -> None:
         """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.

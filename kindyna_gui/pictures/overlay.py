@@ -151,6 +151,19 @@ class Overlay:
         for layer, arrow in self.vectors.items():
             arrow.setVisible(shown[layer])
 
+    def boxes(self, visible: QRectF, scale: float) -> list[QRectF]:
+        """Where the corners are taken, in pixels of the whole scene, y downwards."""
+        left, right = visible.left() * scale, visible.right() * scale
+        top, low = -visible.bottom() * scale, -visible.top() * scale
+        found = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, TOP_STRIP)]
+        if self.bar.isVisible():
+            found.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
+        shown = sum(arrow.isVisible() for arrow in self.vectors.values())
+        if shown:
+            high = (1.0 + 1.5 * shown) * MARGIN
+            found.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
+        return found
+
     def lay(self, visible: QRectF, scale: float) -> None:
         """visible: the picture's rectangle [mm]; scale: pixels per mm."""
         edge = MARGIN / scale

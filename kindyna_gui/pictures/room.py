@@ -14,6 +14,7 @@ from kindyna_gui.pictures.sight import Sight
 GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels
 EDGE, PAD = 6.0, 1.5  # kept free along the picture's edge, and about a text, pixels
 PART, COVERS, LEAVES, FURTHER = 9.0, 8.0, 50.0, 0.4  # costs: covering a part, a text, leaving, each longer gap
+CLEAR, MOST_STEPS = 8.0, 40  # of an arrow at the edge from a text, and how often it goes so far inwards, pixels
 _WAYS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 
 
@@ -35,6 +36,17 @@ class Room:
         """Nothing else shall stand there."""
         middle = box.center()
         self._boxes.append((middle.x(), middle.y(), 0.5 * box.width(), 0.5 * box.height()))
+
+    def inwards(self, place: complex) -> complex:
+        """A place [mm] moved towards the middle of the picture until no text stands there."""
+        scale, middle = self._sight.scale, self._sight.centre
+        for _ in range(MOST_STEPS):
+            x, y = place.real * scale, -place.imag * scale
+            if not any(abs(x - left) < wide + CLEAR and abs(y - top) < high + CLEAR for left, top, wide, high in self._boxes):
+                break
+            way = middle - place
+            place += way * min(1.0, CLEAR / max(abs(way) * scale, 1e-9))
+        return place
 
     def dot(self, place: complex, radius: float) -> None:
         """No text shall cover a mark at a place [mm]; radius in pixels."""

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from blend_cases import request, solves
 
-from core.blend import BlendError, Request, blend, feasible_range
+from core.blend import BlendError, Request, blend, feasible_range, feasible_ranges
 
 KAPPA, A, PI = math.sqrt(216 / 41), math.pi / 2 - 1, math.pi
 H, SPAN = 20.0, 300.0
@@ -121,6 +121,23 @@ def test_the_least_acceleration_is_an_end() -> None:
         ({"settings": {"h1": 0.0}}, "h1 = 0: outside its range; allowed: > 0 mm"),
         ({"settings": {"vcv": math.inf}}, "vcv = inf: outside its range; allowed: > 0 mm/deg"),
         ({"sequence": "C1-C1"}, "sequence 'C1-C1': not of this motion; allowed: C1-CV1-H2-P2 | C1-CV1-H2-H3-C4"),
+        (
+            {"type": "DRD-return", "constant": "return", "settings": {"vcv": 0.1, "vcv2": 0.2}},
+            "vcv, vcv2: two names of one setting where there is only a return; give one",
+        ),
+        (
+            {"constant": "both", "settings": {"h1": 1.0, "h3": 1.0, "peak": 200.0}},
+            "C1-CV1-H2-H3-CV2-C4 (mirrored) takes 2 settings; C1-CV1-H2-H3-CV2-C4 takes 4 settings",
+        ),
+        (
+            {"settings": {"h1": 1.0, "h5": 2.0}},
+            "C1-CV1-H2-H3-C4 takes 3 settings; h5: of no curve here; allowed: h1 | h2 | h3 | h4 | h6 | vcv | vcv2 | ",
+        ),
+        (
+            {"type": "DRD", "settings": {"h1": 1.0, "peak": 200.0}},
+            "h1, peak; C1-CV1-C2 takes 2 settings; peak: of no curve here; allowed: h1 | h2 | h3 | vcv | length | acceleration",
+        ),
+        ({"settings": {"h2": -1.0}}, "h2 = -1: outside its range; allowed: >= 0 mm"),
         ({"points": ((10.0, 5.0),)}, "point at 10 deg = 5: outside its range; allowed: 30 < angle < 330 deg"),
         ({"settings": {"h1": 1.0, "h2": 1.0, "h3": 1.0, "h4": 1.0}}, "settings given: h1, h2, h3, h4; "),
     ],
@@ -131,3 +148,45 @@ def test_a_wish_without_sense(change: dict[str, Any], phrase: str) -> None:
         blend(Request(**fields))
     assert phrase in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("kind", "constant", "given", "curves"),
+    [
+        ("DRD", "rise", {"h2": 0.0, "h1": 5.0}, "c1 c2"),
+        ("DRD-return", "return", {"length": 0.0, "h1": 3.0}, "c3 c4"),
+        ("DRRD", "rise", {"h2": 0.0, "h1": 5.0}, "c1 h2 p2"),
+        ("RRR", "both", {"h2": 0.0, "h1": 3.0}, "h1 h2 h3 h4"),
+    ],
+)
+def test_no_length_of_constant_velocity_is_the_end_of_the_range(
+    kind: str, constant: str, given: dict[str, float], curves: str
+) -> None:
+    wish = request(kind, constant, given)
+    name = next(iter(given))
+    found = feasible_ranges(wish, name)[0]
+    assert (found.low, found.low_open) == (0.0, False)
+    made = blend(wish).segments
+    assert " ".join(s.curve.law for s in made) == curves
+    near = blend(request(kind, constant, {**given, name: 1e-9})).segments
+    spans = [s.span_deg for s in near if s.curve.law not in ("cv1", "cv2")]
+    assert [s.span_deg for s in made] == pytest.approx(spans, abs=1e-6)
+
+
+def test_an_end_that_is_nothing_but_rounding_is_none() -> None:
+    given = {"length": 1.8921432953866058, "h2": 0.06133885217638034}
+    found = feasible_ranges(Request("DRRD", 0.09095859025469943, 0.0, 158.90470856369362, "rise", given), "h1")
+    assert [r.low for r in found] == [0.0]
+
+
+def test_the_greater_of_two_accelerations_is_not_determined_by_the_less() -> None:
+    """Height and span of the rise say what its acceleration is; that of the return may still be greater."""
+    given = {"h1": 15.4886802, "peak": 6.4848472}
+    wish = Request("DRRD", 20.0, 0.0, 20.0, "return", {**given, "acceleration": 4.0})
+    with pytest.raises(BlendError, match=r"not feasible beside .*; feasible: acceleration >= 7\.63694") as caught:
+        blend(wish)
+    assert caught.value.allowed is not None
+    least, most = caught.value.allowed
+    assert most == math.inf
+    assert solves(wish, "acceleration", least * (1 + 1e-6))
+    assert not solves(wish, "acceleration", least * (1 - 1e-6))

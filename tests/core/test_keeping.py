@@ -1,6 +1,7 @@
 """core.keeping: results that others share are read-only, and what nobody asks for is not made."""
 
 import ctypes
+import resource
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -86,6 +87,23 @@ def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
     assert not isinstance(vars(shape.flank)["pitch_curvature"], np.ndarray)
     _ = shape.flank.profile_curvature
     assert isinstance(vars(shape.flank)["profile_curvature"], np.ndarray)
+
+
+def test_a_study_fetches_no_memory_anew() -> None:
+    """Without, 66 pages of linkage and profile come anew from the system each time."""
+    angles = Study(LIFT, 3600).angles
+    there = replace(angles, kept=False)
+
+    def run() -> None:
+        study = Study(LIFT, 3600, there)
+        _ = study.linkage.residual, study.cam.flank.profile
+
+    for _ in range(10):
+        run()
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(10):
+        run()
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before < 10 * 20
 
 
 def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewhere(monkeypatch: pytest.MonkeyPatch) -> None:

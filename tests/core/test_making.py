@@ -313,6 +313,25 @@ def test_the_range_that_is_named_is_right(end: float, run: Run) -> None:
         assert code == (0 if end > 0.0 else 2)
 
 
+def test_a_precision_point_is_passed(run: Run) -> None:
+    rows = run.json("blend", *PICKER, "--constant-velocity", *settings(h1=1), "--point", "180=12.5")
+    row = next(r for r in rows if r["start_deg"] <= 180.0 < r["start_deg"] + r["span_deg"])
+    assert row["curve"] == "CV1"
+    assert row["start_mm"] + row["rise_mm"] * (180.0 - row["start_deg"]) / row["span_deg"] == pytest.approx(
+        12.5, abs=1e-9
+    )
+    line = run.refused("blend", *PICKER, "--constant-velocity", *settings(h1=1), "--point", "180=25")
+    assert line.startswith("point at 180 deg = 25 mm is not feasible beside h1 = 1; feasible: ")
+    assert "'180': must be ANGLE=DISPLACEMENT" in run.refused("blend", *PICKER, "--point", "180")
+
+
+def test_a_setting_has_one_value(run: Run) -> None:
+    words = ("blend", "--type", "DRD", "--stroke", "20", "--start", "30", "--end", "130")
+    line = run.refused(*words, *settings(h1=5), *settings(h1=6))
+    assert line == "h1 = 5, h1 = 6: a setting has one value; give one"
+    assert run.json(*words, *settings(h1=5), *settings(h1=5)) == run.json(*words, *settings(h1=5))
+
+
 @pytest.mark.parametrize(
     "words",
     [
@@ -425,6 +444,19 @@ def test_a_rise_alone_takes_the_place_of_the_rise(run: Run, tmp_path: Path) -> N
     assert math.fsum(s.span_deg for s in motion.segments[3:6]) == pytest.approx(41.5, abs=1e-9)
     assert not any(jumps(motion))
     assert project.load(path).assumed == ("motion.segments[6].span_deg",), "of what was there before"
+
+
+def test_what_moves_otherwise_in_the_design_is_told(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "lift.toml"
+    project.save(LIFT, path)
+    words = ("blend", "--type", "DRD", "--start", "283.5", "--end", "325", "--into", path)
+    assert "in the design" not in run.text(*words, "--stroke", "150"), "the rest stays"
+    told = run.text(*words, "--stroke", "120").splitlines()[-1]
+    changed = project.load(path).drive.motion.segments[1]
+    assert (changed.curve.law, changed.rise) == ("modified-sine", -120.0)
+    assert told.startswith("in the design segment 2, modified-sine, moves otherwise, to come back: -120.0")
+    rows = run.json(*words, "--stroke", "90")
+    assert [row["rise_mm"] for row in rows] == [90.0], "nothing but the curves as JSON"
 
 
 def test_dwells_are_cut_where_a_blend_begins_and_ends() -> None:

@@ -163,22 +163,34 @@ def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
         assert steps.max() < 0.2, name
 
 
-def test_the_stated_side_chooses_where_a_group_starts() -> None:
-    """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
+def started(side: int) -> tuple[Train, np.ndarray]:
+    """The group begun with A on this side, at the driver angles tried that lie in its range."""
+    linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
+    (only,) = course_of(linkage).ranges
     tried = np.linspace(0.0, TURN, 25)[:-1]
-    found = []
-    for side in (1, -1):
-        linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
-        (only,) = course_of(linkage).ranges
-        inside = tried[(tried > only.low) & (tried < only.high)]
-        train = unit_speed_train(linkage, inside, course_of(linkage))
-        o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
-        assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
-        assert train.residual.max() < 1e-13
-        found.append(train.bodies["link2"].angle[0])
-    assert np.abs(found[0] - found[1]).max() > 0.1, "two assemblies"
-    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=1))).ranges == (), "B stands on one side only"
-    assert course_of(replace(INSIDE_OUT.linkage, branch=sides(B=-1))).ranges != ()
+    inside = tried[(tried > only.low) & (tried < only.high)]
+    return unit_speed_train(linkage, inside, course_of(linkage)), inside
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_stated_side_chooses_where_a_group_starts(side: int) -> None:
+    """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
+    train, _ = started(side)
+    o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
+    assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
+    assert train.residual.max() < 1e-13
+
+
+def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
+    one, other = (dict(zip(at, train.bodies["link2"].angle[0], strict=True)) for train, at in (started(1), started(-1)))
+    both = one.keys() & other.keys()
+    assert both
+    assert max(abs(one[at] - other[at]) for at in both) > 0.1
+
+
+@pytest.mark.parametrize(("side", "stands"), [(1, False), (-1, True)])
+def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bool) -> None:
+    assert bool(course_of(replace(INSIDE_OUT.linkage, branch=sides(B=side))).ranges) == stands
 
 
 # -- sides ------------------------------------------------------------------------------------------------

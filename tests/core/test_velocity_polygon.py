@@ -174,3 +174,12 @@ def test_a_sliders_velocity_is_a_distance_times_the_cranks() -> None:
     assert arms.body_arm[0] == math.inf
     assert arms.ratio[0] == 0.0
     assert arms.base_arm[0] == pytest.approx(abs(train.bodies["link4"].point("B")[1, 0]), rel=1e-14)
+
+
+def test_a_coupler_that_does_not_turn_has_an_infinite_arm() -> None:
+    """A parallelogram's, by rounding never quite at infinity."""
+    train = moving(four_bar(100.0, 40.0, 100.0, 40.0), 0.3, 0.9, 2.1, 4.0)
+    arms = ratio_arms(all_centres(train, 0.1), "link3", "link2")
+    assert np.isinf(arms.body_arm).all()
+    assert arms.base_arm == pytest.approx(0.04, rel=1e-12)
+    assert np.abs(arms.ratio).max() < 1e-12

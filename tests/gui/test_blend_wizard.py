@@ -536,7 +536,7 @@ def test_the_ranges_follow_what_is_typed(ask: Ask) -> None:
     assert told == {
         "h3": "0 < h3 ≤ 19",
         "vcv": "0.07 < Vcv ≤ 0.255294",
-        "length": "0 < length < 271.429",
+        "length": "0 ≤ length < 271.429",
         "peak": "154.739 ≤ peak < 330",
     }
 
@@ -584,6 +584,21 @@ def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     wizard.answered()
     assert not any(words.isVisible() for words in questions.size_faults)
     assert wizard.can_put
+
+
+def test_no_constant_velocity_is_the_end_of_its_range(ask: Ask) -> None:
+    wizard = ask(PICKER, ranges=True)
+    wizard.tick("h1")
+    wizard.tick("h2")
+    wizard.ranged("h2")
+    assert wizard.rows["h2"].range.text() == "0 ≤ h2 < 19"
+    wizard.type(wizard.rows["h2"].box, "0")
+    wizard.answered()
+    assert [cells[0] for cells in wizard.table] == ["C1", "H2", "P2"]
+    assert wizard.can_put
+    wizard.type(wizard.rows["h2"].box, "-1")
+    assert wizard.rows["h2"].message.text() == "Allowed: ≥ 0 mm"
+    assert not wizard.can_put
 
 
 def test_missing_and_surplus_settings_are_counted(ask: Ask) -> None:
@@ -903,3 +918,13 @@ def test_a_refusal_without_a_field_is_told_below(ask: Ask) -> None:
     wizard.questions.show_error(BlendError("these settings leave no range; change one of them"))
     assert wizard.questions.general.isVisible()
     assert wizard.questions.general.text() == "these settings leave no range; change one of them"
+
+
+def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
+    wizard = ask(PICKER, 1)
+    wizard.dialog.resize(wizard.dialog.minimumSize())
+    settle()
+    head = wizard.dialog.panel.table.horizontalHeader()
+    for column, title in enumerate(h.title for h in wizard.dialog.panel.table.rows._headings):
+        assert head.fontMetrics().horizontalAdvance(title) + 8 <= head.sectionSize(column), title
+    assert sum(head.sectionSize(i) for i in range(head.count())) <= wizard.dialog.panel.table.viewport().width()

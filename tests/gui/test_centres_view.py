@@ -77,6 +77,19 @@ def test_the_six_bars_numbers_stand_on_the_screen(six_bar: User) -> None:
     assert cells(view, "centres")["I16"][:2] == ("at infinity", "90.000000°")
 
 
+def test_the_differences_in_the_table_close_their_triangles(six_bar: User) -> None:
+    """V_B = V_A + V_BA, V_D = V_C + V_DC, as read from the cells; the block slides on the frame with all of V_D."""
+    view = centres(six_bar)
+    points = {name: complex(number(row[2]), number(row[3])) for name, row in cells(view, "points").items()}
+    rows = cells(view, "differences")
+    told = {name: complex(number(row[1]), number(row[2])) for name, row in rows.items()}
+    for name in ("BA", "CB", "DC"):
+        assert told[f"V {name}"] == pytest.approx(points[name[0]] - points[name[1]], abs=1e-5)
+    assert rows["V DC"][0] == "5"
+    assert told["V D6D1"] == pytest.approx(-223.82166 + 0j, abs=1e-5)
+    assert number(rows["V D6D1"][3]) / 10.0 == pytest.approx(22.39, abs=0.02)
+
+
 def test_the_table_follows_the_player(six_bar: User) -> None:
     view = centres(six_bar)
     before = cells(view, "links")["4"]

@@ -1,16 +1,25 @@
-"""The velocity polygon and the velocity ratios on the screen: opened from the menus, moving with the crank."""
+"""The velocity polygon and the velocity ratios on the screen: opened from the menus, moving with the crank; and from
+the command line."""
 
+import json
 import math
+import os
 import re
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PySide6.QtCore import QRectF
 from PySide6.QtGui import QImage
 from window_user import Open, User, settle, wait_for
 
 from core.study import LinkageStudy
 from kindyna_gui import polygon_view
+from kindyna_gui.__main__ import main
 from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.pictures.labels import ink
 from kindyna_gui.pictures.polygon_places import Placing, Text
 from kindyna_gui.places import example
 from kindyna_gui.polygon_view import PolygonView
@@ -143,8 +152,6 @@ def test_the_polygon_is_written_as_a_picture(six_bar: User) -> None:
 
 def test_names_keep_off_vectors_and_each_other() -> None:
     """A name stands on the free side of its vector, and two at one place part."""
-    from PySide6.QtCore import QRectF
-
     sheet = QRectF(0.0, 0.0, 200.0, 200.0)
     side = Text("side", "V", "A", 100 + 100j, 1j, "#000000", 14.0, 10.0, along=120 + 0j)
     corners = [Text("corner", name, "", 100 + 100j, 1 + 0j, "#000000", 10.0, 10.0) for name in "ab"]
@@ -229,13 +236,31 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
     assert lowest > highest
 
 
+def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
+    user = open_user(example("stephenson_six_bar"), plots=False)
+    view = drawing(user)
+    for layer in ("centres", "chain"):
+        view.show_layer(layer, True)
+    arrows = 0
+    for degrees in (80.0, 100.0, 120.0):
+        at(user, degrees)
+        scale, made = view.canvas.scale_now, view.scene.construct
+        assert made is not None
+        assert made.marks is not None
+        tags = [tag for _, _, tag in made.ratios["chain"].rows]
+        boxes = [tag.pixel_box().translated(tag.pos().x() * scale, -tag.pos().y() * scale) for tag in tags]
+        for mark in made.marks.marks:
+            if mark.arrow.isVisible():
+                arrows += 1
+                assert not any(box.contains(mark.arrow.pos().x() * scale, -mark.arrow.pos().y() * scale) for box in boxes)
+    assert arrows
+
+
 # -- numbers never stand on parts -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "lecture_six_bar", "rear_suspension", "watt_six_bar"])
 def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_user: Open) -> None:
-    from kindyna_gui.pictures.labels import ink
-
     user = open_user(example(name), plots=False)
     view = drawing(user)
     view.show_layer("centres", True)
@@ -258,3 +283,36 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
     assert covered <= 0.05 * seen
 
 
+
+
+# -- without a window -------------------------------------------------------------------------------------
+
+
+def test_the_command_draws_centres_and_polygon(tmp_path: Path, app: object, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--headless", "centres", str(example("lecture_six_bar")), "--angle", "45", "--out", str(tmp_path / "out")]
+    assert main(words) == 0
+    told = capsys.readouterr()
+    assert told.err == ""
+    made = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert set(made) == {"centres.json", "centres.png", "centres.svg", "velocity_polygon.png", "velocity_polygon.svg"}
+    assert json.loads(made["centres.json"]) == json.loads(told.out)
+    drawn = made["centres.svg"].decode()
+    for text in ("I12I23 / I13I23 = 20.00 / ", "I14I34", "Driver angle 45.0°"):
+        assert text in drawn
+    assert "20 mm/s" in made["velocity_polygon.svg"].decode()
+
+
+def test_without_the_window_the_numbers_are_written_and_pictures_left_out(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "core", "centres", str(example("four_bar")), "--angle", "20", "--out", "out"]
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[2])}
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "pictures left out: they need kindyna --headless\n")
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["centres.json"]
+    rows = json.loads(done.stdout)["velocity_differences"]
+    for row in rows:
+        for part in (0, 1):
+            whole = row["v_from_mm_s"][part] + row["v_difference_mm_s"][part]
+            assert row["v_to_mm_s"][part] == pytest.approx(whole, abs=1e-9)
+    assert [(row["link"], row["from"], row["to"]) for row in rows] == [
+        (2, "O2", "A"), (3, "A", "B"), (3, "A", "C"), (3, "B", "C"), (4, "O4", "B")
+    ]  # fmt: skip

@@ -1,0 +1,48 @@
+"""A linkage at one angle, as pictures: its centres, and its velocity polygon."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import radians
+from types import MappingProxyType
+
+import numpy as np
+
+from core.centring import Snapshot
+from core.instant_centres import velocity_polygon
+from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg
+from kindyna_gui.pictures.mechanism import MechanismScene
+from kindyna_gui.pictures.polygon import PolygonSheet
+from kindyna_gui.pictures.style import LIGHT
+
+SHEET_OF_POLYGON = (640, 560)  # pixels
+
+
+def _centres_file(snapshot: Snapshot, ending: str) -> bytes:
+    """The mechanism with all centres, the lines that find them and the velocity ratios from link to link."""
+    vector = ending == ".svg"
+    scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
+    for layer in ("centres", "kennedy", "velocities", "chain"):
+        scene.set_layer(layer, True)
+    scene.update_study(snapshot.study)
+    scene.set_angle(radians(snapshot.angle_deg))
+    sheet = Sheet(scene, *SHEET)
+    return svg(sheet, snapshot.study.design.name) if vector else png(sheet)
+
+
+def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
+    """The velocity polygon."""
+    study = snapshot.study
+    sheet = PolygonSheet()
+    sheet.resize(*SHEET_OF_POLYGON)
+    sheet.frame_for(velocity_polygon(study.linkage), study.omega)
+    there = study.at_theta(np.array([radians(snapshot.angle_deg)]))
+    name = study.angle_name.capitalize()
+    sheet.show_polygon(velocity_polygon(there.linkage), study.omega, f"{name} {snapshot.angle_deg:.1f}°")
+    return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
+
+
+SNAPSHOTS: Mapping[str, Callable[[Snapshot, str], bytes]] = MappingProxyType(
+    {"centres": _centres_file, "velocity_polygon": _polygon_file}
+)

@@ -1,0 +1,108 @@
+"""Joints of cams and their followers drawn elsewhere on the drawing, as those of linkages are."""
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, pixel, settle
+
+from core.design import LAYOUTS, SingleCam, faults
+from core.project import load
+from kindyna_gui import gallery
+from kindyna_gui.canvas import joints_now
+from kindyna_gui.places import example
+
+WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller": 15 + 20j}
+
+
+def place(user: User, point: str) -> complex:
+    """Where a joint stands, exactly [mm]."""
+    train = user.session.at(user.window.player.theta).linkage
+    return next(complex(b.place(point)[0]) for b in train.bodies.values() if point in b.points) * 1e3
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    """At the lift, without docks for which no test here has eyes."""
+    made = open_user(plots=False)
+    for name in ("findings", "motion", "parameters"):
+        made.window.docks[name].hide()
+    settle()
+    return made
+
+
+def test_every_joint_of_every_layout_follows_the_mouse_in_one_step(user: User) -> None:
+    """At a cam angle within the motion; the joint lands under the mouse, the drawing shows it, Undo brings it back."""
+    view = user.drawing()
+    for letter in LAYOUTS:
+        user.session.start(gallery.layout_design(letter))
+        user.window.player.set_theta(1.0)
+        settle()
+        before = user.design
+        assert set(joints_now(view.scene)) == set(WAYS)
+        for joint, way in WAYS.items():
+            start = place(user, joint)
+            user.drag(start, start + way)
+            assert place(user, joint) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now), (letter, joint)
+            assert joints_now(view.scene)[joint] == pytest.approx(place(user, joint), abs=1.0 / view.canvas.scale_now)
+            assert user.steps == [f"Move {joint.replace('_', ' ')}"]
+            assert faults(user.design) == []
+            user.session.stack.undo()
+            assert user.design == before
+    assert user.faults == []
+
+
+def test_the_fields_follow_a_joint_that_is_drawn(user: User) -> None:
+    start = place(user, "arm_pin")
+    user.drag(start, start - 30.0)
+    follower = user.design.drive.follower
+    for path in ("slider_arm_mm", "rod_mm", "fixed_angle_deg"):
+        assert user.number(f"follower.{path}").value == getattr(follower, path)
+        assert getattr(follower, path) != getattr(load(example("transfer_lift")).drive.follower, path)
+
+
+def test_the_roller_of_a_translating_follower_is_drawn_aside(open_user: Open) -> None:
+    user = open_user(example("kim_1990"), plots=False)
+    assert isinstance(user.design, SingleCam)
+    view = user.drawing()
+    start = place(user, "roller")
+    user.drag(start, start + 6.0 + 4.0j)
+    assert place(user, "roller") == pytest.approx(start + 6.0 + 4.0j, abs=1.5 / view.canvas.scale_now)
+    assert user.design.drive.follower.offset_mm == pytest.approx(-6.0, abs=0.5)
+    assert user.design.drive.cam.base_radius_mm > load(example("kim_1990")).drive.cam.base_radius_mm
+    assert user.steps == ["Move roller"]
+
+
+def test_a_joint_stays_at_its_last_good_place_where_nothing_fits(user: User) -> None:
+    """The arm's pin drawn between pivot and slider: farther out, in the base position, arm and rod would not meet. A word
+    tells it, the last good design stays."""
+    view = user.drawing()
+    told: list[str] = []
+    user.session.refused.connect(lambda refusal: told.append(refusal.told[0][2]))
+    user.drag(place(user, "arm_pin"), (place(user, "pivot") + place(user, "slider_pin")) / 2.0)
+    assert told
+    assert "Refused" in user.window.status.currentMessage()
+    assert not view.in_trouble
+    assert faults(user.design) == []
+    _ = user.session.study.linkage
+    assert len(user.steps) <= 1
+
+
+def test_beside_the_joints_the_drawing_is_moved(user: User) -> None:
+    view = user.drawing()
+    centre = view.canvas.visible.center()
+    at = complex(view.canvas.visible.center().x(), view.canvas.visible.center().y())
+    user.drag(at, at + 60.0)
+    assert view.canvas.visible.center() != centre
+    assert user.steps == []
+
+
+def test_a_joint_shows_that_it_can_be_taken(user: User) -> None:
+    view = user.drawing()
+    viewport = view.canvas.viewport()
+    QTest.mouseMove(viewport, viewport.rect().center())
+    QTest.mouseMove(viewport, pixel(view.canvas, place(user, "arm_pin")))
+    settle()
+    assert view.canvas.cursor().shape() == Qt.CursorShape.SizeAllCursor
+    QTest.mouseMove(viewport, viewport.rect().center())
+    settle()
+    assert view.canvas.cursor().shape() == Qt.CursorShape.ArrowCursor

@@ -1,0 +1,190 @@
+"""Mechanisms chosen by their pictures, and the way from such a picture to a cam."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QLabel, QWidget
+from window_user import Open, User, settle
+
+from core.design import LAYOUTS, SingleCam, faults
+from core.export import files
+from core.project import load
+from core.study import Study
+from kindyna_gui import gallery
+from kindyna_gui.export_dialogs import TablesDialog
+from kindyna_gui.places import example
+from kindyna_gui.segments_model import RISE
+
+# -- chosen by picture ------------------------------------------------------------------------------------
+
+
+def test_the_gallery_has_the_layouts_and_the_linkages_as_pictures(user: User) -> None:
+    dialog = gallery.Gallery(user.window)
+    dialog.show()
+    assert [choice.name for choice in dialog.layouts.choices] == list(LAYOUTS)
+    assert len(dialog.presets.choices) == len(gallery.presets()) == 9
+    while dialog.layouts.paint_next() or dialog.presets.paint_next():
+        pass
+    for pictures in (dialog.layouts, dialog.presets):
+        seen = set()
+        for row in range(pictures.count()):
+            image = pictures.item(row).icon().pixmap(pictures.iconSize()).toImage()
+            colours = {image.pixel(x, y) for x in range(0, image.width(), 3) for y in range(0, image.height(), 3)}
+            assert len(colours) > 5, pictures.item(row).text()
+            seen.add(bytes(image.constBits()))
+        assert len(seen) == pictures.count()
+    dialog.close()
+    dialog.deleteLater()
+
+
+@pytest.mark.parametrize("letter", LAYOUTS)
+def test_each_layout_begins_a_sound_mechanism(letter: str) -> None:
+    design = gallery.layout_design(letter)
+    assert isinstance(design, SingleCam)
+    assert faults(design) == []
+    assert [f for f in Study(design, 180).findings(("linkage", "cam")) if f.severity == "error"] == []
+
+
+def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every layout and every linkage, from the lift; nothing is to be saved on either side."""
+    user = open_user(plots=False)
+    for name in ("findings", "motion", "parameters"):
+        user.window.docks[name].hide()
+    before, window = user.design, user.window
+    for choice in [*gallery.layouts(), *gallery.presets()]:
+        monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent, choice=choice: choice)
+        user.choose("Compo", "Choose a mechanism...")
+        assert user.design == choice.design(), choice.name
+        assert user.session.path is None
+        assert not user.session.modified
+        view = window.view("mechanism")
+        assert view is not None
+        assert not view.in_trouble
+        assert view.canvas.visible.contains(view.scene.least_rect()), "the whole of it is in sight"  # type: ignore[attr-defined]
+        name = f"Undo Begin with {choice.name}" if choice.design() != before else ""
+        if name:
+            user.choose("Edit", name)
+        assert user.design == before
+        assert not user.session.modified
+    assert user.faults == []
+
+
+def test_a_file_comes_back_with_its_name(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "own.toml"
+    path.write_bytes(example("four_bar").read_bytes())
+    user = open_user(path, plots=False)
+    choice = next(c for c in gallery.presets() if c.name == "Watt six bar")
+    monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent: choice)
+    user.choose("Compo", "Choose a mechanism...")
+    assert "own.toml" not in user.window.windowTitle()
+    user.choose("Edit", "Undo Begin with Watt six bar")
+    assert user.session.path == path
+    assert "own.toml" in user.window.windowTitle()
+    assert not user.window.isWindowModified()
+    user.choose("Edit", "Redo Begin with Watt six bar")
+    assert user.session.path is None
+
+
+@pytest.mark.parametrize("room", [QSize(1420, 860), QSize(1260, 680)])
+def test_all_pictures_are_seen_at_once(room: QSize, user: User) -> None:
+    dialog = gallery.Gallery(user.window, room)
+    dialog.show()
+    settle()
+    assert dialog.width() <= room.width()
+    assert dialog.height() <= room.height()
+    for pictures in (dialog.layouts, dialog.presets):
+        for row in range(pictures.count()):
+            seen = pictures.visualItemRect(pictures.item(row))
+            assert pictures.viewport().rect().contains(seen), pictures.item(row).text()
+    dialog.close()
+    dialog.deleteLater()
+
+
+# -- from a picture to a cam that can be cut --------------------------------------------------------------
+
+
+@contextmanager
+def answering(kind: type, act: Callable[[Any], None]) -> Iterator[None]:
+    """Do something to the next dialog of a kind that opens."""
+    seen: list[QWidget] = []
+    parents: list[QWidget] = []
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, kind):
+            QTimer.singleShot(5, look)
+            return
+        seen.append(dialog)
+        parents.append(dialog.parentWidget().window())
+        act(dialog)
+
+    QTimer.singleShot(0, look)
+    yield
+    assert seen, "no dialog opened"
+    window = parents[0]
+    window.activateWindow()  # which a desktop does by itself
+    assert QTest.qWaitForWindowActive(window)
+
+
+def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: Open, tmp_path: Path) -> None:
+    """Choose, edit a length, let a link follow a motion, put the roller on the coupler, edit the motion, turn, export: the
+    profile in the file is the core's to the byte. All by mouse, menus and keys."""
+    user = open_user(plots=False)
+    for name in ("findings", "centres"):
+        user.window.docks[name].hide()
+
+    def choose(dialog: gallery.Gallery) -> None:
+        row = next(i for i in range(dialog.presets.count()) if dialog.presets.item(i).text() == "Four bar")
+        at = dialog.presets.visualItemRect(dialog.presets.item(row)).center()
+        QTest.mouseClick(dialog.presets.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        QTest.keyClick(dialog.presets, Qt.Key.Key_Return)
+
+    with answering(gallery.Gallery, choose):
+        user.choose("File", "New", "Chosen by its picture...")
+    assert user.design == load(example("four_bar"))
+    user.enter("linkage.links[2].points.C.y_mm", "60")
+    user.choose("Compo", "Driver", "Link 2 follows a motion")
+    user.choose("Compo", "Cam roller", "C on link 3")
+    user.enter_cell(1, RISE, "20")
+    user.enter("cam.roller_radius_mm", "9")
+    assert user.steps == [
+        "Begin with Four bar", "Change C y to 60 mm", "Let link 2 follow a motion", "Put the cam roller on C of link 3",
+        "Change rise of segment 2 to 20°", "Change roller radius Rr to 9 mm",
+    ]  # fmt: skip
+    view = user.window.view("mechanism")
+    assert view is not None
+    view.pull()
+    scene = view.scene  # type: ignore[attr-defined]
+    turns = []
+    user.choose("Kine", "Play")
+    for _ in range(3):
+        user.window.player.advance(0.1)
+        settle()
+        turns.append(scene.item("cam").rotation())
+        touch = user.session.at(user.window.player.theta).linkage
+        roller = scene.item("roller").pos()
+        assert complex(roller.x(), roller.y()) == pytest.approx(touch.follower.z[0, 0] * 1e3, abs=0.5)
+    user.choose("Kine", "Play")
+    assert len(set(turns)) == 3, "the cam turns"
+
+    def export(dialog: TablesDialog) -> None:
+        told = " ".join(label.text() for label in dialog.findChildren(QLabel))
+        for name in ("profile.csv", "kinematics.csv", "linkage.csv", "dynamics.csv", "summary.json"):
+            assert name in told
+        assert "Driver angles per turn" in told
+        dialog.folder.setText(str(tmp_path))
+        dialog.samples.setValue(180)
+        QTest.keyClick(dialog.folder, Qt.Key.Key_Return)
+
+    with answering(TablesDialog, export):
+        user.choose("File", "Export", "Tables...")
+    wanted = files(Study(user.design, 180))
+    assert {path.name for path in tmp_path.iterdir()} == set(wanted) >= {"profile.csv", "linkage.csv"}
+    for name, text in wanted.items():
+        assert (tmp_path / name).read_bytes() == text.encode(), name
+    assert user.faults == []

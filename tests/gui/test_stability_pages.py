@@ -1,0 +1,150 @@
+"""kindyna_gui.stability_pages: verdicts, speeds and plots of the point that is looked at; the same as files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QImage
+from PySide6.QtTest import QTest
+from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried, wait_until
+from window_user import Open, User, settle
+
+from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
+from kindyna_gui.__main__ import main
+from kindyna_gui.pictures.xy_sheet import figure_file
+from kindyna_gui.stability_view import StabilityView
+
+
+@pytest.fixture
+def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
+    """The window with Kim1990's cam, whose shaft is followed through few turns only: how many is no matter of the window."""
+    monkeypatch.setattr(Stability, "turns", TURNS)
+    return open_user(KIM, size=(1440, 900), plots=False)
+
+
+def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
+    view = page(kim)
+    own = shown(view)
+    assert view.found is not None
+    assert (own.eta, own.q) == (view.found.machine.eta, view.found.machine.q)
+    QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 1.5, 0.1))
+    assert view.picked is not None
+    wait_until(lambda: not view.busy)
+    gone = shown(view)
+    assert (gone.eta, gone.q) == view.picked
+    assert view.looked is not None
+    assert len(view.looked.said) == 4
+    text = view.pages.verdicts.text()
+    assert text.count("<tr>") == 5
+    assert "unstable" in text
+    for name in ("Wind-up", "Phase", "Spectrum", "Contact"):
+        view.pages.show_page(name)
+        settle()
+        (x, y), *_ = view.pages.plots[name][0].lines
+        assert x.size == y.size > 30
+        assert np.ptp(y[np.isfinite(y)]) > 0.0
+    y, twist = view.pages.plots["Wind-up"][0].lines[0]
+    assert twist == pytest.approx(360.0 * gone.at(y)[0])
+
+
+def shown(view: StabilityView) -> History:
+    assert view.looked is not None
+    assert view.looked.gone is not None
+    return view.looked.gone
+
+
+def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
+    monkeypatch.setattr("core.stability.means.STEP", 0.85)
+    view = page(kim)
+    found = view.found
+    assert found is not None
+    assert "first_turn" not in vars(found)
+    view.pages.show_page("Averages")
+    settle()
+    assert "many speeds" in view.pages.plots["Averages"][0].message
+    assert view.progress.isVisible()
+    wait_until(lambda: not view.busy)
+    means = mean_wind_up(found.coefficients, (0.05, 0.1, 0.2, 0.5, 1.0), found.eta_max, contact=found.contact)
+    for plot, rows in zip(view.pages.plots["Averages"], (means.wind_up, means.slope), strict=True):
+        assert not plot.message
+        solid = [line for line in plot.lines if np.isfinite(line[1]).any()]
+        assert np.array_equal(solid[0][0], means.eta)
+        assert solid[0][1] == pytest.approx(rows[0], rel=1e-9)
+        assert max(np.nanmax(y) for _, y in solid) == pytest.approx(rows.max(), rel=1e-9)
+    with unhurried(view._pause):
+        kim.session.edit("shaft.stiffness_nm_per_rad", 80.0, "Change stiffness")
+        settle()
+        assert view.means.busy is False, "not before editing pauses"
+    view.settle()
+    wait_until(lambda: not view.busy)
+    assert view.found is not found
+    assert "first_turn" in vars(view.found)
+
+
+def test_the_terms_of_the_equation_are_drawn_by_cam_angle(kim: User) -> None:
+    """Kim1990 Fig. 5."""
+    view = page(kim, rest=False)
+    view.pages.show_page("Terms")
+    settle()
+    degrees, psi = view.pages.plots["Terms"][0].lines[0]
+    theta = np.deg2rad(degrees)
+    kims = np.where(degrees < 180.0, 3.0 * (np.cos(2.0 * theta) - np.cos(4.0 * theta)), 0.0)
+    assert np.abs(psi - kims).max() < 1e-12
+
+
+def test_only_the_page_in_front_is_drawn(kim: User) -> None:
+    view = page(kim)
+    plots = {name: group[0] for name, group in view.pages.plots.items()}
+    assert all(not plot.lines for plot in plots.values())
+    view.pages.show_page("Spectrum")
+    settle()
+    assert [name for name, plot in plots.items() if plot.lines] == ["Spectrum"]
+
+
+def test_the_forbidden_speeds_and_the_shaft_for_a_speed(kim: User) -> None:
+    view = page(kim)
+    view.pages.show_page("Speeds")
+    settle()
+    found = kim.session.study.stability
+    assert found is not None
+    assert view.pages.speeds.text().count("<tr>") == 1 + len(found.bands)
+    band = found.bands[1]
+    view.pages.speed.setFocus()
+    view.pages.speed.selectAll()
+    kim.type(f"{0.5 * (band.rpm_lo + band.rpm_hi):.1f}")
+    kim.press(Qt.Key.Key_Return)
+    assert "at least" in view.pages.needed.text()
+
+
+def test_the_chart_and_the_other_figures_as_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["--q", "0.05", "--eta-max", "2.2", "--periods", "2"]
+    assert main(["--headless", "stability", str(KIM), "--out", str(tmp_path), *words]) == 0
+    names = ("stability", "windup_averages", "windup", "coefficients")
+    assert {f"{name}{ending}" for name in names for ending in (".svg", ".png")} <= {p.name for p in tmp_path.iterdir()}
+    for name in names:
+        drawn = (tmp_path / f"{name}.svg").read_text()
+        assert drawn.count("<path") + drawn.count("<polyline") > 5
+        image = QImage(str(tmp_path / f"{name}.png"))
+        row = image.height() // 3
+        colours = {image.pixelColor(x, row).name() for x in range(image.width())}
+        assert len(colours) > 4, f"{name}: curves are crossed at this height"
+
+
+@pytest.mark.parametrize("ending", [".svg", ".png"])
+def test_a_figure_of_the_core_as_a_file(ending: str) -> None:
+    """Its title, its legend, broken and dashed curves; one plot below the other."""
+    x = np.linspace(0.0, 1.0, 9)
+    broken = np.where(x > 0.5, np.nan, x)
+    one = Plot(
+        "Turns", "Twist", (Curve(x, x, "first"), Curve(x, broken, "second", 1, dashed=True)), ((0.4, "here"),), "a note"
+    )
+    data = figure_file(Figure("name", "Title of it", (one, one)), ending)
+    if ending == ".svg":
+        text = data.decode()
+        for word in ("Title of it", "first", "second", "a note", "Turns", "Twist", "here"):
+            assert word in text, word
+    else:
+        image = QImage.fromData(data)
+        assert (image.width(), image.height()) == (1920, 1280)
