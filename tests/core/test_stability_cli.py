@@ -187,7 +187,7 @@ def test_the_papers_figures_come_out_of_its_example(
         given[name] = drawn
         return {f"{name}.svg": b"<svg/>", f"{name}.png": b"png"}
 
-    monkeypatch.setattr("core.charting.claims", lambda found: ())  # test_kim_1990 has them
+    monkeypatch.setattr("core.commands.stability.claims", lambda found: ())  # test_kim_1990 has them
     assert main(["stability", str(EXAMPLE), "--claims", "--out", str(tmp_path), "--periods", "2"], painter=painter) == 0
     pictures = {f"figure_{n}{ending}" for n in range(4, 13) for ending in (".svg", ".png")}
     tables = {"claims.txt", "figure_4.csv", "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv"}
