@@ -6,10 +6,15 @@ from collections.abc import Mapping
 from math import degrees
 from types import MappingProxyType
 
+import numpy as np
+
 from core.design import LinkageCam, RollerCam, si
+from core.errors import NoCam
 from core.extremes import Range
 from core.findings import ERROR, WARNING, Finding
-from core.train import REVOLUTE, SLIDING
+from core.motion import EPS
+from core.train import REVOLUTE, SLIDING, Train
+from core.vectors import dot
 
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})
@@ -38,3 +43,21 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | Linkag
         values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}
         found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(sharpest.theta), values))
     return found
+
+
+def require_hold(train: Train) -> None:
+    """The roller of a linkage must come nearer to the cam centre or go away from it somewhere in a turn.
+
+    Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
+    the linkage: NoCam.
+    """
+    reference = train.follower.z[0]
+    with np.errstate(invalid="ignore"):  # no travel where the roller stands still
+        hold = np.abs(dot(train.travel, reference)) / np.abs(reference)
+    if not (hold > 16.0 * EPS * train.condition).any():
+        raise NoCam(
+            "the roller keeps its distance from the cam centre while the driver moves: the cam would be a circle about "
+            "its own centre, which moves nothing",
+            "cam.point",
+            "choose a point that comes nearer to the frame's origin and goes away from it",
+        )

@@ -44,6 +44,8 @@ class LinkageForces:
               where it slides; 0 where a cam makes the linkage move
     contact   (n,) F_c [N] of a cam, > 0 presses the roller on it; 0 without one
     camshaft  (n,) T_c [N m] > 0 drives the cam; 0 without one
+    lever     (n,) of the contact force on the driver: torque [N m] of a newton where it is pinned to the frame, else force
+              [N] along its line; infinite without a cam
     """
 
     omega: float
@@ -52,6 +54,7 @@ class LinkageForces:
     torque: np.ndarray
     contact: np.ndarray
     camshaft: np.ndarray
+    lever: np.ndarray
 
 
 def link_loading(loads: LinkageLoads, name: Callable[[int], str]) -> LinkLoading:
@@ -246,12 +249,13 @@ def linkage_forces(
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = _walked(own)
         if contact is None:
-            return LinkageForces(omega, own.pairs, own.couples, needed, np.zeros(n), np.zeros(n))
+            return LinkageForces(omega, own.pairs, own.couples, needed, np.zeros(n), np.zeros(n), np.full(n, np.inf))
         reference, normal, sense = contact
         newton = _Walk(train)
         newton.load(train.carrier, reference, -normal)
-        pressing = -needed / _walked(newton)
+        lever = _walked(newton)
+        pressing = -needed / lever
         pairs = {name: force + pressing * newton.pairs[name] for name, force in own.pairs.items()}
         couples = {name: couple + pressing * newton.couples[name] for name, couple in own.couples.items()}
         camshaft = -sense * cross(reference, pressing * normal)
-    return LinkageForces(omega, pairs, couples, np.zeros(n), pressing, camshaft)
+    return LinkageForces(omega, pairs, couples, np.zeros(n), pressing, camshaft, lever)

@@ -29,20 +29,22 @@ def _across_guide(train: Train, sense: float) -> Centres:
 
 def _through_pole(train: Train, sense: float) -> Centres:
     """Kennedy: on the line cam centre - pole I of the roller's link on the frame, which the circle diagram finds from
-    the pairs: Q = φ'I/(φ'-d). Where the link does not turn, or no two triangles reach the pole, by the velocity of the
-    roller's centre: Q = (φ'R + iR')/(φ'-d)."""
+    the pairs: Q = φ'I/(φ'-d). Where the link does not turn, where no two triangles reach the pole or rounding decides
+    it, by the velocity of the roller's centre: Q = (φ'R + iR')/(φ'-d)."""
     follower = train.follower
     turn = follower.angle[1]
     point, weight = turn * follower.z[0] + 1j * follower.z[1], turn - sense
     pole = _pole(train)
-    if pole is not None:
-        near = np.abs(pole.weight) > _NEARLY
-        with np.errstate(divide="ignore", invalid="ignore"):
-            point = np.where(near, turn * pole.point / pole.weight, point)
-    return Centres(point, weight)
+    if pole is None:
+        return Centres(point, weight)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        doubt = pole.doubt / np.abs(pole.weight)  # relative to the pole's distance: the farther, the larger
+        told = doubt < _MOST_DOUBT
+        point = np.where(told, turn * pole.point / pole.weight, point)
+    return Centres(point, weight, np.where(told, np.maximum(doubt, 1.0), 1.0))
 
 
-_NEARLY = 1e-6
+_MOST_DOUBT = 1e6
 
 
 def _pole(train: Train) -> Centres | None:

@@ -90,12 +90,16 @@ def line_of(centres: Mapping[Key, Centres], triangle: Triangle) -> np.ndarray:
 def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Centres:
     """The wanted centre where the lines of two of its triangles cross; at each position of the two that cross at the
     steepest angle (n,). size [m] of the mechanism: coordinates are compared in units of it."""
-    lines = _lines(centres, wanted, size)
-    best = np.cross(lines[0], lines[1], axis=0)
-    for one, other in list(combinations(lines, 2))[1:]:
+    lines = list(zip(_lines(centres, wanted, size), _line_doubts(centres, wanted, size), strict=True))
+    best, square, doubt = np.zeros(1), np.full(1, -1.0), np.zeros(1)
+    for (one, of_one), (other, of_other) in combinations(lines, 2):
         cut = np.cross(one, other, axis=0)
-        best = np.where((cut * cut).sum(axis=0) > (best * best).sum(axis=0), cut, best)
-    return Centres(size * (best[0] + 1j * best[1]), best[2])
+        steeper = (cut * cut).sum(axis=0)
+        better = steeper > square
+        best, doubt = np.where(better, cut, best), np.where(better, of_one + of_other, doubt)
+        square = np.where(better, steeper, square)
+    with np.errstate(divide="ignore"):
+        return Centres(size * (best[0] + 1j * best[1]), best[2], doubt / np.sqrt(square))
 
 
 def agreement(centres: Mapping[Key, Centres], wanted: Wanted, found: Centres, size: float) -> np.ndarray:
@@ -118,6 +122,17 @@ def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[
         line = np.cross(_unit(p), _unit(q), axis=0)
         lines.append(_unit(np.where((line * line).sum(axis=0) > _TOLD * _TOLD, line, 0.0)))
     return lines
+
+
+def _line_doubts(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[np.ndarray]:
+    """How many times the rounding of the centres at sight each line carries: its centres' doubts over their distance."""
+    doubts = []
+    for t in wanted.triangles:
+        p, q = (_unit(centres[key].homogeneous * _scale(size)) for key in (t.first, t.second))
+        line = np.cross(p, q, axis=0)
+        length = np.maximum(np.sqrt((line * line).sum(axis=0)), _TOLD)
+        doubts.append((centres[t.first].doubt + centres[t.second].doubt) / length)
+    return doubts
 
 
 _TOLD = 1e-7  # of unit vectors

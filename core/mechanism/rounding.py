@@ -50,7 +50,8 @@ def doubts(plan: Plan, solved: Solved) -> dict[int, Doubt]:
 def condition(plan: Plan, solved: Solved) -> np.ndarray:
     """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
     rows = [d.origin / plan.size + d.angle for d in doubts(plan, solved).values()]
-    return np.asarray(4.0 * np.max(np.broadcast_arrays(*rows), axis=0) + 4.0)
+    worst = np.max(np.broadcast_arrays(*rows), axis=0)
+    return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # at a dead centre 0 · ∞ of a pin at its link's origin
 
 
 def _at(held: Held, poses: dict[int, Pose], found: dict[int, Doubt]) -> np.ndarray:

@@ -149,7 +149,10 @@ class LinkageStudy(Study, of=LinkageDesign):
     @cached_property
     def _cam(self) -> CamShape:
         try:
-            return self._stage(cam_stage, self.linkage, self.design.cam, self.sense)
+            shape: CamShape = self._stage(cam_stage, self.linkage, self.design.cam, self.sense)
+            if self._given is None:
+                cam.require_hold(self.linkage)
+            return shape
         except NoAnswer as error:
             raise self._located(error, "cam") from None
 
@@ -273,17 +276,24 @@ class LinkageStudy(Study, of=LinkageDesign):
             proof["three_centres"] = _worst(collinearity(self.centres), 16.0 * EPS * train.condition)
         if "cam" in wanted:
             centre = cam.centre_residual(self.linkage, self.cam)
-            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition)
+            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
             radius: float = si(self.design.cam).roller_radius
             reach = float(np.abs(self.cam.flank.pitch).max())
             proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, reach), 64.0 * EPS)
         if "dynamics" in wanted:
-            bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition)
+            bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())
             parts = (self.linkage, self.dynamics, self.loading)
             proof["power_balance"] = _worst(dynamics.linkage_power_residual(*parts), bound)
             momentum = dynamics.linkage_momentum_residual(*parts, _contact(self._shape))
             proof["momentum_balance"] = _worst(momentum, bound)
         return proof
+
+    def _over_lever(self) -> np.ndarray:
+        """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
+        is as uncertain."""
+        size = self.course.plan.size if self.course.plan.driver.revolute else 1.0
+        with np.errstate(divide="ignore"):
+            return np.fmax(1.0, size / np.abs(self.dynamics.lever))
 
     # -- what the window asks ---------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """Names of the parts, placed where they cover neither the part they name nor, if it can be helped, anything else.
 
-A label keeps its side of the part over the whole turn, so that it does not jump about in motion.
+A label keeps its side of the part over the whole turn, so that it does not jump about in motion; of a link that turns
+far it may be the link's own side, which goes round with it.
 """
 
 from __future__ import annotations
@@ -26,8 +27,7 @@ LOOKS = 8  # samples of the turn at which room is looked for
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
 SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
-# from a text's edge to its middle, in halves of its size, so that the text lies outside of a point in the direction
-LEANS = np.clip(1.6 * SIDES.real, -1.0, 1.0) + 1j * np.clip(1.6 * SIDES.imag, -1.0, 1.0)
+FAR_TURN = np.pi / 2  # of a link over the turn, from which its own sides are tried too
 PAD = 3.0  # a text wants so much free paper around, pixels
 COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
 APART = 9.0  # between two labels, pixels
@@ -36,7 +36,8 @@ APART = 9.0  # between two labels, pixels
 @dataclass(frozen=True, eq=False)
 class Label:
     """A name for what is at ``track`` (n,) [mm] with nothing to be covered within ``room`` [mm] of it; ``foot``: how
-    far from there a line to the text starts, where one must always be drawn [mm]."""
+    far from there a line to the text starts, where one must always be drawn [mm]; ``turn``: (n,) unit vector that goes
+    round with the part, where it turns far."""
 
     key: str
     text: str
@@ -44,6 +45,37 @@ class Label:
     room: float
     layer: str
     foot: float | None = None
+    turn: np.ndarray | None = None
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Pixels from part to text, by side: those that stand, then those that turn with the part."""
+        return SIDE_GAPS if self.turn is None else np.append(SIDE_GAPS, np.full(DIRECTIONS.size, GAPS[0]))
+
+    def outwards(self, seen: np.ndarray) -> np.ndarray:
+        """Where each side lies (k, c) at the samples ``seen`` (k,), unit vectors."""
+        fixed = np.broadcast_to(SIDES, (seen.size, SIDES.size))
+        return fixed if self.turn is None else np.hstack([fixed, self.turn[seen][:, None] * DIRECTIONS])
+
+
+def _lean(outwards: np.ndarray, half: complex) -> np.ndarray:
+    """From a text's edge to its middle, half its size being ``half``: so the text lies outside of a point."""
+    x, y = np.clip(1.6 * outwards.real, -1.0, 1.0), np.clip(1.6 * outwards.imag, -1.0, 1.0)
+    return np.asarray(half.real * x + 1j * half.imag * y)
+
+
+def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
+    """The same, so far that the text lies outside of a line across the direction, such as a bar that it goes round with."""
+    return np.asarray(outwards * (half.real * np.abs(outwards.real) + half.imag * np.abs(outwards.imag)))
+
+
+def _turn(reading: Reading, *bodies: str) -> np.ndarray | None:
+    """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
+    for name in bodies if reading.linkage else ():
+        angle = np.deg2rad(reading.bodies[name].angle)
+        if np.ptp(angle) > FAR_TURN:
+            return np.exp(1j * angle)
+    return None
 
 
 def names(reading: Reading) -> Iterator[Label]:
@@ -60,12 +92,15 @@ def names(reading: Reading) -> Iterator[Label]:
             yield Label(body.name, name, *_of_slide(reading, body.name, slides), "linkage")
         elif len(places) > 1:
             ends = max(((a, b) for a in places for b in places), key=lambda e: abs(e[0] - e[1]))
-            yield Label(body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage")
+            yield Label(
+                body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(reading, body.name)
+            )
     for joint in drawn_joints(reading):
         if joint.pair.kind == REVOLUTE:
             on_block = joint.pair.body in slides or joint.pair.on in slides
             room = 0.5 * BLOCK_HEIGHT * unit if on_block else 1.3 * EYE * unit
-            yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage")
+            turn = None if joint.fixed else _turn(reading, joint.pair.on, joint.pair.body)
+            yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage", None, turn)
     yield from _free_points(reading)
     if reading.profile.size:
         yield Label("cam", "cam", still, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
@@ -224,11 +259,19 @@ class Labels:
     def lay(self, scale: float) -> None:
         """Put each label on its side."""
         for label, tag in self._rows:
-            side = self.sides[label.key]
-            outwards, lean, gap = complex(SIDES[side]), complex(LEANS[side]), float(SIDE_GAPS[side])
+            side, half = self.sides[label.key], complex(*tag.size) / 2
+            gap = float(label.gaps[side])
+            if side >= SIDES.size and label.turn is not None:
+                around = DIRECTIONS[side - SIDES.size] * label.turn
+                tag.shift(0.0, 0.0)
+                tag.lead(False)
+                place = label.track + around * label.room + (around * gap + _clear(around, half)) / scale
+                self._moves[label.key] = pinned(tag, place)
+                continue
+            outwards = complex(SIDES[side])
             start = label.room if label.foot is None else label.foot
-            push, (width, height) = outwards * (gap + (label.room - start) * scale), tag.size
-            tag.shift(push.real + 0.5 * lean.real * width, -push.imag - 0.5 * lean.imag * height)
+            push = outwards * (gap + (label.room - start) * scale) + complex(_lean(SIDES[side], half))
+            tag.shift(push.real, -push.imag)
             tag.lead(gap > GAPS[0] or label.foot is not None)
             self._moves[label.key] = pinned(tag, label.track + outwards * start)
 
@@ -242,11 +285,13 @@ class Labels:
         taken: list[tuple[np.ndarray, float, float]] = []
         for label, tag in self._rows:
             half = complex(*tag.size) / 2
-            push = SIDES * SIDE_GAPS + LEANS.real * half.real + 1j * LEANS.imag * half.imag
+            outwards = label.outwards(self._looks)
             centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._looks][:, None]
-            centre = centre + SIDES * label.room + push / scale
+            fixed, around = outwards[:, : SIDES.size], outwards[:, SIDES.size :]
+            lean = np.hstack([_lean(fixed, half), _clear(around, half)])
+            centre = centre + outwards * label.room + (outwards * label.gaps + lean) / scale
             cost = self._covered(centre, half / scale, scale)
-            cost += FURTHER * np.repeat(np.arange(len(GAPS)), DIRECTIONS.size)
+            cost += FURTHER * np.searchsorted(GAPS, label.gaps)
             cost += _leaving(centre, half / scale, corners) * LEAVES
             for other, a, b in taken:
                 apart = (

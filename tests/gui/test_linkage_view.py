@@ -68,7 +68,9 @@ def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> Non
     assert complex(at.x(), at.y()) == pytest.approx(place(user, "A"), abs=0.2)
 
 
-def test_the_coupler_cam_is_drawn_and_exported(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_coupler_cam_is_drawn_and_exported(
+    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     user = open_user(example("four_bar_coupler_cam"))
     view = user.drawing()
     for key in ("cam", "pitch", "roller", "normal", "centre"):
@@ -127,9 +129,10 @@ def test_a_length_that_cannot_be_is_refused_beside_its_field(open_user: Open) ->
     before = user.design
     user.enter("linkage.links[2].points.B.x_mm", "300")
     assert user.design == before
-    assert "do not meet" in user.field("linkage.links[2].points.B.x_mm").trouble or "put together" in user.field(
-        "linkage.links[2].points.B.x_mm"
-    ).trouble
+    assert (
+        "do not meet" in user.field("linkage.links[2].points.B.x_mm").trouble
+        or "put together" in user.field("linkage.links[2].points.B.x_mm").trouble
+    )
     assert user.steps == []
 
 
@@ -189,8 +192,12 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
 # -- joints drawn elsewhere -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("name", "point", "way"), [("four_bar", "B", 8 + 5j), ("four_bar", "C", -9 + 4j), ("watt_six_bar", "D", 6 - 7j)])
-def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(name: str, point: str, way: complex, open_user: Open) -> None:
+@pytest.mark.parametrize(
+    ("name", "point", "way"), [("four_bar", "B", 8 + 5j), ("four_bar", "C", -9 + 4j), ("watt_six_bar", "D", 6 - 7j)]
+)
+def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
+    name: str, point: str, way: complex, open_user: Open
+) -> None:
     user = open_user(example(name), plots=False)
     view = user.drawing()
     turn(user, 60.0)
@@ -267,3 +274,24 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
         settle()
         assert not user.drawing().in_trouble
     assert user.faults == []
+
+
+def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
+    """At every angle the number of a link that turns fully stands clear of the link's own pins and of its bar."""
+    user = open_user(example("four_bar"), plots=False, size=(1280, 720))
+    view = user.drawing()
+    tag, scale = view.scene.item("label.link2"), view.canvas.scale_now
+    for step in range(24):
+        turn(user, 15.0 * step)
+        shown = tag.pixel_box()  # type: ignore[attr-defined]
+        corners = [
+            complex(tag.pos().x() + x / scale, tag.pos().y() - y / scale)
+            for x in (shown.left(), shown.right())
+            for y in (shown.top(), shown.bottom())
+        ]
+        start, end = place(user, "O2"), place(user, "A")
+        along = (end - start) / abs(end - start)
+        beside = [((corner - start) * along.conjugate()) for corner in corners]
+        assert min(abs(b.imag) for b in beside) * scale > 5.0, 15.0 * step  # pixels from the middle of the bar
+        assert len({math.copysign(1.0, b.imag) for b in beside}) == 1
+        assert 0.0 < min(b.real for b in beside) < max(b.real for b in beside) < abs(end - start)
