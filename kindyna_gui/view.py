@@ -132,6 +132,11 @@ class View(QWidget):
         """Do now what waits for a pause."""
 
     @property
+    def busy(self) -> bool:
+        """Something that is shown is still being computed beside the window."""
+        return False
+
+    @property
     def in_trouble(self) -> bool:
         """The view says why it has nothing to show."""
         return self._stack.currentWidget() is self._trouble
