@@ -131,6 +131,9 @@ class View(QWidget):
     def settle(self) -> None:
         """Do now what waits for a pause."""
 
+    def leave(self) -> None:
+        """The window closes: nothing may be computed beside it any longer."""
+
     @property
     def busy(self) -> bool:
         """Something that is shown is still being computed beside the window."""
