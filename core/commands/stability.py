@@ -102,7 +102,8 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
 
 
 def _machine(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
-    """What there is to say of the design's own shaft."""
+    """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
+    found.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     text = stability_text(study)
     if words.out is not None:
         made, drawn = stability_files(study, found, words.q, words.at, words.periods, words.eta_max)
