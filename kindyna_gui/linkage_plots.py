@@ -122,7 +122,9 @@ def lacking(study: Study, usual: Sequence[str]) -> str:
     """Why a plot of the window is empty for a linkage, in a sentence."""
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
-        return f"No cam makes this linkage move: there is no {name}."
+        led = isinstance(study.design, LinkageDesign) and study.design.motion is not None
+        way = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
+        return f"No cam makes this linkage move: there is no {name}. {way}."
     if usual[0] == "jerk":
         return "No motion drives this linkage: the graph shows what its links and points do."
     return f"This linkage has no {name}."

@@ -56,8 +56,6 @@ def require_hold(train: Train) -> None:
         hold = np.abs(dot(train.travel, reference)) / np.abs(reference)
     if not (hold > 16.0 * EPS * train.condition).any():
         raise NoCam(
-            "the roller keeps its distance from the cam centre while the driver moves: the cam would be a circle about "
-            "its own centre, which moves nothing",
-            "cam.point",
-            "choose a point that comes nearer to the frame's origin and goes away from it",
-        )
+            "the roller keeps its distance from the cam centre, so no cam can move it", "cam.point",
+            "choose another point",
+        )  # fmt: skip

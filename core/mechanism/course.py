@@ -112,6 +112,7 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
                 _within(r, a, b, step.joint)
                 for r in ranges
                 for a, b in ranges_where(gap, r.low, r.high, _samples(r.high - r.low, high - low))
+                if b - a > _STANDS * (high - low)
             ]
         if not ranges:
             return Course(plan, low, high, (), (), way, MappingProxyType({}))
@@ -120,6 +121,7 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
     return Course(plan, low, high, tuple(ranges), told, way, MappingProxyType(turning), closes)
 
 
+_STANDS = 1e-6  # of the way that was asked about: in a shorter range nothing moves, and rounding decides its ends
 _SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
 _BESIDE = 2e-6  # so far from a change point the dyad is open on both sides

@@ -13,7 +13,7 @@ from core import cam, dynamics, mechanism, motion
 from core.cam import CamShape
 from core.design import CRANK, Linkage, LinkageCam, LinkageDesign, LinkageLoads, si
 from core.dynamics import LinkageForces, LinkLoading, link_loading, linkage_forces
-from core.errors import NoAnswer, NoPosition
+from core.errors import NoAnswer, NoPosition, angle_list
 from core.extremes import Extreme, Range
 from core.findings import ERROR, NOTE, Finding, Residual
 from core.instant_centres import CentreTable, all_centres, collinearity
@@ -102,10 +102,21 @@ class LinkageStudy(Study, of=LinkageDesign):
         found = course_of(self.design.linkage, *ends)
         if not found.ranges:
             raise NoPosition(
-                "its links cannot be put together at any position of the driver", "linkage.links",
+                "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
                 "change their lengths, or linkage.branch",
             )  # fmt: skip
+        if self.by_crank and self._between_samples(found):
+            places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
+            raise NoPosition(
+                f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
+                "driver angles lies", "linkage.links", "change their lengths, or ask for more angles",
+            )  # fmt: skip
         return found
+
+    def _between_samples(self, course: Course) -> bool:
+        """Whether the crank's ranges are so short that no angle of the grid lies in them."""
+        longest = max(r.high - r.low for r in course.ranges)
+        return longest * self.samples < 4.0 * np.pi and not CrankProgram(course).degrees(self.samples).size
 
     @cached_property
     def program(self) -> Program | CrankProgram:

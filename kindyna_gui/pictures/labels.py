@@ -249,8 +249,9 @@ class Labels:
         self.lay(scale)
 
     def keep(self, sides: Mapping[str, int], scale: float) -> bool:
-        """Lay all labels on the sides they had in another drawing of the same parts; False where parts are new."""
-        if any(label.key not in sides for label, _ in self._rows):
+        """Lay all labels on the sides they had in another drawing of the same parts; False where parts are new, or one
+        that turned far no longer does."""
+        if any(sides.get(label.key, label.gaps.size) >= label.gaps.size for label, _ in self._rows):
             return False
         self.sides = dict(sides)
         self.lay(scale)

@@ -333,3 +333,23 @@ def test_driving_angles_may_be_any() -> None:
     assert np.degrees(there.theta) == pytest.approx(np.degrees(np.remainder([0.3, 7.0, -1.0], TURN)))
     assert there.linkage.bodies["link4"].x.shape == (4, 3)
     assert sides(B=1)[0].side == 1
+
+
+def test_a_crank_that_can_hardly_move_is_refused_where_no_angle_lies_in_its_range() -> None:
+    """Between two samples there is nothing to tabulate or draw: the range is named, and finer samples find it."""
+    straight = four_bar(100.0, 50.0, 60.0, 40.0)  # with the frame as long as 150 all links lie in one line
+    pivot = 149.9999999 * np.exp(0.01j)
+    frame = link(1, O2=(0, 0), O4=(pivot.real, pivot.imag))
+    design = replace(straight, linkage=replace(straight.linkage, links=(frame, *straight.linkage.links[1:])))
+    told = r"linkage\.links: .* within 0\.5699\d*\.\.\.0\.5759\d* deg only, where none of the 90 driver angles lies"
+    with pytest.raises(NoPosition, match=told):
+        _ = study_of(design, 90).angles
+    assert study_of(design, 36_000).angles.theta.size == 1
+
+
+@pytest.mark.parametrize(("rod", "offset"), [(60.0, 100.0), (1e-7, 0.0)])
+def test_a_linkage_that_stands_at_single_positions_only_has_no_range(rod: float, offset: float) -> None:
+    """Rounding alone would decide where such a range ends."""
+    with pytest.raises(NoPosition, match="or at single ones only"):
+        _ = study_of(slider_crank(40.0, rod, offset), 360).course
+    assert len(study_of(slider_crank(40.0, 39.0)).course.ranges) == 3

@@ -295,3 +295,28 @@ def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
         assert min(abs(b.imag) for b in beside) * scale > 5.0, 15.0 * step  # pixels from the middle of the bar
         assert len({math.copysign(1.0, b.imag) for b in beside}) == 1
         assert 0.0 < min(b.real for b in beside) < max(b.real for b in beside) < abs(end - start)
+
+
+def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(open_user: Open) -> None:
+    user = open_user(example("four_bar"), plots=False)
+    user.session.edit("linkage.links[1].points.A.x_mm", 90.0, "A long crank")
+    user.session.end_gesture()
+    settle()
+    assert Study(user.design).findings()[0].code == "crank-cannot-turn"
+    user.session.edit("linkage.links[1].points.A.x_mm", 9.0, "A short crank")
+    user.session.stack.undo()
+    user.session.stack.undo()
+    assert not user.drawing().in_trouble
+    assert {label.key for label, _ in user.drawing().scene._labels._rows} == set(user.drawing().scene._labels.sides)  # type: ignore[union-attr]
+
+
+def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -> None:
+    """The last design that can be drawn stays, and every view with it."""
+    user = open_user(example("four_bar"))
+    before = user.design
+    longest = 30.0 + 120.0 + 70.0
+    user.session.edit("linkage.links[0].points.O4.y_mm", math.sqrt((longest - 1e-7) ** 2 - 100.0**2), "Far away")
+    settle()
+    assert user.design == before
+    turn(user, 200.0)
+    assert not user.drawing().in_trouble
