@@ -253,6 +253,8 @@ class MainWindow(QMainWindow):
             return
         self.player.play(False)
         self.settings.save_layout(self)
+        for view in self.findChildren(View):
+            view.leave()
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:

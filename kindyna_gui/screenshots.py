@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from math import pi
 from typing import Any
@@ -24,6 +25,7 @@ from kindyna_gui.shown_kinds import has_cam
 from kindyna_gui.view import View
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
+PATIENCE, BREATH = 60.0, 0.005  # seconds
 VECTORS = ("velocities", "forces")
 
 
@@ -64,16 +66,25 @@ def dismiss(window: MainWindow) -> None:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
 
 
-def rest(window: MainWindow) -> None:
-    """Let the window do all it wants to do, without its pauses."""
+def rest(window: MainWindow, patience: float = PATIENCE) -> None:
+    """Let the window do all it wants to do, without its pauses; what is computed beside it may take ``patience`` [s]."""
+    late = time.monotonic() + patience
     for _ in range(ROUNDS):
-        QApplication.processEvents()
-        for view in window.findChildren(View):
-            if view.on_screen():
-                view.pull()
-                view.settle()
+        _catch_up(window)
+    while any(view.busy for view in _catch_up(window)) and time.monotonic() < late:
+        time.sleep(BREATH)  # for the other threads
     window.status.count_findings()
     QApplication.processEvents()
+
+
+def _catch_up(window: MainWindow) -> list[View]:
+    """The views on the screen, up to date but for what is computed beside them."""
+    QApplication.processEvents()
+    seen = [view for view in window.findChildren(View) if view.on_screen()]
+    for view in seen:
+        view.pull()
+        view.settle()
+    return seen
 
 
 def png(widget: QWidget) -> bytes:

@@ -214,7 +214,7 @@ def _contact(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> Non
     unit = gone.contact.unit * found.machine.omega_at(gone.eta) ** 2
     force = unit * gone.force(y)
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
-    plots[0].name_axes("Turns of the input", f"Contact force, {name}")
+    plots[0].name_axes("Turns of the input", f"Force, {name}")
     plots[0].show_lines([Line(y, force / per, LIGHT.ink)], contact_marks(gone))
 
 
@@ -246,9 +246,9 @@ class Page:
 PLOTS: Mapping[str, Page] = MappingProxyType(
     {
         "Wind-up": Page((("Turns of the input", "Twist, °"),), _wind_up),
-        "Phase": Page((("Twist, °", "Twist rate, ° per turn"),), _phase),
+        "Phase": Page((("Twist, °", "Rate, °/turn"),), _phase),
         "Spectrum": Page((("Order, × shaft speed", "Twist, °"),), _spectrum),
-        "Contact": Page((("Turns of the input", "Contact force, N"),), _contact),
+        "Contact": Page((("Turns of the input", "Force, N"),), _contact),
         "Averages": Page((("", ""), ("", "")), _averages, of_point=False, needs="first_turn"),
         "Terms": Page((("", ""),), _terms, of_point=False),
     }

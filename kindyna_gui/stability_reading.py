@@ -14,11 +14,12 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.stability_words import point_text, tongue_of, waiting_text
 
 UNSEEN = 1e-6  # of η: a tongue's edge may be off by that
+LINES = 3
 REST_MS = 220  # the mouse rests, before what takes long is begun
 
 
 class Reading(QLabel):
-    """Two lines: the place, its tongue and the linear models; the steady response and the history from rest.
+    """Three lines: the place, its tongue and the linear models; the steady response; the history from rest.
 
     The latter two take a second and more: they are computed beside the window, and given up where the mouse moves on.
 
@@ -31,7 +32,7 @@ class Reading(QLabel):
         super().__init__()
         self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.setMinimumWidth(1)
-        self.setMinimumHeight(2 * self.fontMetrics().lineSpacing() + 2)  # else the chart jumps
+        self.setMinimumHeight(LINES * self.fontMetrics().lineSpacing() + 2)  # else the chart jumps
         self.setAlignment(Qt.AlignmentFlag.AlignTop)
         coloured(self, QUIET)
         self.lane = Lane(self)

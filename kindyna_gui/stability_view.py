@@ -175,13 +175,22 @@ class StabilityView(View):
 
     @property
     def _computing(self) -> bool:
-        return any(lane.busy for lane in (self.fine, self.looks, self.means, self.reading.lane))
+        return any(lane.busy for lane in self._lanes)
+
+    @property
+    def _lanes(self) -> tuple[Lane, ...]:
+        return self.fine, self.looks, self.means, self.reading.lane
 
     def _stop(self) -> None:
         self._pause.stop()
-        for lane in (self.fine, self.looks, self.means, self.reading):
+        for lane in (*self._lanes, self.reading):
             lane.stop()
         self._rest()
+
+    def leave(self) -> None:
+        self._stop()
+        for lane in self._lanes:
+            lane.close()
 
     def settle(self) -> None:
         """Do now what waits for a pause."""

@@ -63,12 +63,12 @@ def point_text(eta: float, q: float, machine: Machine | None, told: Sequence[Ver
 
 
 def waiting_text(told: Sequence[Verdict], waiting: bool) -> str:
-    """One line for the nonlinear models at what is under the mouse, as far as they have answered."""
+    """A line for each nonlinear model at what is under the mouse, as far as they have answered."""
     by_model = {verdict.model: verdict for verdict in told}
     said = [words(by_model[model]) for model, words in SLOW.items() if model in by_model]
     if waiting:
         said.append("still computing …" if said else "nonlinear models: computing …")
-    return "; ".join(said)
+    return "\n".join(said)
 
 
 def _steady_words(verdict: Verdict) -> str:

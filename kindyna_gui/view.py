@@ -131,6 +131,14 @@ class View(QWidget):
     def settle(self) -> None:
         """Do now what waits for a pause."""
 
+    def leave(self) -> None:
+        """The window closes: nothing may be computed beside it any longer."""
+
+    @property
+    def busy(self) -> bool:
+        """Something that is shown is still being computed beside the window."""
+        return False
+
     @property
     def in_trouble(self) -> bool:
         """The view says why it has nothing to show."""

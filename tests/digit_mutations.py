@@ -66,7 +66,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/study/stages.py": [("KEPT = 24", "KEPT = 1", EDIT)],
     "core/study/quantities.py": [
         ("if not study.levelled:", "if False:", SHAFT + "test_without_a_flywheel_nothing_of_it_is_computed_for_the_torque"),
-        ("study.flywheel.motor_torque(study.angles) if study.levelled else", "study.flywheel.motor_torque(study.angles) if True else",
+        ("if study.levelled or not np.isfinite(torque).all():", "if True:",
          SHAFT + "test_without_a_flywheel_nothing_of_it_is_computed_for_the_torque"),
     ],
 }  # fmt: skip

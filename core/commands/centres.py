@@ -36,7 +36,7 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     text = to_json(centres_data(study, words.angle))
     if words.out is not None:
         made: dict[str, str | bytes] = {"centres.json": text}
-        made.update(pictures(snapshot(study, words.angle), painter))
+        made.update(pictures(painter, snapshot(study, words.angle)))
         write_all(words.out, made)
     print(text, end="")
     return DONE

@@ -48,9 +48,9 @@ def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
 
 
-def pictures(drawn: Drawn, painter: Painter | None) -> Mapping[str, bytes]:
+def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:
     """File name -> content; where nobody paints, that is said."""
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}
-    return painter(drawn)
+    return {name: data for each in drawn for name, data in painter(each).items()}

@@ -24,7 +24,7 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     text = report(study)
     if words.out is not None:
         made: dict[str, str | bytes] = {"report.txt": text, "summary.json": files(study)["summary.json"]}
-        made.update(pictures(study, painter))
+        made.update(pictures(painter, study))
         write_all(words.out, made)
     print(text, end="")
     return verdict(study)

@@ -1,6 +1,128 @@
-"""The command ``stability``: chart and forbidden speeds of a flexible camshaft."""
+"""The command ``stability``: the chart of a flexible camshaft, its forbidden speeds, histories, and Kim1990's claims."""
 
-from core.charting import stability_command as run
-from core.charting import stability_words as words
+from __future__ import annotations
 
-__all__ = ["run", "words"]
+import argparse
+import math
+from collections.abc import Callable
+
+from core.charting import paper_files, stability_files
+from core.commands import DONE, Painter
+from core.commands.common import design_file, folder, pictures, verdict
+from core.design import require_single_cam
+from core.files import write_all
+from core.project import load
+from core.report import finding_line, stability_text
+from core.shaft_tables import claims_text, needed_text
+from core.stability import ETA_MAX, Stability, claims, flexible
+from core.stability.guess import USUAL_ETA, USUAL_Q
+from core.study import Study
+
+MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
+
+
+def _number(low: float, high: float, what: str) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not low < value <= high:  # nan is not
+            raise argparse.ArgumentTypeError(f"{text!r}: {what}; allowed: above {low:g} ... {high:g}")
+        return value
+
+    return read
+
+
+_q = _number(0.0, MOST_Q, "inertia ratio Q")
+_eta = _number(0.0, MOST_ETA, "frequency ratio")
+
+
+def _point(text: str) -> tuple[float, float]:
+    eta, comma, q = text.partition(",")
+    if not comma:
+        raise argparse.ArgumentTypeError(f"{text!r}: a point of the chart; allowed: ETA,Q such as 0.85,0.1")
+    return _eta(eta), _q(q)
+
+
+def words(parser: argparse.ArgumentParser) -> None:
+    design_file(parser)
+    parser.add_argument("--out", type=folder, metavar="DIR", help="write tables, report and chart there")
+    parser.add_argument(
+        "--q",
+        action="append",
+        default=[],
+        type=_q,
+        metavar="Q",
+        help="rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
+    )
+    parser.add_argument(
+        "--eta-max",
+        type=_eta,
+        metavar="ETA",
+        help=f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)",
+    )
+    parser.add_argument(
+        "--at",
+        action="append",
+        default=[],
+        type=_point,
+        metavar="ETA,Q",
+        help="histories from rest (the machine's own point)",
+    )
+    periods = _number(0.0, MOST_PERIODS, "turns")
+    parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
+    parser.add_argument(
+        "--rpm",
+        action="append",
+        default=[],
+        type=_number(0.0, 1e5, "speed"),
+        metavar="RPM",
+        help="tell how stiff the shaft must be to run at this speed",
+    )
+    parser.add_argument(
+        "--guess",
+        action="store_true",
+        help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}",
+    )
+    parser.add_argument(
+        "--claims",
+        action="store_true",
+        help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
+    )
+
+
+def run(words: argparse.Namespace, painter: Painter | None) -> int:
+    """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
+    study = Study(require_single_cam(load(words.design)))
+    if words.guess and study.design.shaft.elastic is None:
+        study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
+    found = study.flexible_shaft()
+    return (_claims if words.claims else _machine)(study, found, words, painter)
+
+
+def _machine(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
+    """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
+    found.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
+    text = stability_text(study)
+    if words.out is not None:
+        made, drawn = stability_files(study, found, words.q, words.at, words.periods, words.eta_max)
+        write_all(words.out, {**made, **pictures(painter, *drawn)})
+    print(text, end="")
+    for rpm in words.rpm:
+        print(needed_text(found.stiffness_for(rpm)))
+    for finding in study.findings(("stability",)):
+        print(finding_line(finding))
+    return verdict(study, ("stability",))
+
+
+def _claims(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
+    """What the paper says of its cam, and its figures."""
+    text = claims_text(claims(found))
+    if words.out is not None:
+        made, chart, figures = paper_files(study, found, words.periods, words.eta_max or ETA_MAX)
+        painted = pictures(painter, chart, *figures)
+        named = {name.replace("stability", "figure_8"): data for name, data in painted.items()}
+        write_all(words.out, {"claims.txt": text, **made, **named})
+    print(text, end="")
+    return DONE

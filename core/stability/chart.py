@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.stability.coefficients import Coefficients
+from core.stability.coefficients import LOAD_SLOPE, Coefficients
 from core.stability.edges import tongues
 from core.stability.equations import APPROXIMATE, EXACT
 from core.stability.speeds import Machine
@@ -70,6 +70,15 @@ def count_up_to(eta_max: float) -> int:
     return max(1, int(np.floor(2.0 * eta_max + 1e-9)))
 
 
+def _top(coefficients: Coefficients, machine: Machine | None, marked: Sequence[float]) -> float:
+    """How far the chart goes in Q: above the machine and the marked rows, but no farther than these where a fixed load
+    would be stiffer than the shaft, 1 + Qψ1 < 0."""
+    asked = (machine.q,) if machine is not None else ()
+    top = max((MOST_Q, *(ROOM * q for q in asked), *(1.1 * q for q in marked)))
+    softest = -float(coefficients.panels.values[LOAD_SLOPE].min()) if coefficients.fixed else 0.0
+    return min(top, max((1.0 / softest, *asked, *marked))) if softest > 0.0 else top
+
+
 def chart(
     coefficients: Coefficients,
     machine: Machine | None,
@@ -88,8 +97,7 @@ def chart(
     A coarse one (few rows, a large ``error`` of the edges η) comes at once; raises Cancelled where progress says so.
     """
     if q is None:
-        top = max(MOST_Q, ROOM * machine.q if machine is not None else 0.0, *(1.1 * m for m in marked))
-        q = top * np.arange(1, rows + 1) / rows
+        q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     rising = np.sort(np.asarray(q, dtype=float))
     found: dict[str, Tongues] = {}
     for number, equation in enumerate(equations):

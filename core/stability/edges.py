@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from core.motion import EPS
 from core.stability.coefficients import Coefficients
 from core.stability.equations import EXACT
 from core.stability.monodromy import determinant, monodromy, size
-from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues
+from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
 STEPS = 40
 CLOSE = 1e-9  # a step of η no larger is the last: the next would be its square
@@ -25,6 +26,9 @@ FARTHEST = 0.2  # a step must not reach the next tongue
 CLEARLY = 0.1  # of the imaginary part of complex roots: a step no larger proves them
 ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that is left
 NARROW = 0.2  # half width over ζη, below which damping has surely closed a tongue; at 1 it closes it for small Q
+ROUNDING = 4.0  # times eps
+ASTRAY = 1e-6  # an edge that is off by more has not been found
+ONWARDS, FARTHEST_ORDER = 2, 160
 BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
 
 
@@ -40,12 +44,18 @@ def tongues(
     """Tongues 1 ... count of the rows q (rows,) to the wanted error of η, with damping or without.
 
     By harmonic balance where that reaches it with ``most_order`` harmonics; else, and always with damping, refined by
-    monodromy matrices from there.
+    monodromy matrices from there. Where these do not find to an edge, for so few harmonics begin too far from it, again
+    from more. ``error`` of the answer says what was reached.
     """
     found = harmonic_tongues(coefficients, q, count, equation, error, most_order)
     if damping == 0.0 and float(found.error.max(initial=0.0)) <= error:
         return found
-    return refined(coefficients, found, damping)
+    found = refined(coefficients, found, damping)
+    lost = np.flatnonzero(np.nanmax(found.error, axis=1, initial=0.0) > max(error, ASTRAY))
+    if lost.size and most_order < FARTHEST_ORDER:
+        order = min(ONWARDS * most_order, FARTHEST_ORDER)
+        return with_rows(found, lost, tongues(coefficients, found.q[lost], count, equation, damping, error, order))
+    return found
 
 
 def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) -> Tongues:
@@ -110,6 +120,9 @@ def _pencil(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: f
     room = middle * middle - determinant(e) / square
     # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
     wrong = turn.error * size(k, lanes.eta) / np.abs(square)
+    # where a turn grows a millionfold, det E is the small difference of large products
+    rounding = ROUNDING * EPS * (np.abs(e[:, 0, 0] * e[:, 1, 1]) + np.abs(e[:, 0, 1] * e[:, 1, 0])) / np.abs(square)
+    wrong = wrong + rounding / np.maximum(np.sqrt(np.abs(room) + rounding), 1e-300)
     if damping:  # two roots that meet give way like a square root
         apart = np.sqrt(np.abs(room))
         reach = np.abs(middle) + apart
@@ -148,8 +161,9 @@ def _newton(
         found = _pencil(coefficients, replace(lanes.only(at), eta=eta[at]), equation, damping)
         step = found.middle + side * np.sqrt(np.maximum(found.room, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
-        wrong[at] = found.wrong + step * step
         length = np.abs(step)
+        # the next step would be the square of this one; where steps wander, nobody knows
+        wrong[at] = found.wrong + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
         stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
         last[at] = length
         done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)

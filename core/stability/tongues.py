@@ -27,6 +27,7 @@ LEAST_ORDER, MOST_ORDER = 8, 40
 SPARE = 6  # harmonics above those of the highest tongue asked for
 GROWTH = 1.4
 ROUNDING = 32.0  # times eps times the condition
+SHIFTS = (1.0, 4.0, 16.0, 0.25, 64.0, 0.05, 1e3, 2e4, 4e5)  # tried in turn; a load that does much needs a large one
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,10 +78,11 @@ def harmonic_tongues(
         if poor.size == 0 or order >= most_order:
             return found
         order = min(most_order, int(np.ceil(order * GROWTH)))
-        found = _with_rows(found, poor, tongues_of_order(coefficients, q[poor], count, order, equation))
+        found = with_rows(found, poor, tongues_of_order(coefficients, q[poor], count, order, equation))
 
 
-def _with_rows(all_rows: Tongues, at: np.ndarray, better: Tongues) -> Tongues:
+def with_rows(all_rows: Tongues, at: np.ndarray, better: Tongues) -> Tongues:
+    """All rows, those ``at`` (k,) taken from a better answer of k rows."""
     edges, error, bottom = all_rows.edges.copy(), all_rows.error.copy(), all_rows.bottom.copy()
     edges[at], error[at], bottom[at] = better.edges, better.error, better.bottom
     return replace(better, q=all_rows.q, edges=edges, error=error, bottom=bottom)
@@ -113,7 +115,14 @@ def tongues_of_order(
         wanted = 2 * pairs + skip
         if wanted == 0:
             continue
-        square, wrong = _lowest(both, lost, inner, outer, wanted, skip)
+        try:
+            square, wrong = _lowest(both, lost, inner, outer, wanted, skip)
+        except np.linalg.LinAlgError:
+            raise NoStability(
+                f"at Q = {q.max():.6g} the load is stiffer than the shaft: it does not hold the cam",
+                "shaft.stiffness_nm_per_rad",
+                "make it larger, or Q smaller",
+            ) from None
         if not half:
             bottom = np.sqrt(np.maximum(square[:, 0], 0.0))
         at = slice(0, None, 2) if half else slice(1, None, 2)
@@ -146,10 +155,11 @@ def _lowest(
 
 
 def _inverted(tw: np.ndarray, tp: np.ndarray, inner: Basis, top: float) -> tuple[np.ndarray, np.ndarray, float]:
-    """All μ (rows, n) rising and the vectors (rows, n, n) with aᵀ [R² - T[p] + σ T[w]] a = 1, and σ."""
+    """All μ (rows, n) rising and the vectors (rows, n, n) with aᵀ [R² - T[p] + σ T[w]] a = 1, and σ. Raises LinAlgError
+    where no σ makes the matrix in brackets definite."""
     square = inner.numbers**2
     shift = max(1.0, 0.25 * top * top)
-    for factor in (1.0, 4.0, 16.0, 0.25, 64.0, 0.05):
+    for factor in SHIFTS:
         sigma = factor * shift
         scale = 1.0 / np.sqrt(square + sigma)
         pencil = sigma * tw - tp
@@ -161,9 +171,7 @@ def _inverted(tw: np.ndarray, tp: np.ndarray, inner: Basis, top: float) -> tuple
         back = np.linalg.inv(lower)
         mu, vectors = np.linalg.eigh(back @ (tw * (scale[:, None] * scale)) @ back.swapaxes(1, 2))
         return mu, scale[:, None] * (back.swapaxes(1, 2) @ vectors), sigma
-    raise NoStability(
-        "the load is stiffer than the shaft: it does not hold the cam", "shaft.stiffness_nm_per_rad", "make it larger"
-    )
+    raise np.linalg.LinAlgError
 
 
 def _beyond(

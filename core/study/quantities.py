@@ -34,7 +34,10 @@ def _motor_torque_exists(study: Study) -> bool:
 
 
 def _motor_torque(study: Study) -> np.ndarray:
-    torque: np.ndarray = study.flywheel.motor_torque(study.angles) if study.levelled else study.dynamics.torque
+    """That of the cam where no flywheel levels it. Raises NoAnswer, with the angles, where the guide jams."""
+    torque: np.ndarray = study.dynamics.torque
+    if study.levelled or not np.isfinite(torque).all():
+        torque = study.flywheel.motor_torque(study.angles)
     return torque
 
 

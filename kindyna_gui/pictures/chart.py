@@ -17,7 +17,7 @@ from core.stability import APPROXIMATE, EXACT, Chart, Machine
 from kindyna_gui.pictures.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plot_parts import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis
 from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, SMALL, THIN, VERMILION, Theme, brush
-from kindyna_gui.pictures.units import decimals_of, number, ticks
+from kindyna_gui.pictures.units import decimals_of, number, short, ticks
 
 LEAST_X, LEAST_Y = 46.0, 26.0  # pixels between ticks
 RIGHT_MARGIN, LEGEND_HEIGHT = 16, 18
@@ -214,7 +214,7 @@ class ChartPlot(pg.PlotWidget):
                 path.lineTo(place)
             self.own.setPos(place)
             self.own.setVisible(low <= place.x() <= high and place.y() <= top)
-            self._tag.set_text(f"{number(machine.rpm(machine.eta), 0)} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}")
+            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}")
             room = (high - place.x()) / (high - low) * self._view.width()
             self._tag.set_lean(0.0 if room > self._tag.size[0] + 14.0 else 1.0, 1.0)
             self._tag.shift(7.0 if room > self._tag.size[0] + 14.0 else -7.0, -6.0)

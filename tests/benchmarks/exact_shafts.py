@@ -228,9 +228,9 @@ def monodromy_values() -> Told:
 
 
 def tongue_values() -> Told:
-    """Edges of the tongues as channels, η itself as the measure."""
+    """Edges of the tongues as channels."""
     told = [[v + 0j for v in edges()]]
-    return [float(Q)], told, 2.0 * float(MP.pi) * max(ETAS), [1.0] * len(told[0])
+    return [float(Q)], told, 2.0 * float(MP.pi) * max(ETAS), _largest(told)
 
 
 def windup_values() -> Told:

@@ -243,7 +243,7 @@ TONGUES = Kernel(
         Method("harmonic matrices, scipy's eigh", eigenvalues, (20, 5, 10, 40, 80), "N"),
         Method("determinant on a grid", determinant, (10, 5, 20), "N"),
         Method("trace on a grid, RK4", fixed_trace, (200, 50, 100, 400), "steps"),
-        *(replace(m, name=f"trace on a grid, {m.name}", one_by_one=True) for m in _solvers(solved_trace, (1e-8, 1e-6))),
+        *(replace(m, name=f"trace on a grid, {m.name}", one_by_one=True) for m in _solvers(solved_trace, (1e-8,))),
     ),
     roundings=8,
     digits=2e-15,
@@ -266,7 +266,7 @@ MONODROMY = Kernel(
     # the product of the panels, each good to some roundings
     roundings=32,
     digits=4e-15,
-    sizes=(10, 100, 1000, 10_000),
+    sizes=(10, 100, 1000, 3000),
     usual=100,
     between=1,
     unit="points of the chart",

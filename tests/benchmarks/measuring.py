@@ -21,7 +21,8 @@ from core.keeping import keep_freed_memory
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "bench"
-MOST_MEMORY_RUN = 0.5  # [s] longer ones are not repeated to measure their memory
+MOST_MEMORY_RUN = 0.6  # [s] longer ones are not repeated to measure their memory, ...
+MOST_MEMORY_LOOP = 0.05  # ... nor loops of Python, which take many times as long then
 
 
 @dataclass(frozen=True)
@@ -49,11 +50,11 @@ class Plan:
     """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
     settings left out; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 2.0
-    growth: float = 0.6
+    usual: float = 1.2
+    growth: float = 0.35
     sizes: int = 99
     settings: int = 99
-    longest: float = 1.2
+    longest: float = 0.7
     rounds: int = 25  # of the window
     starts: int = 5
 
@@ -72,8 +73,8 @@ def _lacking(kernel: Kernel, method: Method) -> Row:
     return Row(kernel.name, method.name, kernel.usual, nan, nan, nan, "", nan, nan, f"{method.lacks} is not installed")
 
 
-def _memory(run: Any, seconds: float) -> float:
-    return peak_memory(run) if seconds <= MOST_MEMORY_RUN else math.nan
+def _memory(run: Any, seconds: float, method: Method) -> float:
+    return peak_memory(run) if seconds <= (MOST_MEMORY_LOOP if method.one_by_one else MOST_MEMORY_RUN) else math.nan
 
 
 def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
@@ -91,7 +92,7 @@ def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
         seconds = times.seconds[f"{i}"]
         yield Row(
             kernel.name, method.name, kernel.usual, seconds, kernel.error(method, setting),
-            _memory(runs[f"{i}"], seconds), _text(setting), seconds / times.yardstick, seconds / ours, "",
+            _memory(runs[f"{i}"], seconds, method), _text(setting), seconds / times.yardstick, seconds / ours, "",
         )  # fmt: skip
     for method in kernel.methods:
         if method.lacks:
@@ -115,7 +116,7 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
         for method in methods:
             seconds = times.seconds[method.name]
             yield Row(
-                kernel.name, method.name, n, seconds, expected[method.name].error, _memory(runs[method.name], seconds),
+                kernel.name, method.name, n, seconds, expected[method.name].error, _memory(runs[method.name], seconds, method),
                 _text(method.settings[0]), seconds / times.yardstick, seconds / ours, "",
             )  # fmt: skip
 

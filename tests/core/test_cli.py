@@ -1,5 +1,7 @@
 """python -m core: what it prints, writes and returns, from outside."""
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -13,6 +15,7 @@ import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_cam, with_drive, with_follower, with_loads
 
 from core import project
+from core.__main__ import main
 from core.design import SingleCam
 from core.errors import DesignError
 from core.study import SAMPLES
@@ -27,6 +30,14 @@ def core(folder: Path, *words: str | Path, **variables: str) -> subprocess.Compl
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8", **variables}
     command = [sys.executable, "-m", "core", *map(str, words)]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, encoding="utf-8")
+
+
+def here(folder: Path, *words: str | Path) -> subprocess.CompletedProcess[str]:
+    """The same in this process, for tables of faults: how a process ends is told by the others."""
+    said, faults = io.StringIO(), io.StringIO()
+    with contextlib.chdir(folder), contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
+        code = main([str(word) for word in words])
+    return subprocess.CompletedProcess(words, code, said.getvalue(), faults.getvalue())
 
 
 def saved(folder: Path, design: SingleCam) -> Path:
@@ -211,7 +222,7 @@ def test_a_design_without_an_answer_is_one_line_with_field_and_cam_angles(tmp_pa
     design, phrases = NO_ANSWER[case]
     path = saved(tmp_path, design)
     before = content(tmp_path)
-    line = check_refused(core(tmp_path, command, path), tmp_path, before)
+    line = check_refused(here(tmp_path, command, path), tmp_path, before)
     assert all(phrase in line for phrase in phrases)
 
 
@@ -251,7 +262,7 @@ def test_every_fault_of_a_file_is_one_line_that_begins_with_its_place(tmp_path: 
     path = tmp_path / "bad.toml"
     path.write_text(text, encoding="utf-8")
     before = content(tmp_path)
-    told = check_refused(core(tmp_path, "export", path), tmp_path, before, len(places))
+    told = check_refused(here(tmp_path, "export", path), tmp_path, before, len(places))
     for place in places:
         assert any(line.startswith((f"{place} = ", f"{place}: ")) for line in told.splitlines()), place
     with pytest.raises(DesignError) as caught:
@@ -309,7 +320,7 @@ def test_what_is_no_design_file_is_refused_in_one_line(tmp_path: Path, place: An
         pytest.skip("POSIX only")
     path = place(tmp_path)
     before = content(tmp_path)
-    done = core(tmp_path, "check", path)
+    done = here(tmp_path, "check", path)
     assert phrase in check_refused(done, tmp_path, before, lines)
 
 
@@ -351,12 +362,12 @@ LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
     ],
 )
 def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | Path], phrase: str) -> None:
-    assert phrase in check_refused(core(tmp_path, *words), tmp_path, {})
+    assert phrase in check_refused(here(tmp_path, *words), tmp_path, {})
 
 
 @pytest.mark.parametrize("words", [["--help"], ["check", "--help"], ["report", "--help"], ["export", "--help"]])
 def test_help_is_given(tmp_path: Path, words: list[str]) -> None:
-    done = core(tmp_path, *words)
+    done = here(tmp_path, *words)
     assert (done.returncode, done.stderr) == (0, "")
     assert "usage: python -m core" in done.stdout
 

@@ -187,7 +187,7 @@ def test_the_papers_figures_come_out_of_its_example(
         given[name] = drawn
         return {f"{name}.svg": b"<svg/>", f"{name}.png": b"png"}
 
-    monkeypatch.setattr("core.charting.claims", lambda found: ())  # test_kim_1990 has them
+    monkeypatch.setattr("core.commands.stability.claims", lambda found: ())  # test_kim_1990 has them
     assert main(["stability", str(EXAMPLE), "--claims", "--out", str(tmp_path), "--periods", "2"], painter=painter) == 0
     pictures = {f"figure_{n}{ending}" for n in range(4, 13) for ending in (".svg", ".png")}
     tables = {"claims.txt", "figure_4.csv", "tongues.csv", "windup.csv", "windup_averages.csv", "coefficients.csv"}
@@ -235,6 +235,7 @@ def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.Captur
 
 NO_SHAFT = {
     "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
+    "soft": (with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3), "shaft.stiffness_nm_per_rad: at Q = 0.05 the load"),
     "still": (with_drive(KIM, motion=levels(0.0, (360.0, 0.0, "dwell"))), "motion.segments: nothing moves"),
 }
 

@@ -16,6 +16,7 @@ from core.stability import (
     EXACT,
     Coefficients,
     Tongues,
+    chart,
     harmonic_tongues,
     monodromy,
     refined,
@@ -293,6 +294,48 @@ def test_q_far_beyond_one_says_how_well_it_is_known() -> None:
     turn = monodromy(found, row.edges[row.edges > 0.0], np.array([20.0]))
     assert row.error.max() < 1e-7
     assert np.abs(np.abs(turn.trace) - 2.0).max() < 1e-6
+
+
+def test_edges_at_the_largest_q_are_found_from_more_harmonics() -> None:
+    """Between two wide tongues the shaft is stable for 1e-4 of η only: forty harmonics begin too far from it."""
+    found, far = coefficients(HARD["lift"]), np.array([100.0])
+    row = tongues(found, far, 9)
+    assert row.order > 40
+    edges, sign = row.edges.ravel(), np.repeat(np.where(np.arange(9) % 2 == 0, -2.0, 2.0), 2)
+    turn = monodromy(found, edges[edges > 0.0], far)
+    off = np.abs(turn.trace - sign[edges > 0.0])
+    assert (off <= 1e-6 * np.maximum(1.0, np.abs(np.trace(turn.slope, axis1=1, axis2=2)) * 1e-3)).all()
+    poor = tongues(found, far, 9, most_order=20)
+    agree(poor, row)
+
+
+def test_an_approximation_at_the_largest_q_is_answered() -> None:
+    """The valve spring is made for the speed, so no load is stiffer than the shaft however large Q is."""
+    found, far = coefficients(KIM), np.array([100.0])
+    edges = tongues(found, far, 4, APPROXIMATE).edges
+    assert np.array_equal(edges, np.zeros((1, 4, 2))), "η² is negative at all of them, so far do they lean"
+    more = tongues(found, far, 11, APPROXIMATE)
+    assert more.edges[0, -1, 0] > 2.0
+    assert more.error.max() < 1e-6
+    agree(more, tongues_of_order(found, far, 11, 70, APPROXIMATE))
+
+
+def test_a_refusal_names_the_row_that_asks_too_much() -> None:
+    with pytest.raises(NoStability, match=r"at Q = 20 the load is stiffer than the shaft.* or Q smaller"):
+        tongues(coefficients(HARD["fixed"]), np.array([0.05, 20.0]), 4)
+
+
+def test_a_chart_ends_where_a_fixed_load_would_be_stiffer_than_the_shaft() -> None:
+    """A machine that has an answer has a chart, though there is none at 1.6 times its Q."""
+    kim = HARD["fixed"]
+    largest = of(kim).machine.inertia
+    heavy = of(with_elastic(kim, camshaft_inertia_kg_m2=largest / 2.0, stiffness_nm_per_rad=85.0 / 40.0))
+    assert heavy.machine.q == pytest.approx(2.0)
+    with pytest.raises(NoStability):
+        heavy.tongues(q=3.2)
+    drawn = chart(heavy.coefficients, heavy.machine, rows=4)
+    assert drawn.q[-1] == pytest.approx(2.0)
+    assert chart(coefficients(kim), of(kim).machine, rows=4).q[-1] == pytest.approx(0.12)
 
 
 # -- damping ----------------------------------------------------------------------------------------------

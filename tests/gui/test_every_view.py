@@ -15,13 +15,13 @@ KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
 @pytest.mark.parametrize("name", VIEWS)
 def test_a_view_follows_from_kind_to_kind(open_user: Open, name: str, tmp_path: Path) -> None:
     user = open_user(plots=False)
-    for kind in (*KINDS, *reversed(KINDS)):
+    for kind in (*KINDS, KINDS[0]):
         user.session.put(load(example(kind)), f"Take {kind}")
         user.session.end_gesture()
         view = user.window.show_view(name)
         settle()
         view.pull()
-        for degrees in (0.0, 75.0, 359.0):
+        for degrees in (75.0, 359.0):
             user.window.player.set_theta(degrees / 57.29577951308232)
             settle()
         assert view.up_to_date

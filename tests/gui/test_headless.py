@@ -10,15 +10,17 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, with_follower
 from PIL import Image
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
-from core.project import save
+from core.project import load, save
+from core.stability import Stability
 from kindyna_gui import screenshots, selftest
 from kindyna_gui.__main__ import main
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.headless import COMMANDS
 from kindyna_gui.places import example, examples
 from kindyna_gui.settings import Settings
+from kindyna_gui.stability_view import FINE, StabilityView
 
 PICKER = example("card_picker")
 
@@ -54,6 +56,38 @@ def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str
             assert picture.shape == (700, 1024)
         assert picture.min() < 120, f"{name} is empty"
         assert picture.std() > 2.0, f"{name} is empty"
+
+
+def test_the_page_of_stability_is_finished_before_its_picture_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[tuple[bool, int, str]] = []
+    paint = screenshots.png
+
+    def look(widget: QWidget) -> bytes:
+        if isinstance(widget, StabilityView):
+            seen.append((widget.busy, widget.drawn.q.size, widget.pages.verdicts.text()))
+        return paint(widget)
+
+    monkeypatch.setattr(Stability, "turns", 2.0)
+    monkeypatch.setattr(screenshots, "VIEWS", ["stability"])
+    monkeypatch.setattr(screenshots, "png", look)
+    assert run("screenshots", example("kim_1990"), "--out", tmp_path) == 0
+    [(busy, rows, text)] = seen
+    assert (busy, rows) == (False, FINE)
+    assert "from rest" in text
+    assert "still to come" not in text
+
+
+def test_a_picture_waits_no_longer_than_its_patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    window = screenshots.hidden_window(load(example("kim_1990")), (800, 600))
+    view = window.show_view("stability")
+    monkeypatch.setattr(type(view), "busy", property(lambda self: True))
+    try:
+        screenshots.rest(window, patience=0.0)
+        assert view.busy
+    finally:
+        screenshots.dismiss(window)
 
 
 def test_the_users_own_settings_are_neither_read_nor_written(tmp_path: Path, own_settings: Path) -> None:

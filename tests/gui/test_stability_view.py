@@ -1,5 +1,8 @@
 """kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
+import gc
+from threading import enumerate as enumerate_threads
+
 import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -11,6 +14,7 @@ from core.design import with_elastic
 from core.project import load
 from core.stability import EXACT, Stability, chart, flexible
 from core.study import Study, evaluations
+from kindyna_gui.lanes import Errand
 from kindyna_gui.pictures.files import chart_file
 from kindyna_gui.places import example
 from kindyna_gui.stability_view import COARSE, FINE, StabilityView
@@ -125,6 +129,17 @@ def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
     wait_until(lambda: not view.busy)
     assert view.found is not None
     assert view.found.machine.rpm(view.found.machine.eta) == pytest.approx(1234.0)
+
+
+def test_a_closed_window_computes_no_more(kim: User) -> None:
+    view = page(kim, rest=False)
+    QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
+    assert view.looks.busy
+    assert any(isinstance(each, Errand) for each in enumerate_threads())
+    kim.window.close()
+    assert not view.busy
+    assert not any(isinstance(each, Errand) for each in enumerate_threads())
+    assert gc.isenabled(), "tidying goes on"
 
 
 def test_nothing_is_computed_while_the_page_is_hidden(kim: User) -> None:
