@@ -104,13 +104,14 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
 def _machine(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     found.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
+    needed = [needed_text(found.stiffness_for(rpm)) for rpm in words.rpm]
     text = stability_text(study)
     if words.out is not None:
         made, drawn = stability_files(study, found, words.q, words.at, words.periods, words.eta_max)
         write_all(words.out, {**made, **pictures(painter, *drawn)})
     print(text, end="")
-    for rpm in words.rpm:
-        print(needed_text(found.stiffness_for(rpm)))
+    for line in needed:
+        print(line)
     for finding in study.findings(("stability",)):
         print(finding_line(finding))
     return verdict(study, ("stability",))

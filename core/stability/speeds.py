@@ -106,6 +106,7 @@ def bands(coefficients: Coefficients, machine: Machine, found: Tongues, row: int
             machine.rpm(float(w)),
         )
         for k, (lo, hi), g, w in zip(n, edges[n], rate, worst, strict=True)
+        if g > 0.0  # else its edges are rounding apart
     )
 
 

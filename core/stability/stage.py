@@ -35,6 +35,7 @@ from core.stability.windup import History, history
 
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
 FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be told apart
+MOST_SWINGS = 1e4  # of the shaft in a turn, η
 STEADY_ETA = 12.0  # and the true steady response: a slow shaft in a hurry would take long
 
 
@@ -146,8 +147,9 @@ class Stability:
         return (*self.quick(eta, q), self.steady_at(eta, q), rest)
 
     def stiffness_for(self, rpm: float) -> Stiffness:
-        """How stiff the shaft must be for a speed [1/min]."""
+        """How stiff the shaft must be for a speed [1/min]. Raises NoStability where that is too low to be followed."""
         wanted = self.machine.natural / (rpm / RPM) + 1.0
+        _followable(wanted)
         return stiffness_for(self.coefficients, self.machine, rpm, count_up_to(max(ETA_MAX, min(wanted, FARTHEST_ETA))))
 
     @cached_property
@@ -182,6 +184,15 @@ class Stability:
         return self.tongues(APPROXIMATE)
 
 
+def _followable(eta: float) -> None:
+    if eta > MOST_SWINGS:
+        raise NoStability(
+            f"the shaft swings {eta:.3g} times a turn, more than the {MOST_SWINGS:g} that can be followed",
+            "shaft.speed_rpm",
+            "raise it, or take a softer shaft",
+        )
+
+
 def stability(
     made: Coefficients,
     elastic: Elastic,
@@ -190,10 +201,12 @@ def stability(
     loading: Loading,
     program: Program,
 ) -> Stability:
-    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]."""
+    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]. Raises NoStability where the shaft
+    swings so often in a turn that it cannot be followed."""
     s = si(elastic)
     inertia, stiffness = s.camshaft_inertia, s.stiffness
     machine = Machine(inertia, stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
+    _followable(machine.eta)
 
     def contact_of() -> Contact | None:
         try:

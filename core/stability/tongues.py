@@ -146,7 +146,7 @@ def _lowest(
     # the largest μ are the lowest η²
     mu, vectors = mu[:, : -wanted - 1 : -1], vectors[:, :, : -wanted - 1 : -1]
     square = 1.0 / mu - shift
-    wrong = ROUNDING * EPS * (square + shift) ** 2 * mu[:, :1]
+    wrong = ROUNDING * EPS * (square + shift) ** 2 * np.abs(mu[:, :1])
     wrong += lost[1][:, None] + np.abs(square) * lost[0][:, None]
     if outer is not None:
         added = _beyond(cw, cp, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 
@@ -236,6 +237,10 @@ def test_damping_leaves_closed_tongues_out(tmp_path: Path, capsys: pytest.Captur
 NO_SHAFT = {
     "rigid": (PUSHER, "shaft: the camshaft is rigid; give camshaft_inertia_kg_m2 and stiffness_nm_per_rad"),
     "soft": (with_elastic(KIM, spring="fixed", stiffness_nm_per_rad=1e-3), "shaft.stiffness_nm_per_rad: at Q = 0.05 the load"),
+    "too slow": (
+        with_elastic(replace(KIM, shaft=replace(KIM.shaft, speed_rpm=1e-6))),
+        "shaft.speed_rpm: the shaft swings 4.89e+09 times a turn, more than the 10000",
+    ),
     "still": (with_drive(KIM, motion=levels(0.0, (360.0, 0.0, "dwell"))), "motion.segments: nothing moves"),
 }
 
@@ -251,6 +256,26 @@ def test_a_design_without_an_answer_is_refused_in_one_line(
     assert (told.out, told.err.count("\n")) == ("", 1)
     assert told.err.startswith(phrase)
     assert not (tmp_path / "o").exists()
+
+
+def test_a_camshaft_far_heavier_than_all_it_moves_has_bands_of_no_weight(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its tongues are as narrow as rounding: some do not grow at all, and are no bands."""
+    heavy = with_elastic(KIM, camshaft_inertia_kg_m2=1e12)
+    assert main(["stability", str(saved(tmp_path, heavy))]) == 0
+    assert "keeps clear of the forbidden bands" in capsys.readouterr().out
+    assert all(0.0 < band.growth < 1e-7 for band in Study(heavy).flexible_shaft().bands)
+
+
+def test_a_speed_too_low_to_be_answered_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = saved(tmp_path, with_elastic(KIM, spring="fixed"))
+    assert main(["stability", str(path), "--rpm", "1e-300"]) == 2
+    told = capsys.readouterr()
+    assert told.err.startswith("shaft.speed_rpm: the shaft swings 4.89e+303 times a turn, more than the 10000")
+    assert told.err.count("\n") == 1
 
 
 def test_claims_are_about_kims_cam_only(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
