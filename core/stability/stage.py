@@ -147,10 +147,16 @@ class Stability:
         return (*self.quick(eta, q), self.steady_at(eta, q), rest)
 
     def stiffness_for(self, rpm: float) -> Stiffness:
-        """How stiff the shaft must be for a speed [1/min]. Raises NoStability where that is too low to be followed."""
-        wanted = self.machine.natural / (rpm / RPM) + 1.0
-        _followable(wanted)
-        return stiffness_for(self.coefficients, self.machine, rpm, count_up_to(max(ETA_MAX, min(wanted, FARTHEST_ETA))))
+        """How stiff the shaft must be for a speed [1/min]. Raises NoStability where η is so large there that the tongue next
+        to it is not looked for."""
+        wanted = self.machine.natural / (rpm / RPM)
+        if wanted > FARTHEST_ETA:
+            raise NoStability(
+                f"at {rpm:.6g} rpm the shaft swings {wanted:.6g} times a turn, and tongues are looked for up to {FARTHEST_ETA:g}",
+                "shaft.speed_rpm",
+                f"allowed: {self.machine.rpm(FARTHEST_ETA):.6g} rpm and more",
+            )
+        return stiffness_for(self.coefficients, self.machine, rpm, count_up_to(max(ETA_MAX, wanted + 1.0)))
 
     @cached_property
     def certificate(self) -> dict[str, Residual]:
