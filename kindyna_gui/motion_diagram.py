@@ -199,13 +199,10 @@ class MotionDiagram(CurvePlot):
         if scale.bottom - scale.top < height + 12.0:
             return
         painter.setFont(font(LETTER))
-        for k, (_, x, y) in enumerate(there[1:]):
+        rooms = rooms_beside([x for _, x, _ in there])
+        for k, ((_, x, y), (left, room)) in enumerate(zip(there[1:], rooms, strict=True)):
             top = scale.bottom - height - 3.0 if y < (scale.top + scale.bottom) / 2.0 else scale.top + 5.0
-            before = x - there[k][1]
-            behind = there[k + 2][1] - x if k + 2 < len(there) else 0.0
-            # towards the wider segment; the last stands at 360 degrees
-            left = before > behind
-            self._paint_stack(painter, self._marks[k], x, top, left, max(before, behind) - 2.0 * BESIDE)
+            self._paint_stack(painter, self._marks[k], x, top, left, room - 2.0 * BESIDE)
 
     def _paint_stack(
         self, painter: QPainter, row: Sequence[Mark], x: float, top: float, left: bool, room: float
@@ -266,4 +263,20 @@ def numbered(rows: Sequence[Span], width: float) -> list[tuple[float, str]]:
     return ticks
 
 
-__all__ = ["Label", "MotionDiagram", "label_text", "numbered", "step_name"]
+def rooms_beside(ends: Sequence[float]) -> list[tuple[bool, float]]:
+    """For each line but the first, at rising places: whether its marks stand to the left, and how wide they may be.
+
+    They stand in the wider segment, those of the last before it; two that face each other share a segment.
+    """
+    last = len(ends) - 1
+    lefts = [k == last or ends[k] - ends[k - 1] > ends[k + 1] - ends[k] for k in range(1, last + 1)]
+    rooms = []
+    for k, left in enumerate(lefts):
+        room = ends[k + 1] - ends[k] if left else ends[k + 2] - ends[k + 1]
+        other = k - 1 if left else k + 1
+        facing = 0 <= other <= last - 1 and lefts[other] is not left
+        rooms.append((left, room / 2.0 if facing else room))
+    return rooms
+
+
+__all__ = ["Label", "MotionDiagram", "label_text", "numbered", "rooms_beside", "step_name"]

@@ -17,7 +17,7 @@ from core.project import load
 from core.study import Study
 from core.study.stages import evaluations
 from kindyna_gui.look import GOOD, QUIET, WRONG
-from kindyna_gui.motion_diagram import numbered
+from kindyna_gui.motion_diagram import numbered, rooms_beside
 from kindyna_gui.motion_editor import MotionEditor
 from kindyna_gui.motion_grips import LEVEL, LINE, POINT
 from kindyna_gui.motion_marks import marks, wordings
@@ -138,6 +138,12 @@ def test_marks_are_green_where_all_is_smooth_and_red_where_it_is_not() -> None:
     assert [mark.letter for mark in marks(joins[4], motion)] == list("svaj")
     told = ["".join(text for text, _ in words).replace("\u00a0", " ") for words in wordings(marks(joins[0], motion))]
     assert told == ["sΔv 207 mm/radaj", "sΔv 207 mm/radaj", "sΔv 207aj", "sΔv 207aj", "sΔvaj"]
+
+
+def test_marks_that_face_each_other_share_the_segment() -> None:
+    assert rooms_beside([0.0, 90.0, 180.0, 360.0]) == [(False, 90.0), (False, 90.0), (True, 90.0)]
+    assert rooms_beside([0.0, 200.0, 210.0, 360.0]) == [(True, 200.0), (False, 75.0), (True, 75.0)]
+    assert rooms_beside([0.0, 360.0]) == [(True, 360.0)]
 
 
 def test_tips_say_what_is_there_and_what_can_be_done(user: User) -> None:
