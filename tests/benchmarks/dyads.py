@@ -111,8 +111,9 @@ KERNEL = Kernel(
         Method("finite differences", finite_differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
         Method("linear table", table, (3600, 90, 360, 36_000), "points"),
         Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
-        Method("pylinkage's solver, compiled by numba", peers.dyad, needs=("pylinkage", "numba")),
-        Method("pylinkage's solver", peers.dyad_plain, needs=("pylinkage",), one_by_one=True),
+        Method("pylinkage, compiled by numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
+        Method("its formulas alone in a loop of one's own, compiled", peers.dyad, needs=("pylinkage", "numba")),
+        Method("its formulas alone in a loop of one's own", peers.dyad_plain, needs=("pylinkage",), one_by_one=True),
         Method("mechanism", peers.four_bar, needs=("mechanism",), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4,  # as of the cam's own linkage, whose triangle it is

@@ -143,8 +143,8 @@ KERNEL = Kernel(
         Method("finite differences", finite_differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
         Method("linear table", table, (3600, 90, 360, 36_000), "points"),
         Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
-        Method("pylinkage's solver, compiled by numba", peers.pylinkage, needs=("pylinkage", "numba")),
-        Method("pylinkage's solver", peers.pylinkage_plain, needs=("pylinkage",), one_by_one=True),
+        Method("pylinkage's formulas in a loop of one's own, compiled by numba", peers.pylinkage, needs=("pylinkage", "numba")),
+        Method("pylinkage's formulas in a loop of one's own", peers.pylinkage_plain, needs=("pylinkage",), one_by_one=True),
         Method("mechanism", peers.mechanism, needs=("mechanism",), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion

@@ -138,6 +138,35 @@ def _dyad(there: Any, compiled: bool) -> Channels:
     return list(out)
 
 
+@cache
+def _four_bar_of_pylinkage(first: float, step: float) -> Any:
+    """Its own model of the four-bar, compiled, whose crank comes to ``first`` with the first step."""
+    from pylinkage import Crank, Ground, Linkage, RRRDyad
+
+    o2, o4 = Ground(0.0, 0.0, name="O2"), Ground(GROUND, 0.0, name="O4")
+    crank = Crank(anchor=o2, radius=CRANK, angular_velocity=step, initial_angle=first - step, name="A")
+    pin = RRRDyad(anchor1=crank.output, anchor2=o4, distance1=COUPLER, distance2=ROCKER, name="B")
+    made = Linkage(components=(o2, o4, crank, pin), name="four-bar")
+    made.compile()
+    made.set_input_velocity(crank, omega=1.0, alpha=0.0)
+    return made, [tuple(component.position) for component in made.components]
+
+
+def pylinkage_four_bar(there: Any, setting: None) -> Channels:
+    """As the package is used: its model, stepped once round. It knows even steps only: at any other angles one by one."""
+    theta, steps = there.theta, np.diff(there.theta)
+    made, start = _four_bar_of_pylinkage(float(theta[0]), float(steps[0]))
+    if float(np.ptp(steps)) < 1e-9:
+        made.set_coords(start)
+        return [rows[:, -1, 0] + 1j * rows[:, -1, 1] for rows in made.step_fast_with_kinematics(theta.size)]
+    found = []
+    for before in (CRANK * np.exp(1j * (theta - steps[0]))).tolist():
+        made.set_coords([*start[:2], (before.real, before.imag), start[3]])
+        found.append([complex(*rows[0, -1]) for rows in made.step_fast_with_kinematics(1)])
+        start = [*start[:3], (found[-1][0].real, found[-1][0].imag)]
+    return list(np.array(found).T)
+
+
 def dyad(there: Any, setting: None) -> Channels:
     return _dyad(there, True)
 
