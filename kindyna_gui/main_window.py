@@ -6,7 +6,7 @@ import signal
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
@@ -20,7 +20,6 @@ from kindyna_gui.designing import Designing
 from kindyna_gui.docks import CENTRE, VIEWS, Dock, arrange, proportion
 from kindyna_gui.documents import Documents, dropped_design
 from kindyna_gui.exports import Exports, save_picture
-from kindyna_gui.help_view import HelpWindow
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
@@ -32,6 +31,9 @@ from kindyna_gui.shown_kinds import is_linkage, ranges_of
 from kindyna_gui.status_line import StatusLine
 from kindyna_gui.titles import Titles
 from kindyna_gui.view import View, in_sight
+
+if TYPE_CHECKING:
+    from kindyna_gui.help_view import HelpWindow
 
 FIRST_SIZE = (1440, 900)
 _FRAME = 40  # pixels a desktop takes for the window's own frame
@@ -207,6 +209,8 @@ class MainWindow(QMainWindow):
     def show_help(self, name: str) -> None:
         """A page of the help."""
         if self._help is None:
+            from kindyna_gui.help_view import HelpWindow
+
             self._help = HelpWindow(self)
         self._help.open(name)
 

@@ -42,7 +42,7 @@ PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "exampl
 LATER = {
     "core.__main__", "core.blend", "core.commands", "core.making", "core.measured", "core.stability",
     "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice", "kindyna_gui.graph_panel",
-    "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.screenshots", "kindyna_gui.selftest",
+    "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.help_view", "kindyna_gui.screenshots", "kindyna_gui.selftest",
     "kindyna_gui.stability_view",
 }  # fmt: skip
 
