@@ -76,7 +76,7 @@ class LawPlot(pg.PlotWidget):
     def __init__(self, order: int, theme: Theme = LIGHT) -> None:
         self._theme, self._order = theme, order
         axes = {side: Axis(side, theme) for side in ("left", "bottom")}
-        super().__init__(background=theme.paper, axisItems=axes)
+        super().__init__(background=theme.paper, axisItems=axes, enableMenu=False)
         self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -84,7 +84,6 @@ class LawPlot(pg.PlotWidget):
         plot = self.getPlotItem()
         self._view: pg.ViewBox = plot.getViewBox()
         plot.hideButtons()
-        plot.setMenuEnabled(False)
         plot.layout.setContentsMargins(2, 6, RIGHT_MARGIN, 2)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()

@@ -42,14 +42,13 @@ class MeasuredPlot(pg.PlotWidget):
     def __init__(self, angles: bool, theme: Theme = LIGHT) -> None:
         self._theme = theme
         axes = {side: Axis(side, theme) for side in ("left", "bottom")}
-        super().__init__(background=theme.paper, axisItems=axes)
+        super().__init__(background=theme.paper, axisItems=axes, enableMenu=False)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._axes = axes
         plot = self.getPlotItem()
         self._view: pg.ViewBox = plot.getViewBox()
         plot.hideButtons()
-        plot.setMenuEnabled(False)
         plot.layout.setContentsMargins(2, 6, RIGHT_MARGIN, 2)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()

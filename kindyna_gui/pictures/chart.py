@@ -62,7 +62,7 @@ class ChartPlot(pg.PlotWidget):
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         self._theme = theme
         axes = {side: Axis(side, theme, line=side != "top") for side in ("left", "bottom", "top")}
-        super().__init__(parent, background=theme.paper, axisItems=axes)
+        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
         self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setAntialiasing(True)
@@ -70,7 +70,6 @@ class ChartPlot(pg.PlotWidget):
         plot = self.getPlotItem()
         self._view: pg.ViewBox = plot.getViewBox()
         plot.hideButtons()
-        plot.setMenuEnabled(False)
         plot.layout.setContentsMargins(2, 2, RIGHT_MARGIN, 2)
         plot.showAxis("top")
         self._view.setMouseEnabled(False, False)

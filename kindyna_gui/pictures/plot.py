@@ -58,13 +58,12 @@ class CurvePlot(pg.PlotWidget):
     ) -> None:
         self._theme = theme
         axes = {side: Axis(side, theme, line=side != "top") for side in ("left", "bottom", "top")}
-        super().__init__(parent, background=theme.paper, axisItems=axes)
+        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
         self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
         self._axes = axes
         plot = self.getPlotItem()
         self._view: pg.ViewBox = plot.getViewBox()
         plot.hideButtons()
-        plot.setMenuEnabled(False)
         plot.layout.setContentsMargins(2, 2, RIGHT_MARGIN, 2)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()

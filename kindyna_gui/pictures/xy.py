@@ -44,7 +44,7 @@ class XYPlot(pg.PlotWidget):
     def __init__(self, across: str, upwards: str, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
         self._theme = theme
         axes = {side: Axis(side, theme) for side in ("left", "bottom")}
-        super().__init__(parent, background=theme.paper, axisItems=axes)
+        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
         self.setCacheMode(self.CacheModeFlag.CacheNone)
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setAntialiasing(True)
@@ -52,7 +52,6 @@ class XYPlot(pg.PlotWidget):
         plot = self.getPlotItem()
         self._view: pg.ViewBox = plot.getViewBox()
         plot.hideButtons()
-        plot.setMenuEnabled(False)
         plot.layout.setContentsMargins(2, 6, RIGHT_MARGIN, 2)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()
