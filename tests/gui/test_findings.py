@@ -16,6 +16,7 @@ from kindyna_gui.findings_view import FindingsView
 from kindyna_gui.flywheel_view import FlywheelView
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.pictures.units import digits
+from kindyna_gui.screenshots import rest
 from kindyna_gui.tables import RowsTable
 
 
@@ -229,6 +230,7 @@ def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:
                 asked.append(1)
             return False
 
+    rest(user.window)  # the findings are counted after a pause
     watch = Watch()
     user.window.status.installEventFilter(watch)
     for theta in (0.1, 1.0, 6.0):
