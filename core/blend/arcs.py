@@ -160,13 +160,14 @@ def _at_one_t(
     """Over the plane at one t: the height is a quadratic function of the speed S, which is the curve's number; where it
     is linear in S, or S the same everywhere, lines."""
     equations, factor = flat.equations, bend.factor / acceleration
-    planes = equations.columns(t) @ np.vstack([[1.0, 0.0, 0.0], flat.numbers])
+    numbers = np.array(flat.numbers)
+    planes = equations.columns(t) @ np.vstack([[1.0, 0.0, 0.0], numbers])
     s, h = planes[equations.place_of(bend.speed)], planes[equations.place_of(bend.height)]
     spin = s[1] * h[2] - s[2] * h[1]
     if abs(spin) > SAME * np.abs(planes[:, 1:]).max() ** 2:
         y1 = np.array([s[2] * h[0] - s[0] * h[2], h[2], -s[2] * factor]) / spin
         y2 = np.array([s[0] * h[1] - s[1] * h[0], -h[1], s[1] * factor]) / spin
-        x = flat.numbers[:, :1] * [1.0, 0.0, 0.0] + flat.numbers[:, 1:2] * y1 + flat.numbers[:, 2:] * y2
+        x = numbers[:, :1] * [1.0, 0.0, 0.0] + numbers[:, 1:2] * y1 + numbers[:, 2:] * y2
         exact = tuple(trimmed(whole(c) for c in row) for row in x)
         top = _FASTEST * (1.0 + 1.0 / t) * (1.0 + t) * (1.0 + max(equations.tops))
         yield _limited(Curve(family, equations, t, exact, (ONE,), top), bend, acceleration)

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from math import inf
-
-import numpy as np
 
 from core.blend.equations import Equations, Row
 from core.blend.polynomials import (
     NOTHING,
     ONE,
+    UNIT,
     Exact,
-    Poly,
     at,
     crossed,
     divided,
@@ -51,26 +47,10 @@ class Flat:
         """How many numbers are free on it."""
         return len(self.free) + (self.t is None)
 
-    @cached_property
-    def _rounded(self) -> tuple[list[list[Poly]], Poly]:
-        polynomials = rounded([p for row in self.x for p in row] + [self.below])
-        width = len(self.free) + 1
-        return [polynomials[i * width : (i + 1) * width] for i in range(len(self.x))], polynomials[-1]
-
-    @cached_property
-    def numbers(self) -> np.ndarray:
-        """Of a flat at one t: the x by 1, y1, y2, ... (numbers, 1 + free)."""
-        rows, (below,) = self._rounded
-        return np.array([[p[0] / below if p else 0.0 for p in row] for row in rows]).reshape(len(rows), -1)
-
-    def place(self, t: float, y: Sequence[float] = ()) -> tuple[float, ...]:
-        """x_1, x_2, ... at t and the free numbers."""
-        rows, under = self._rounded
-        below = at(under, t)
-        if below == 0.0:
-            return (inf,) * len(rows)
-        with_one = (1.0, *y)
-        return tuple(sum(at(p, t) * v for p, v in zip(n, with_one, strict=True)) / below for n in rows)
+    @property
+    def numbers(self) -> list[list[float]]:
+        """Of a flat at one t: the x by 1, y1, y2, ..."""
+        return [[p[0] / ONE if p else 0.0 for p in row] for row in self.x]
 
 
 def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
@@ -80,9 +60,10 @@ def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
     pivots, below, rest = _eliminated(rows, k)
     pins = [row[0] for row in rest if row[0]]
     if pins:
-        first, others = min(pins, key=len), [rounded([p])[0] for p in pins]
-        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in others)]
-        return [flat for t in values for flat in _pinned(equations, rows, pivots, below, t)]
+        first, *others = sorted(pins, key=len)
+        shown = [rounded([p])[0] for p in others]
+        values = [t for t in roots(first, 0.0, equations.top) if all([vanishes(p, t, VANISHING) for p in shown])]
+        return [flat for t in values for flat in _pinned(equations, rows, pivots, t)]
     free = tuple(j for j in range(1, k + 1) if j not in pivots)
     found = [_over_t(equations, pivots, below, free)]
     for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
@@ -92,8 +73,8 @@ def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
 
 def _tidied(row: Row) -> Row:
     """Without a common power of t and of 2."""
-    lowest = min((lowest_power(p) for p in row if p), default=0)
-    shift = lowest_bit(c for p in row for c in p)
+    lowest = min([lowest_power(p) for p in row if p], default=0)
+    shift = lowest_bit([c for p in row for c in p])
     return tuple([tuple([c >> shift for c in p[lowest:]]) for p in row])
 
 
@@ -102,7 +83,7 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Ro
     which no x is left. Bareiss' elimination: every division comes out even, so that no factor is left over."""
     waiting, columns = list(rows), set(range(1, k + 1))
     done: dict[int, Row] = {}
-    factor: Exact = (1,)
+    factor = UNIT
     while choice := min(
         ((_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]), default=None
     ):
@@ -137,13 +118,14 @@ def _over_t(equations: Equations, pivots: dict[int, Row], below: Exact, free: tu
     return Flat(equations, None, free, tuple(tidied[1 + i * width :][:width] for i in range(len(x))), tidied[0])
 
 
-def _pinned(equations: Equations, rows: list[Row], pivots: dict[int, Row], below: Exact, t: float) -> list[Flat]:
-    if vanishes(rounded([below])[0], t, VANISHING):
-        return _numerically(equations, rows, t)
+def _pinned(equations: Equations, rows: list[Row], pivots: dict[int, Row], t: float) -> list[Flat]:
     solved = {}
     for j, row in pivots.items():
         polynomials = rounded(row)
-        solved[j] = [at(p, t) / at(polynomials[j], t) for p in polynomials]
+        if vanishes(polynomials[j], t, VANISHING):
+            return _numerically(equations, rows, t)
+        below = at(polynomials[j], t)
+        solved[j] = [at(p, t) / below for p in polynomials]
     return [_at_t(equations, t, solved)]
 
 
@@ -172,7 +154,7 @@ def _at_t(equations: Equations, t: float, solved: dict[int, list[float]]) -> Fla
     x: list[Row] = []
     for j in range(1, k + 1):
         if j in solved:
-            x.append(tuple(trimmed([whole(-solved[j][n])]) for n in (0, *free)))
+            x.append(tuple([trimmed([whole(-solved[j][n])]) for n in (0, *free)]))
         else:
             x.append((NOTHING, *((ONE,) if n == j else NOTHING for n in free)))
     return Flat(equations, t, free, tuple(x), (ONE,))

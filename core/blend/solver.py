@@ -107,7 +107,7 @@ class Problem:
         if not bent:
             for flat in flats(self.meter.equations, self._rows(self.wishes)):
                 if flat.freedom == 0 and flat.t is not None:
-                    yield flat.t, flat.place(flat.t)
+                    yield flat.t, tuple(row[0] for row in flat.numbers)
         elif names == ["acceleration"]:
             for curve in self.curves(self.wishes):
                 yield from (curve.place(p) for p in curve.where(bent[0]))

@@ -14,6 +14,8 @@ SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
 MAY_VANISH = ("h2", "h5", "length")
 """What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
+_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2}
+_SPEEDS = {"vcv": "W", "vcv2": "R"}
 BENT = ("acceleration", POINT)
 """What is not linear in the linear numbers of a family."""
 
@@ -40,7 +42,7 @@ def size_of(name: str, task: Task) -> float:
     """The unit in which a setting is measured where stroke of the rise and span are 1."""
     if name in ("length", "peak"):
         return task.span
-    return task.rise / task.span ** {"vcv": 1, "vcv2": 1, "acceleration": 2}.get(name, 0)
+    return task.rise / task.span ** _PER_DEGREE.get(name, 0)
 
 
 def in_units(wish: Wish, task: Task) -> Wish:
@@ -54,7 +56,7 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
         return ("h2", "W") if family.has_constant_rise else ("h5", "R")
     if name == "peak":
         return "up", "W"
-    return {"vcv": "W", "vcv2": "R"}.get(name, name), ""
+    return _SPEEDS.get(name, name), ""
 
 
 def equation(wish: Wish, family: Family, equations: Equations) -> Row:
