@@ -10,7 +10,7 @@ Stroke of the rise and total span are 1 in the equations.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, pi, sqrt
@@ -152,13 +152,12 @@ class Family:
         """For the ratio of the strokes of a task."""
         return _equations(self, task.back / task.rise)
 
-    def solution(self, task: Task, t: float, x: tuple[float, ...], exact: Mapping[str, float]) -> Solution:
-        """The motion at a point; heights in ``exact`` that it meets but for rounding are taken from there."""
+    def solution(self, task: Task, t: float, heights: Iterable[float], exact: Mapping[str, float]) -> Solution:
+        """The motion from its t and its ``heights`` for a stroke of 1; those in ``exact`` that it meets but for rounding are
+        taken from there."""
         if len(self.sequence.rise) == 1:
-            heights, spans = _without_freedom(self.sequence, task)
-            return Solution(self.sequence, heights, spans, 0.0, 0.0)
-        values = self.equations(task).at(self.heights, t, x)
-        at = {name: max(value * task.rise, 0.0) for name, value in zip(self.heights, values, strict=True)}
+            return Solution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
+        at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
         if self.bent == "r":
             at.update(self._returned(task, at, t * t))
         for name, value in exact.items():

@@ -84,10 +84,8 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Ro
     waiting, columns = list(rows), set(range(1, k + 1))
     done: dict[int, Row] = {}
     factor = UNIT
-    while choice := min(
-        ((_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]), default=None
-    ):
-        _, i, j = choice
+    while choices := [(_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]]:
+        _, i, j = min(choices)
         pivot, last = waiting.pop(i), factor
         factor = pivot[j]
         columns.remove(j)
@@ -98,12 +96,12 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Ro
 
 def _cost(pivot: Exact) -> tuple[int, int]:
     """A pivot of one term keeps the degrees low."""
-    return sum(map(bool, pivot)), len(pivot)
+    return len(pivot) - pivot.count(0), len(pivot)
 
 
 def _without(row: Row, pivot: Row, j: int, last: Exact) -> Row:
     rows = zip(row, pivot, strict=True)
-    return tuple(divided(crossed(pivot[j], a, row[j], b), last) for a, b in rows)
+    return tuple([divided(crossed(pivot[j], a, row[j], b), last) for a, b in rows])
 
 
 def _over_t(equations: Equations, pivots: dict[int, Row], below: Exact, free: tuple[int, ...]) -> Flat:

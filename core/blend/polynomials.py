@@ -57,6 +57,8 @@ def minus(a: Exact, b: Exact) -> Exact:
 def times(a: Exact, b: Exact) -> Exact:
     if not a or not b:
         return NOTHING
+    if len(a) == 1:
+        return scaled(a[0], b)
     made = [0] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
         if x:

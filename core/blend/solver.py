@@ -78,7 +78,8 @@ class Problem:
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""
         exact = {w.name: w.value for w in self.asked if w.name in HEIGHTS}
-        return self.family.solution(self.task, *place, exact)
+        heights = self.meter.equations.at(self.family.heights, *place) if self.family.heights else ()
+        return self.family.solution(self.task, place[0], heights, exact)
 
     def _met(self) -> list[Place]:
         """The points that meet all wishes and are feasible, each once."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from core.blend.equations import Equations, Row
 from core.blend.family import Family, Task
@@ -20,8 +20,7 @@ BENT = ("acceleration", POINT)
 """What is not linear in the linear numbers of a family."""
 
 
-@dataclass(frozen=True)
-class Wish:
+class Wish(NamedTuple):
     """name of ``SETTINGS`` or ``point``, its value, and where a point lies [deg from the start of the curves]."""
 
     name: str
