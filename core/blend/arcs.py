@@ -21,13 +21,13 @@ from core.blend.polynomials import (
     Exact,
     Poly,
     crossed,
-    minus,
     plus,
     roots,
     rounded,
     scaled,
     times,
     trimmed,
+    weighed,
     whole,
 )
 from core.blend.wishes import Wish
@@ -129,8 +129,8 @@ def _quadratic(flat: Flat, bend: Bend, acceleration: float) -> tuple[Exact, Exac
     factor, value = whole(bend.factor), whole(acceleration)
     return (
         scaled(factor, times(s1, s1)),
-        minus(scaled(2 * factor, times(s0, s1)), scaled(value, times(h1, under))),
-        minus(scaled(factor, times(s0, s0)), scaled(value, times(h0, under))),
+        weighed(2 * factor, times(s0, s1), value, times(h1, under)),
+        weighed(factor, times(s0, s0), value, times(h0, under)),
     )
 
 
@@ -151,7 +151,7 @@ def kink(equations: Equations, one: Bend, two: Bend) -> Row:
     if (one.speed, two.speed) == ("W", "R"):
         a = tuple((0, 0, *p) if p else p for p in a)
     rows = zip(a, b, strict=True)
-    return tuple(minus(scaled(whole(two.factor), p), scaled(whole(one.factor), q)) for p, q in rows)
+    return tuple([weighed(whole(two.factor), p, whole(one.factor), q) for p, q in rows])
 
 
 def _at_one_t(
@@ -179,7 +179,7 @@ def _at_one_t(
         name, values = bend.speed, roots(quadratic)
     for value in values:
         pinned = zip(equations.exact(name), equations.exact(""), strict=True)
-        row = tuple(minus(scaled(ONE, a), scaled(whole(float(value)), b)) for a, b in pinned)
+        row = tuple([weighed(ONE, a, whole(float(value)), b) for a, b in pinned])
         for line in flats(equations, [*rows, row]):
             if line.freedom == 1:
                 yield _limited(Curve.of(family, line), bend, acceleration)
@@ -191,5 +191,5 @@ def _limited(curve: Curve, bend: Bend, acceleration: float) -> Curve:
     for other in curve.family.bends:
         if other != bend:
             above, below = curve.bend(other)
-            limits.append(minus(scaled(whole(acceleration), below), scaled(ONE, above)))
+            limits.append(weighed(whole(acceleration), below, ONE, above))
     return replace(curve, limits=tuple(limits))

@@ -9,7 +9,7 @@ from math import inf
 
 import numpy as np
 
-from core.blend.polynomials import Exact, trimmed, whole
+from core.blend.polynomials import Exact, shortened, trimmed, whole
 
 Row = tuple[Exact, ...]
 """An equation p0(t) + p1(t) x1 + ... = 0."""
@@ -92,10 +92,13 @@ class Equations:
 
     @cached_property
     def _rows(self) -> Mapping[str, Row]:
-        return {name: self._row(form) for name, form in {**self.forms, "": power(0)}.items()}
+        rows = [self._row(form) for form in (*self.forms.values(), power(0))]
+        short, width = shortened(p for row in rows for p in row), len(self.numbers) + 1
+        return {name: short[i * width :][:width] for i, name in enumerate((*self.forms, ""))}
 
     def exact(self, name: str) -> Row:
-        """A form, or 1 for an empty name, times t^raised: polynomials by x_0, x_1, ... in whole numbers."""
+        """A form, or 1 for an empty name, times t^raised: polynomials by x_0, x_1, ... in whole numbers, all
+        of them times the same one."""
         return self._rows[name]
 
     def _row(self, form: Form) -> Row:

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from core.blend.equations import Equations, Row
 from core.blend.polynomials import (
     NOTHING,
-    ONE,
     UNIT,
     Exact,
     at,
     crossed,
     divided,
-    lowest_bit,
     lowest_power,
     roots,
     rounded,
     scaled,
-    trimmed,
+    shortened,
     vanishes,
-    whole,
 )
 
 VANISHING = 1e-9  # a pivot so much smaller than its terms: the equations are looked at anew there
@@ -30,7 +27,8 @@ SINGULAR = 1e-11
 
 @dataclass(frozen=True)
 class Flat:
-    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...) / below, polynomials in t.
+    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...) / below, polynomials in t; where the wishes
+    pin t, x_j = numbers[j][0] + numbers[j][1] y1 + ...
 
     t     its value where the wishes pin it, None where it is free
     free  the j of the x_j that stay free: y1, y2, ...
@@ -39,30 +37,26 @@ class Flat:
     equations: Equations
     t: float | None
     free: tuple[int, ...]
-    x: tuple[Row, ...]
-    below: Exact
+    x: tuple[Row, ...] = ()
+    below: Exact = UNIT
+    numbers: tuple[tuple[float, ...], ...] = ()
 
     @property
     def freedom(self) -> int:
         """How many numbers are free on it."""
         return len(self.free) + (self.t is None)
 
-    @property
-    def numbers(self) -> list[list[float]]:
-        """Of a flat at one t: the x by 1, y1, y2, ..."""
-        return [[p[0] / ONE if p else 0.0 for p in row] for row in self.x]
-
 
 def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
     """All points that meet the equations."""
     k = len(equations.numbers)
-    rows = [_tidied(row) for row in rows]
+    rows = [_lowered(row) for row in rows]
     pivots, below, rest = _eliminated(rows, k)
     pins = [row[0] for row in rest if row[0]]
     if pins:
         first, *others = sorted(pins, key=len)
         shown = [rounded([p])[0] for p in others]
-        values = [t for t in roots(first, 0.0, equations.top) if all([vanishes(p, t, VANISHING) for p in shown])]
+        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
         return [flat for t in values for flat in _pinned(equations, rows, pivots, t)]
     free = tuple(j for j in range(1, k + 1) if j not in pivots)
     found = [_over_t(equations, pivots, below, free)]
@@ -71,11 +65,10 @@ def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
     return found
 
 
-def _tidied(row: Row) -> Row:
-    """Without a common power of t and of 2."""
+def _lowered(row: Row) -> Row:
+    """Without a common power of t."""
     lowest = min([lowest_power(p) for p in row if p], default=0)
-    shift = lowest_bit([c for p in row for c in p])
-    return tuple([tuple([c >> shift for c in p[lowest:]]) for p in row])
+    return tuple([p[lowest:] for p in row]) if lowest else row
 
 
 def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Row]]:
@@ -112,7 +105,7 @@ def _over_t(equations: Equations, pivots: dict[int, Row], below: Exact, free: tu
             x.append(tuple(scaled(-1, pivots[j][n]) for n in (0, *free)))
         else:
             x.append((NOTHING, *(below if n == j else NOTHING for n in free)))
-    tidied = _tidied((below, *(p for r in x for p in r)))
+    tidied = _lowered(shortened((below, *(p for r in x for p in r))))
     return Flat(equations, None, free, tuple(tidied[1 + i * width :][:width] for i in range(len(x))), tidied[0])
 
 
@@ -147,12 +140,8 @@ def _numerically(equations: Equations, rows: list[Row], t: float) -> list[Flat]:
 
 
 def _at_t(equations: Equations, t: float, solved: dict[int, list[float]]) -> Flat:
-    k = len(equations.numbers)
-    free = tuple(j for j in range(1, k + 1) if j not in solved)
-    x: list[Row] = []
-    for j in range(1, k + 1):
-        if j in solved:
-            x.append(tuple([trimmed([whole(-solved[j][n])]) for n in (0, *free)]))
-        else:
-            x.append((NOTHING, *((ONE,) if n == j else NOTHING for n in free)))
-    return Flat(equations, t, free, tuple(x), (ONE,))
+    columns = range(1, len(equations.numbers) + 1)
+    free = tuple([j for j in columns if j not in solved])
+    alone = {j: (0.0, *[float(n == j) for n in free]) for j in free}
+    numbers = [alone[j] if j in alone else tuple([0.0 - solved[j][n] for n in (0, *free)]) for j in columns]
+    return Flat(equations, t, free, numbers=tuple(numbers))

@@ -162,10 +162,12 @@ class Meter:
     def is_feasible(self, t: float, x: Sequence[float] | np.ndarray, least: float = 0.0) -> bool:
         """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for
         rounding."""
-        for row in self.equations.terms(self.family.positive, t, x):
+        positive, constant = self.family.positive, self.family.constant
+        terms = self.equations.terms((*positive, *constant), t, x)
+        for row in terms[: len(positive)]:
             if not sum(row) > max(least, EPS * sum(map(abs, row))):
                 return False
-        return min(self.equations.at(self.family.constant, t, x), default=0.0) >= -ROUNDING
+        return min(map(sum, terms[len(positive) :]), default=0.0) >= -ROUNDING
 
     # -- at many points -----------------------------------------------------------------------------------
 

@@ -72,6 +72,13 @@ def scaled(factor: int, p: Exact) -> Exact:
     return tuple([factor * c for c in p]) if factor else NOTHING
 
 
+def weighed(p: int, a: Exact, q: int, b: Exact) -> Exact:
+    """p a - q b of numbers p and q."""
+    if not b:
+        return scaled(p, a)
+    return trimmed([p * x - q * y for x, y in zip_longest(a, b, fillvalue=0)])
+
+
 def crossed(a: Exact, b: Exact, c: Exact, d: Exact) -> Exact:
     """a b - c d."""
     return minus(times(a, b), times(c, d))
@@ -102,10 +109,12 @@ def lowest_power(p: Sequence[float]) -> int:
     return 0
 
 
-def lowest_bit(numbers: Iterable[int]) -> int:
-    """How often 2 divides them all."""
-    together = reduce(or_, numbers, 0)
-    return (together & -together).bit_length() - 1 if together else 0
+def shortened(polynomials: Iterable[Exact]) -> tuple[Exact, ...]:
+    """Without a common power of 2."""
+    polynomials = tuple(polynomials)
+    together = reduce(or_, [c for p in polynomials for c in p], 0)
+    shift = (together & -together).bit_length() - 1 if together else 0
+    return tuple([tuple([c >> shift for c in p]) for p in polynomials])
 
 
 def rounded(polynomials: Sequence[Exact]) -> list[Poly]:

@@ -73,7 +73,7 @@ class Problem:
         """Every solution where there are as many wishes as free numbers, the gentlest first; none where the wishes leave
         something free."""
         found = [self.solution_at(place) for place in self._met()]
-        return sorted(found, key=lambda s: s.peak_acceleration)
+        return sorted(found, key=lambda s: s.peak_acceleration) if len(found) > 1 else found
 
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""

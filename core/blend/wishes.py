@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from core.blend.equations import Equations, Row
 from core.blend.family import Family, Task
-from core.blend.polynomials import ONE, minus, scaled, whole
+from core.blend.polynomials import ONE, weighed, whole
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
@@ -63,4 +63,4 @@ def equation(wish: Wish, family: Family, equations: Equations) -> Row:
     above, below = ratio(wish.name, family)
     value = whole(wish.value)
     rows = zip(equations.exact(above), equations.exact(below), strict=True)
-    return tuple([minus(scaled(ONE, a), scaled(value, b)) if b else scaled(ONE, a) for a, b in rows])
+    return tuple([weighed(ONE, a, value, b) for a, b in rows])
