@@ -109,7 +109,7 @@ class Meter:
     ) -> tuple[float, tuple[float, ...], bool]:
         """Newton's method on all wishes at once, while it gains and they are missed by more than is enough [``MET``]: the
         point and whether it meets them."""
-        if not wishes or self._are_met(wishes, t, x, enough * MET):
+        if not wishes or (enough and self._are_met(wishes, t, x, enough * MET)):
             return float(t), tuple(map(float, x)), True
         z = best = np.array([t, *x])
         least = np.inf
@@ -167,7 +167,7 @@ class Meter:
         for row in terms[: len(positive)]:
             if not sum(row) > max(least, EPS * sum(map(abs, row))):
                 return False
-        return min(map(sum, terms[len(positive) :]), default=0.0) >= -ROUNDING
+        return all(sum(row) >= -ROUNDING for row in terms[len(positive) :])
 
     # -- at many points -----------------------------------------------------------------------------------
 

@@ -92,7 +92,7 @@ class Candidate:
         return self.family.freedom
 
     @cached_property
-    def names(self) -> set[str]:
+    def names(self) -> frozenset[str]:
         """What can be wished of its curves."""
         rise, back = self.sequence.rise, self.sequence.back
         names = {"acceleration", POINT}
@@ -102,7 +102,7 @@ class Candidate:
             names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
         if rise and back:
             names.add("peak")
-        return names
+        return frozenset(names)
 
 
 def candidates(request: Request) -> list[Candidate]:
