@@ -70,10 +70,10 @@ class Problem:
     # -- solutions ----------------------------------------------------------------------------------------
 
     def solutions(self) -> list[Solution]:
-        """Every solution where there are as many wishes as free numbers, the gentlest first; none where the wishes leave
-        something free."""
-        found = [self.solution_at(place) for place in self._met()]
-        return sorted(found, key=lambda s: s.peak_acceleration) if len(found) > 1 else found
+        """Every solution where there are as many wishes as free numbers, the gentlest first, of equally gentle ones that of
+        the least t; none where the wishes leave something free."""
+        found = [self.solution_at(place) for place in sorted(self._met())]
+        return sorted(found, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(found) > 1 else found
 
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""
