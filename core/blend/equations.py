@@ -86,15 +86,20 @@ class Equations:
         return self._index[name]
 
     @cached_property
+    def _with_one(self) -> Mapping[str, Form]:
+        """The forms, and 1 under an empty name."""
+        return {**self.forms, "": power(0)}
+
+    @cached_property
     def raised(self) -> int:
         """The power of t that makes polynomials of all forms."""
         return max(0, *(-e for f in self.forms.values() for _, e in f.terms))
 
     @cached_property
     def _rows(self) -> Mapping[str, Row]:
-        rows = [self._row(form) for form in (*self.forms.values(), power(0))]
+        rows = [self._row(form) for form in self._with_one.values()]
         short, width = shortened(p for row in rows for p in row), len(self.numbers) + 1
-        return {name: short[i * width :][:width] for i, name in enumerate((*self.forms, ""))}
+        return {name: short[i * width :][:width] for i, name in enumerate(self._with_one)}
 
     def exact(self, name: str) -> Row:
         """A form, or 1 for an empty name, times t^raised: polynomials by x_0, x_1, ... in whole numbers, all
@@ -122,10 +127,9 @@ class Equations:
         return made
 
     @cached_property
-    def _flat(self) -> tuple[np.ndarray, np.ndarray]:
-        """The tensor as a matrix over the exponents, and its sizes."""
-        matrix = self._tensor.reshape(len(self._exponents), -1)
-        return matrix, np.abs(matrix)
+    def _matrix(self) -> np.ndarray:
+        """The tensor as a matrix over the exponents."""
+        return self._tensor.reshape(len(self._exponents), -1)
 
     def values(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """All forms (forms, n) at t (n,) and x (numbers, n)."""
@@ -136,8 +140,7 @@ class Equations:
 
     @cached_property
     def _terms(self) -> Mapping[str, list[tuple[float, int, int]]]:
-        forms = {**self.forms, "": power(0)}
-        return {name: [(c, e, j) for (j, e), c in form.terms.items()] for name, form in forms.items()}
+        return {name: [(c, e, j) for (j, e), c in form.terms.items()] for name, form in self._with_one.items()}
 
     def terms(self, names: Iterable[str], t: float, x: Iterable[float]) -> list[list[float]]:
         """Forms, or 1 for an empty name, at one point, term by term. In plain floats: of so few terms quicker than arrays."""
@@ -150,7 +153,7 @@ class Equations:
 
     def columns(self, t: float) -> np.ndarray:
         """All forms by 1, x1, x2, ... at t (forms, 1 + numbers)."""
-        return (t**self._exponents @ self._flat[0]).reshape(len(self.forms), -1)
+        return (t**self._exponents @ self._matrix).reshape(len(self.forms), -1)
 
     def slopes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All forms (forms,) at one point, and their derivatives by t, x1, x2, ... (forms, 1 + numbers)."""
@@ -161,8 +164,8 @@ class Equations:
         """The same where floating-point errors are seen to already."""
         with_one = np.array([1.0, *x])
         powers = t**self._exponents
-        columns = (powers @ self._flat[0]).reshape(len(self.forms), -1)
-        by_t = ((self._exponents * powers / t) @ self._flat[0]).reshape(len(self.forms), -1)
+        columns = (powers @ self._matrix).reshape(len(self.forms), -1)
+        by_t = ((self._exponents * powers / t) @ self._matrix).reshape(len(self.forms), -1)
         values = columns @ with_one
         columns[:, 0] = by_t @ with_one
         return values, columns
