@@ -15,10 +15,12 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("angle = f * w + phase\n            sin", "angle = f * (w + 64.0) - f * 64.0 + phase\n            sin", BENCH + "[law-None]"),
     ],
     "core/blend/family.py": [
-        ("works = [SPEEDS[name] * h for", "works = [SPEEDS[name] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
+        ("works = [SPEEDS[curve] * h for", "works = [SPEEDS[curve] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
     ],
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
+         LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
+        ("stretched, folded = (reach - r) + more, (r - fold) - less", "stretched, folded = reach - r, r - fold",
          LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
     ],
     "core/linkage/dead_centres.py": [
@@ -26,7 +28,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          LINKAGE + "test_the_area_keeps_all_its_digits_down_to_dead_centres"),
     ],
     "core/linkage/rod_and_arm.py": [
-        ("np.add(square, difference, out", "np.add((square + 1024.0) - 1024.0, difference, out", BENCH + "[linkage-None]"),
+        ("np.multiply(square + other, share", "np.multiply((square + 1024.0) - 1024.0 + other, share", BENCH + "[linkage-None]"),
     ],
     "core/mechanism/dyads.py": [
         ("between = 0.5 * (la * la + lb * lb - square)", "between = 0.5 * ((la * la + 64.0) + lb * lb - square) - 32.0",
@@ -37,7 +39,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          "np.arccos(np.minimum(np.abs(dot(normal, train.travel)), 1.0))",
          STRESS + "test_a_pressure_angle_near_zero_keeps_its_digits[1e-06]"),
         ("normal = (-1j * sense) * t / np.abs(t)", "normal = ((-1j * sense) * t / np.abs(t) + 1024.0) - 1024.0", BENCH + "[profile-None]"),
-        ("speed = np.abs(t)\n    cube", "speed = (np.abs(t) + 64.0) - 64.0\n    cube", BENCH + "[curvature-None]"),
+        ("speed = np.abs(motion[1])", "speed = (np.abs(motion[1]) + 64.0) - 64.0", BENCH + "[curvature-None]"),
     ],
     "core/dynamics/forces.py": [
         ("e = (cross(pin_b - centre, mass_force) - spin) / length",
