@@ -18,6 +18,9 @@ NAMED = {case.name: case for case in CASES}
 def test_the_error_keeps_below_what_the_condition_allows(case: Case, value: float) -> None:
     sample = case.look(value)
     assert sample.ratio <= 1.0, sample
+    # far below it, so that a lost digit is seen, and above nothing: a bound that nothing can break guards nothing
+    assert sample.ratio <= case.part, sample
+    assert sample.bound >= 0.5 * EPS
 
 
 @pytest.mark.parametrize("short", [1e-3, 1e-6, 1e-9, 1e-12, 0.0])
@@ -28,7 +31,7 @@ def test_where_the_printed_formula_loses_its_digits_ours_keeps_them(short: float
     assert sample.printed >= min(1e-3, 0.1 * EPS / max(short, 1e-300))
 
 
-@pytest.mark.parametrize("name", ["Dead centre, stretched", "Dead centre, folded"])
+@pytest.mark.parametrize("name", ["Dead centre, stretched", "Dead centre, folded", "Arm like rod, slider at the pivot"])
 def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) -> None:
     """Closer than a rounding of the distance could tell: the area is taken from the slider's own place."""
     for value in NAMED[name].values:
