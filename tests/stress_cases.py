@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.exact_shafts import edge
+from dyad_cases import DYAD_CASES, DYAD_ROUNDINGS, DyadCase
 from mechanisms import (
     LAYOUT_DESIGNS,
     LIFT,
@@ -306,6 +307,41 @@ def _slider_over_pivot(away: float) -> Sample:
     return triangle(0.9, 0.8, 0.7, away, 1.0)
 
 
+# -- dyads of any linkage ---------------------------------------------------------------------------------
+
+_PUSHED = (0.0, 0.3 + 0.7j, -0.2 + 0.4j, 0.1 - 0.3j)
+_STILL = (0.0, 0.0, 0.0, 0.0)
+_UNIT = 1.0 + 0j
+
+
+def _rod_across_slide(distance: float) -> Sample:
+    """A rod of length 1 whose other end keeps to a line all but so far away: of sides that are given nothing is lost."""
+    pins = ((0.0, _UNIT), (0.0, _UNIT), (1.0, _UNIT), (0.0, _UNIT), (1j * (1.0 - distance), _UNIT), (0.0, _UNIT))
+    dyad = replace(DYAD_CASES["rrp"], pins=pins, numbers=(*_PUSHED, *_STILL, *_STILL, *_STILL))
+    got, exact = dyad.solved(), dyad.exactly()
+    rows = [(i, 2 * i + 1) for i in range(3)] + [(8, 1), (9, 1), (10, 3), (11, 5)]  # and how often each is divided by the leg
+    return worst([Sample(off(got[i], exact[i]) / float(abs(exact[i])), (10 + 4 * k) * EPS) for i, k in rows])
+
+
+def _rods_in_line(distance: float) -> Sample:
+    """Two rods between pins, all but stretched."""
+    far = (1.3 + 0.8) * (1.0 - distance)
+    pins = ((0.0, _UNIT), (0.0, _UNIT), (1.3, _UNIT), (0.8, _UNIT), (0.0, _UNIT), (0.0, _UNIT))
+    return _of_dyad(replace(DYAD_CASES["rrr"], pins=pins, numbers=(*_PUSHED, *_STILL, far, *_PUSHED[:0:-1], *_STILL)))
+
+
+def _guide_across(distance: float) -> Sample:
+    """A guide that passes a pin at an offset that its distance from the other pin all but equals."""
+    pins = ((0.0, _UNIT), (0.0, _UNIT), (0.4j, _UNIT), (0.0, _UNIT), (0.0, _UNIT), (0.0, _UNIT))
+    return _of_dyad(replace(DYAD_CASES["rpr"], pins=pins, numbers=(*_PUSHED, *_STILL, 0.4 * (1.0 + distance), 0.0, 0.0, 0.0, *_STILL)))
+
+
+def _of_dyad(dyad: DyadCase) -> Sample:
+    exact = dyad.exactly()
+    sizes = [float(abs(e)) or 1.0 for e in exact]
+    return worst([Sample(e / s, b / s) for (e, b), s in zip(dyad.errors(DYAD_ROUNDINGS), sizes, strict=True)])
+
+
 # -- designs ----------------------------------------------------------------------------------------------
 
 # Within ten degrees down and up again: the arm turns as fast as the cam, both ways.
@@ -540,6 +576,9 @@ CASES: tuple[Case, ...] = (
     Case("Rod at 180°", "180° - rod angle [rad]", (*POWERS, 0.0), _rod_backwards, part=0.7),
     Case("Other branch's rod at 180°", "180° - its rod angle [rad]", (*POWERS, 0.0), _other_rod_backwards, part=0.8),
     Case("Slider over the pivot", "distance along the guide / arm", (*POWERS, 0.0), _slider_over_pivot, part=1.0),
+    Case("Slide across its rod", "missing part of the rod", POWERS, _rod_across_slide, part=0.5),
+    Case("Rods of a dyad in line", "missing part of both", POWERS, _rods_in_line, 4, 0.17),
+    Case("Guide of a dyad across", "excess over its offset", POWERS, _guide_across, 4, 0.17),
     Case("Follower as fast as the cam", "φ' - d", POWERS[:13], _as_fast_as_the_cam, 4, 0.04),
     Case("Roller over the pivot", "cosine to the line of centres", POWERS[:13], _over_the_pivot, 4, 0.05),
     Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(by)), 4, 0.03),

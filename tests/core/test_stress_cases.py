@@ -31,11 +31,16 @@ def test_where_the_printed_formula_loses_its_digits_ours_keeps_them(short: float
     assert sample.printed >= min(1e-3, 0.1 * EPS / max(short, 1e-300))
 
 
-@pytest.mark.parametrize("name", ["Dead centre, stretched", "Dead centre, folded", "Arm like rod, slider at the pivot"])
+GIVEN = {"Dead centre, stretched": 4, "Dead centre, folded": 4, "Arm like rod, slider at the pivot": 4, "Rods of a dyad in line": 16,
+         "Guide of a dyad across": 16}  # fmt: skip
+"""Roundings that are made on the way; of the dyads there are derivatives too."""
+
+
+@pytest.mark.parametrize("name", GIVEN)
 def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) -> None:
     """Closer than a rounding of the distance could tell: the area is taken from the slider's own place."""
     for value in NAMED[name].values:
-        assert NAMED[name].look(value).error <= 4 * EPS, value
+        assert NAMED[name].look(value).error <= GIVEN[name] * EPS, value
 
 
 def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
