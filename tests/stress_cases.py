@@ -397,6 +397,14 @@ def _on_the_line(by: float) -> float:
     return angle_where(SWING, _line_of_centres, by, 0)
 
 
+def _cam_on_the_line(by: float) -> Sample:
+    return cam(SWING, _on_the_line(by))
+
+
+def _cam_beyond_the_line(by: float) -> Sample:
+    return cam(SWING, _on_the_line(-by))
+
+
 def _forces_on_the_line(by: float) -> Sample:
     return forces(SWING, _on_the_line(by))
 
@@ -581,8 +589,8 @@ CASES: tuple[Case, ...] = (
     Case("Guide of a dyad across", "excess over its offset", POWERS, _guide_across, 4, 0.17),
     Case("Follower as fast as the cam", "φ' - d", POWERS[:13], _as_fast_as_the_cam, 4, 0.04),
     Case("Roller over the pivot", "cosine to the line of centres", POWERS[:13], _over_the_pivot, 4, 0.05),
-    Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(by)), 4, 0.03),
-    Case("Pressure angle beyond 90°: profile", "- sine to the line of centres", POWERS[:13], lambda by: cam(SWING, _on_the_line(-by)), 4, 0.045),
+    Case("Pressure angle to 90°: profile", "sine to the line of centres", POWERS[:13], _cam_on_the_line, 4, 0.03),
+    Case("Pressure angle beyond 90°: profile", "- sine to the line of centres", POWERS[:13], _cam_beyond_the_line, 4, 0.045),
     Case("Pressure angle to 90°: forces", "sine to the line of centres", POWERS[:11], _forces_on_the_line, 3, 0.01),
     Case("Pressure angle to 0°", "cam angle after the dwell [rad]", POWERS[1:9], _hardly_moves, 3, 0.04),
     Case("Rod across the guide", "cosine of the rod angle", POWERS[:11], _rod_across, 3, 0.045),
