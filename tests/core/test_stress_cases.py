@@ -8,6 +8,7 @@ import pytest
 from references import EPS
 from stress_cases import CASES, Case, many_segments
 
+from core.dynamics.loading import Inertia, combined
 from core.study import Study
 
 LOOKED_AT = [pytest.param(case, value, id=f"{case.name}, {value:.0e}") for case in CASES for value in case.some]
@@ -62,3 +63,10 @@ def test_a_pressure_angle_near_zero_keeps_its_digits(after: float) -> None:
     """By its cosine alone half of them would be lost."""
     sample = NAMED["Pressure angle to 0°"].look(after)
     assert sample.ratio <= 1.0, sample
+
+
+def test_masses_far_from_the_pivot_and_near_each_other_keep_their_inertia() -> None:
+    """About their common centre, not by the difference of two much larger ones about the pivot."""
+    apart = 2.0**-14
+    one = combined([Inertia(1.5, 1000.1 + 0j), Inertia(1.5, 1000.1 + apart)])
+    assert one.about_centre == pytest.approx(0.75 * apart**2, rel=8 * EPS)
