@@ -150,7 +150,7 @@ def cam(design: SingleCam, theta: float) -> Sample:
                 s.profile_curvature]  # fmt: skip
 
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0])
-    t, w, x = (float(abs(c[0])) for c in relative_motion(there.linkage, design.shaft.sense))
+    t, w, x = (float(abs(c[0])) for c in relative_motion(there.linkage, design.shaft.sense).all[1:])
     # a pressure angle near 0 is as good as the normal; curvatures are sums of products of t, w, x
     # and 1/(1/κ - Rr) passes on what κ has, by the square of 1/(1 - Rr κ)
     beyond = float(abs(exact[6] / exact[4])) ** 2 if exact[4] else 1.0
@@ -245,7 +245,7 @@ def triangle(l1: float, l2: float, height: float, slider: float, sigma: float) -
     got = rod_and_arm(g, base, np.array([[0.0], [1.0], [0.0], [0.0]]))
     r2 = slider**2 + height**2
     bound = 1.3 * EPS * (1.0 + (r2 + l1**2 + l2**2) / float(got.area[0])) + EPS * 0.5 * math.pi
-    error = max(apart(got.phi[0, 0], exact[0]), apart(got.beta[0, 0], exact[1]))
+    error = max(apart(got.phi[0][0], exact[0]), apart(got.beta[0][0], exact[1]))
     vectors = max(off(complex(got.arm[0]), MP.expj(exact[0])), off(complex(got.rod[0]), MP.expj(exact[1])))
     printed = max(
         _half_angle(2 * slider * l1, 2 * height * l1, l2**2 - slider**2 - l1**2 - height**2, exact[0]),

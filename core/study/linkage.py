@@ -325,7 +325,7 @@ class LinkageStudy(Study, of=LinkageDesign):
     def angular_velocities(self) -> dict[int, np.ndarray]:
         """Link -> (n,) [rad/s], the frame included."""
         bodies = self.linkage.bodies
-        return {n: bodies[body_name(n)].angle[1] * self.omega for n in sorted(self.design.linkage.by_number)}
+        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.linkage.by_number)}
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""
