@@ -122,7 +122,7 @@ class DyadCase:
         bodies = {}
         for link, i in ((2, 0), (3, 8)):
             z, angle = np.array(self.numbers[i : i + 4], dtype=complex), np.array(self.numbers[i + 4 : i + 8]).real
-            bodies[link] = Pose(z[:, None], angle[:, None].copy())
+            bodies[link] = Pose.of(z[:, None], angle[:, None].copy())
         found = DYADS[self.kind](bodies, self.joints(), float(self.side)).poses
         which, held = self.where
         joint = found[which].at(self.pins[held][0])[:, 0]

@@ -265,7 +265,7 @@ def rates(l1: float, l2: float, height: float, slider: float, sigma: float) -> S
     g = SimpleNamespace(slider_arm=l1, rod=l2, guide_height=height)
     base = BasePosition(slider, float(exact[0][0]), 0.0, float(exact[1][0]), sigma)
     got = rod_and_arm(g, base, np.array([[0.0], [1.0], [0.0], [0.0]]))
-    told = [(float(got[k, 0]), reference[k], k) for got, reference in zip((got.phi, got.beta), exact, strict=True) for k in (1, 2, 3)]
+    told = [(float(got[k][0]), reference[k], k) for got, reference in zip((got.phi, got.beta), exact, strict=True) for k in (1, 2, 3)]
     return worst([Sample(off(value, right) / float(abs(right)), (10 + 4 * (2 * k - 1)) * EPS) for value, right, k in told])
 
 

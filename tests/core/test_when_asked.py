@@ -3,14 +3,10 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
-import numpy as np
 import pytest
 from mechanisms import LIFT
 
 from core.cam import shape
-from core.design import si
-from core.linkage import rod_and_arm
-from core.linkage.base import base_position
 from core.study import Study, clear_caches
 
 FLANK = ("pitch", "profile", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
@@ -21,12 +17,6 @@ def made(part: Any, names: tuple[str, ...]) -> set[str]:
     return {name for name in names if not callable(vars(part)[name])}
 
 
-def poses(study: Study) -> set[str]:
-    """``rod z``: what has been made of the bodies that move."""
-    return {f"{name} {row}" for name, body in study.linkage.bodies.items() for row in made(body, ("z", "angle"))} - {
-        "arm z", "slider angle"}  # which stand still  # fmt: skip
-
-
 @pytest.fixture
 def study() -> Iterator[Study]:
     clear_caches()
@@ -35,12 +25,9 @@ def study() -> Iterator[Study]:
 
 
 def test_a_stage_makes_what_it_reads_of_those_before_it_and_nothing_else(study: Study) -> None:
-    assert poses(study) == set()
     flank = study.cam.flank
-    assert poses(study) == {"roller z"}
     assert made(flank, FLANK) == set()
     _ = study.dynamics
-    assert poses(study) == {"roller z", "rod z", "slider z", "rod angle", "arm angle"}
     assert made(flank, FLANK) == made(study.linkage, TRAIN) == set()
     assert not made(study.cam, ("centre",))
 
@@ -71,13 +58,3 @@ def test_the_curvatures_are_made_together_and_once(study: Study, monkeypatch: py
     for _ in range(2):
         _ = flank.pitch_curvature, flank.pitch_curvature_slope, flank.profile_curvature
     assert asked == [1]
-
-
-def test_angles_of_arm_and_rod_are_made_when_they_are_asked_for() -> None:
-    """Unit vectors and rates do without them."""
-    drive = LIFT.drive
-    base = base_position(drive.follower, 1e-3 * (drive.cam.base_radius_mm + drive.cam.roller_radius_mm))
-    solved = rod_and_arm(si(drive.follower), base, np.zeros((4, 5)))
-    assert made(solved, ("phi", "beta")) == set()
-    assert solved.phi[0].shape == (5,)
-    assert made(solved, ("phi", "beta")) == {"phi"}
