@@ -36,30 +36,24 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/linkage/rod_and_arm.py": [
         ("np.add(square, difference, out", "np.add((square + 1024.0) - 1024.0, difference, out", BENCH + "[linkage-None]"),
-        ("sin = k * (base.sigma / (2.0 * l1 * l2))",
-         "sin = base.sigma * np.sqrt(1.0 - ((square - (l1 * l1 + l2 * l2)) / (2.0 * l1 * l2)) ** 2)",
-         KEEPS + "[Dead centre, stretched: rates, 1e-04]"),
     ],
     "core/mechanism/dyads.py": [
         ("between = 0.5 * (la * la + lb * lb - square)", "between = 0.5 * ((la * la + 64.0) + lb * lb - square) - 32.0",
          BENCH + "[dyads-None]"),
-        ("beta[order - 1] = cross(t[0], known) * inverse", "beta[order - 1] = (cross(t[0], known) * inverse + 256.0) - 256.0",
+        ("np.array([cross(along, known) * inverse,", "np.array([cross(along, known) * inverse + 256.0 - 256.0,",
          DYADS + "[rpr-1-1.0]"),
     ],
     "core/mechanism/closing.py": [
         ("inside = room * (long + np.abs(short))", "inside = long * long - short * short", KEEPS + "[Slide across its rod, 1e-07]"),
-        ("-3.0 * w * rates[1], -(w * w * w)", "-3.0 * w * rates[1], (256.0 - w * w * w) - 256.0", DYADS + "[rpr-1-1.0]"),
+        ("-3.0 * w * angle[2], -(w * w * w)", "-3.0 * w * angle[2], (256.0 - w * w * w) - 256.0", DYADS + "[rpr-1-1.0]"),
     ],
     "core/cam/shape.py": [
         ("np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel)))",
          "np.arccos(np.minimum(np.abs(dot(normal, train.travel)), 1.0))",
          STRESS + "test_a_pressure_angle_near_zero_keeps_its_digits[1e-06]"),
         ("normal = (-1j * sense) * t / np.abs(t)", "normal = ((-1j * sense) * t / np.abs(t) + 1024.0) - 1024.0", BENCH + "[profile-None]"),
-        ("pitch_curvature=lambda: bends()[0]", "pitch_curvature=bends()[0]",
-         ASKED + "test_a_stage_makes_what_it_reads_of_those_before_it_and_nothing_else"),
         ("sense, reference, t, lambda: cam_follower_centre(", "sense, reference, t, cam_follower_centre(",
          ASKED + "test_a_stage_makes_what_it_reads_of_those_before_it_and_nothing_else"),
-        ("    @cache\n    def bends()", "    def bends()", ASKED + "test_the_curvatures_are_made_together_and_once"),
         ("speed = np.abs(t)\n    cube", "speed = (np.abs(t) + 64.0) - 64.0\n    cube", BENCH + "[curvature-None]"),
     ],
     "core/dynamics/forces.py": [
