@@ -72,7 +72,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/vectors.py": [
         ("a.real * b.imag - a.imag * b.real", "a.real * b.imag + a.imag * b.real", PITCH + "[c-2.5]"),
         ("a.real * b.real + a.imag * b.imag", "a.real * b.real - a.imag * b.imag", PITCH + "[c-2.5]"),
-        ("u * a1 * 1j if", "u * a1 * -1j if", STUDY + "test_results_are_what_each_stage_gives_alone"),
+        ("u * a1 * 1j if", "u * a1 * -1j if", CLOSED),
         ("factor.imag = rates[1]", "factor.imag = -rates[1]", ARM),
         ("np.multiply(-a1, a1", "np.multiply(a1, a1", ARM),
         ("np.multiply(-3.0 * a1, rates[1]", "np.multiply(3.0 * a1, rates[1]", ARM),
