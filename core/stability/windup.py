@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -11,9 +11,11 @@ import numpy as np
 from core.motion import TURN
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.march import OUTSIDE, STAGES, March, Step
+from core.stability.following import follow
+from core.stability.march import OUTSIDE
 from core.stability.nonlinear import Points
-from core.stability.panels import powers, to_powers
+from core.stability.swing import Steps, Swing
+from core.stability.turning import FULL
 
 LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
 BISECTIONS = 50
@@ -33,7 +35,7 @@ class History:
     q: float
     damping: float
     periods: float
-    steps: Step
+    steps: Steps
     ended: float
     contact: Contact | None = None
 
@@ -43,20 +45,19 @@ class History:
         """β and β' (n,) at y (n,) [turns of the input], 0 ... ended."""
         step = np.clip(np.searchsorted(self.steps.y, y, side="right") - 1, 0, None)
         part = np.clip((y - self.steps.y[step]) / self.steps.h[step], 0.0, 1.0)
-        return self._within(step, part)
+        return self.steps.at(self._swing, step, part)
 
-    def _within(self, step: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """β and β' (n,) at parts (n,) of steps (n,)."""
-        taken = self.steps.only(step)
-        beta = taken.within(part[:, None])[:, 0, 0]
-        return beta, _interpolated(taken.rate[:, :, 0], part[:, None])[:, 0]
+    @cached_property
+    def _swing(self) -> Swing:
+        return Swing.of(np.array([self.eta]), self.damping)
 
     @cached_property
     def _looks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """y, β and β' (steps, looks) at ``LOOKED_AT`` of every step."""
         y = self.steps.y[:, None] + self.steps.h[:, None] * LOOKED_AT
-        beta = self.steps.within(np.broadcast_to(LOOKED_AT, y.shape))[..., 0]
-        return y, beta, _interpolated(self.steps.rate[:, :, 0], np.broadcast_to(LOOKED_AT, y.shape))
+        step, part = np.repeat(np.arange(len(y)), LOOKED_AT.size), np.tile(LOOKED_AT, len(y))
+        beta, rate = (each.reshape(y.shape) for each in self.steps.at(self._swing, step, part))
+        return y, beta, rate
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -74,17 +75,17 @@ class History:
             if tops[i, j] < 0.0:
                 break
             part = self._zero(int(i), float(LOOKED_AT[j]), float(LOOKED_AT[j + 1]))
-            value = abs(float(self._within(np.full(1, i), np.array([part]))[0][0]))
+            value = abs(float(self.steps.at(self._swing, np.full(1, i), np.array([part]))[0][0]))
             best = max(best, (value, float(self.steps.y[i] + part * self.steps.h[i])))
         return best
 
     def _zero(self, step: int, low: float, high: float) -> float:
         """The part of a step at which β' changes sign."""
         at = np.full(1, step)
-        sign = np.sign(self._within(at, np.array([low]))[1][0])
+        sign = np.sign(self.steps.at(self._swing, at, np.array([low]))[1][0])
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            if np.sign(self._within(at, np.array([middle]))[1][0]) == sign:
+            if np.sign(self.steps.at(self._swing, at, np.array([middle]))[1][0]) == sign:
                 low = middle
             else:
                 high = middle
@@ -190,10 +191,11 @@ def history(
     periods: float = 30.0,
     start: tuple[float, float] | None = None,
     contact: Contact | None = None,
+    error: float = FULL,
 ) -> History:
     """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6)."""
     states = None if start is None else np.array([start])
-    return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact)[0]
+    return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact, error)[0]
 
 
 def histories(
@@ -204,17 +206,17 @@ def histories(
     periods: float = 30.0,
     start: np.ndarray | None = None,
     contact: Contact | None = None,
+    error: float = FULL,
 ) -> tuple[History, ...]:
     """Several points (L,) side by side, from states (L, 2) or from rest: hardly slower than one of them."""
-    march = March(coefficients, Points(eta, q, damping))
-    gone = march.run(march.resting() if start is None else start, 0.0, periods, keep=True)
-    steps = Step(*(np.concatenate([getattr(s, f.name) for s in gone.steps]) for f in fields(Step)))
-    told = []
-    for lane in range(eta.size):
-        own = steps.only(np.flatnonzero(steps.lane == lane))
-        ended = float(own.y[-1] + own.h[-1]) if np.isnan(gone.y[lane]) else periods
-        told.append(History(coefficients, float(eta[lane]), float(q[lane]), damping, periods, own, ended, contact))
-    return tuple(told)
+    steps, ended = follow(coefficients, Points(eta, q, damping), start, periods, error)
+    return tuple(
+        History(
+            coefficients, float(eta[lane]), float(q[lane]), damping, periods,
+            steps.only(np.flatnonzero(steps.lane == lane)), float(ended[lane]), contact,
+        )
+        for lane in range(eta.size)
+    )  # fmt: skip
 
 
 def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -254,8 +256,3 @@ def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:
         return float(at[0])
     part = flat[i - 1] / (flat[i - 1] - flat[i])
     return float(at[i - 1] + part * (at[i] - at[i - 1]))
-
-
-def _interpolated(values: np.ndarray, part: np.ndarray) -> np.ndarray:
-    """The polynomial (n, k) through values (n, STAGES) at the nodes of a step, at parts (n, k)."""
-    return np.asarray((powers(2.0 * part - 1.0, STAGES) @ to_powers(values)[..., None])[..., 0])
