@@ -103,7 +103,13 @@ class March(Equation):
         return np.minimum(self._widest[state.piece[lane]], self._waves[lane])
 
     def run(
-        self, start: np.ndarray, y0: float | np.ndarray, y1: float | np.ndarray, *, change: bool = False, keep: bool = False
+        self,
+        start: np.ndarray,
+        y0: float | np.ndarray,
+        y1: float | np.ndarray,
+        *,
+        change: bool = False,
+        keep: bool = False,
     ) -> Marched:
         """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input], all lanes' or each one's own (L,); change: with
         their derivatives; keep: with all steps."""

@@ -29,10 +29,14 @@ class Swing:
 
     @staticmethod
     def of(eta: np.ndarray, damping: float) -> Swing:
-        return Swing(2.0 * pi * damping * eta, 2.0 * pi * sqrt((1.0 - damping) * (1.0 + damping)) * np.maximum(eta, LEAST))
+        return Swing(
+            2.0 * pi * damping * eta, 2.0 * pi * sqrt((1.0 - damping) * (1.0 + damping)) * np.maximum(eta, LEAST)
+        )
 
-    def only(self, at: np.ndarray) -> Swing:
-        return Swing(self.decay[at], self.omega[at])
+    def only(self, at: np.ndarray, deep: int = 0) -> Swing:
+        """Of some points (n,), with so many further axes."""
+        shape = (-1,) + (1,) * deep
+        return Swing(self.decay[at].reshape(shape), self.omega[at].reshape(shape))
 
     @property
     def wave(self) -> np.ndarray:
@@ -43,10 +47,9 @@ class Swing:
         return np.asarray(rate + (self.decay + 1j * self.omega) * beta)
 
     def read(self, pointer: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """β and β' of pointers whose first axis is that of the points."""
-        shape = (-1,) + (1,) * (pointer.ndim - 1)
-        beta = pointer.imag / self.omega.reshape(shape)
-        return beta, pointer.real - self.decay.reshape(shape) * beta
+        """β and β' of pointers."""
+        beta = pointer.imag / self.omega
+        return beta, pointer.real - self.decay * beta
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,5 +112,4 @@ class Steps:
             clock = np.clip(clock + move, -0.1, 1.1)
             if np.abs(move).max(initial=0.0) <= 8.0 * EPS:
                 break
-        beta = pointer.imag / swing.omega
-        return beta, pointer.real - swing.decay * beta
+        return swing.read(pointer)

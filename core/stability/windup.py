@@ -12,10 +12,10 @@ from core.motion import TURN
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
 from core.stability.following import follow
+from core.stability.legs import FULL
 from core.stability.march import OUTSIDE
 from core.stability.nonlinear import Points
 from core.stability.swing import Steps, Swing
-from core.stability.turning import FULL
 
 LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
 BISECTIONS = 50

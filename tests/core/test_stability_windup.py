@@ -36,8 +36,8 @@ def test_half_steps_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -
     found = coefficients(HARD[name])
     eta, q = np.array([0.9, 2.4, 5.1]), np.array([0.2, 0.05, 0.4])
     whole = histories(found, eta, q, 0.0, 2.0)
-    monkeypatch.setattr("core.stability.march.PANELS", 0.8)
-    monkeypatch.setattr("core.stability.march.PHASE", 0.9)
+    for name, value in (("march.PANELS", 0.8), ("march.PHASE", 0.9), ("legs.TOGETHER", 0.9), ("legs.PHASE", 0.45)):
+        monkeypatch.setattr(f"core.stability.{name}", value)
     y = np.linspace(0.0, 2.0, 300)
     for one, other in zip(whole, histories(found, eta, q, 0.0, 2.0), strict=True):
         assert other.steps.y.size > 1.3 * one.steps.y.size
