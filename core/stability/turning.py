@@ -77,13 +77,14 @@ class Solved:
 @dataclass(frozen=True, eq=False)
 class _Found:
     """What the sweeps have found of cells (n, K): A at their starts and its gains in them, its slope by the cam's turn and
-    the speed at the nodes (n, K, NODES), the largest |β| so far, the change of the next sweep, whether that is nothing (n,),
+    the speed at the nodes (n, K, NODES), about when their ends are reached (n, K), the largest |β| so far, the change of the next sweep, whether that is nothing (n,),
     what the panels of the coefficients leave out of the slope, and its largest value (n, K)."""
 
     begun: np.ndarray
     gains: np.ndarray
     slope: np.ndarray
     speed: np.ndarray
+    after: np.ndarray
     largest: np.ndarray
     left: np.ndarray
     settled: np.ndarray
@@ -148,13 +149,14 @@ class Turning(Equation):
 
     # -- a leg ------------------------------------------------------------------------------------------
 
+    @np.errstate(all="ignore")  # a lane that comes to nothing is told as slow
     def solve(self, leg: Leg, lane: np.ndarray, place: Place) -> Solved:
         """The leg from where the lanes (n,) stand in it."""
         inside = (place.cam > leg.edges[0]).any()
         edges = np.maximum(leg.edges, place.cam[:, None]) if inside else leg.edges[None]
         found = self._swept(leg, lane, place, edges, leg.rows(edges) if inside else leg.own)
-        h = np.broadcast_to(np.diff(edges), found.gains.shape)
         ends, pointer = self._ends(lane, place, edges, found)
+        h = np.broadcast_to(np.diff(edges), found.gains.shape)
         starts = np.concatenate((np.zeros((lane.size, 1)), ends[:, :-1]), axis=1)
         back = np.exp(self.swing.only(lane, 1).wave * starts)  # each step counts its amplitude from its own start
         inner, outer = self._wrong(found, h)
@@ -173,7 +175,7 @@ class Turning(Equation):
         least = 64.0 * EPS * np.abs(found.begun) + 2.0 * h * found.slack
         allowed = SHARE * self.error * (self.swing.omega[lane] * found.largest)[:, None]
         fine = (inner <= np.maximum(allowed, least)).all(axis=1)
-        slow = ~(found.speed.min(axis=(1, 2)) > SLOWEST)  # nan is
+        slow = ~((found.speed.min(axis=(1, 2)) > SLOWEST) & (ends >= starts).all(axis=1))  # nan is
         return Solved(steps, arrived, found.settled, slow, fine)
 
     def _swept(self, leg: Leg, lane: np.ndarray, place: Place, edges: np.ndarray, rows: np.ndarray) -> _Found:
@@ -186,6 +188,7 @@ class Turning(Equation):
         gone = turn - first
         share = SHARE * self.error * (leg.edges[-1] - leg.edges[0]) / self.periods * self.swing.omega[lane]
         floor = 4.0 * EPS * np.abs(place.pointer)
+        most_late = 0.5 / np.abs(wave)
         before = np.full(lane.size, 1e-300)
         amplitude = np.broadcast_to(start, train.heavy.shape)
         for _ in range(SWEEPS):
@@ -193,7 +196,7 @@ class Turning(Equation):
             pointer = turned * amplitude
             beta, rate = swing.read(pointer)
             # the input is there already, or not yet, where the shaft is wound up otherwise than at the last sweep
-            late = (gone + beta - turn) / (1.0 - rate)
+            late = np.clip((gone + beta - turn) / (1.0 - rate), -most_late, most_late)
             turn = turn + late
             along = 1.0 + wave * late
             turned = turned * along
@@ -212,8 +215,11 @@ class Turning(Equation):
             before = np.maximum(change, 1e-300)
             if (settled | ~np.isfinite(change)).all():
                 break
+        # a guess of the input's turns at the cells' ends
+        after = turn[..., -1] + h * (1.0 - _NODES[-1]) / speed[..., -1]
         most = np.abs(slope).max(axis=2)
-        return _Found(begun, gains, slope, speed, largest, left, settled, self.coefficients.panels.tail * most, most)
+        slack = self.coefficients.panels.tail * most
+        return _Found(begun, gains, slope, speed, after, largest, left, settled, slack, most)
 
     def _wrong(self, found: _Found, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What A may be wrong by within cells (n, K) of lengths h, and at their ends.
@@ -233,10 +239,10 @@ class Turning(Equation):
         Newton's method."""
         swing, amplitude = self.swing.only(lane, 1), found.begun + found.gains
         passed = edges[:, 1:] - edges[:, :1] - place.pointer.imag[:, None] / swing.omega
-        ends = np.broadcast_to(edges[:, 1:] - edges[:, :1], amplitude.shape)
+        ends, most = found.after, 0.5 / np.abs(swing.wave)
         for _ in range(INVERSIONS):
             beta, rate = swing.read(np.exp(swing.wave * ends) * amplitude)
-            move = (passed + beta - ends) / (1.0 - rate)
+            move = np.clip((passed + beta - ends) / (1.0 - rate), -most, most)
             ends = ends + move
             if not np.abs(move).max() > CLOSE:
                 break
