@@ -13,10 +13,10 @@ from math import pi, sqrt
 
 import numpy as np
 
-from core.motion import EPS
 from core.stability.panels import integrals, powers, to_powers
 
 INVERSIONS = 12
+CLOSE = 1e-8  # part of a step: a move no longer is the last, what is left is its square
 LEAST = 1e-7  # of η: a shaft that swings more slowly does as well as this one
 
 
@@ -109,7 +109,8 @@ class Steps:
             slope = turned * (change * power[:, :-1]).sum(axis=1)
             miss = gone - by_cam * (pointer.imag / swing.omega - first) - length * clock
             move = miss / (length + by_cam * slope.imag / swing.omega)
-            clock = np.clip(clock + move, -0.1, 1.1)
-            if np.abs(move).max(initial=0.0) <= 8.0 * EPS:
+            pointer = pointer + slope * move  # to the square of the move
+            if np.abs(move).max(initial=0.0) <= CLOSE:
                 break
+            clock = np.clip(clock + move, -0.1, 1.1)
         return swing.read(pointer)

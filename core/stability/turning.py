@@ -13,6 +13,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from core.motion import EPS, TURN
+from core.stability import march
 from core.stability.coefficients import Coefficients
 from core.stability.legs import Leg, legs_of, nodes
 from core.stability.march import Step
@@ -58,7 +59,7 @@ class Solved:
     steps    its cells, lane by lane
     place    of the lanes at its end
     settled  (n,) the sweeps have found it
-    slow     (n,) the cam all but stands still in it
+    slow     (n,) the cam all but stands still in it, or it only spins: its angle is no clock
     fine     (n,) its cells are short enough for the wanted error
     """
 
@@ -76,9 +77,15 @@ class Solved:
 
 @dataclass(frozen=True, eq=False)
 class _Found:
-    """What the sweeps have found of cells (n, K): A at their starts and its gains in them, its slope by the cam's turn and
-    the speed at the nodes (n, K, NODES), about when their ends are reached (n, K), the largest |β| so far, the change of the next sweep, whether that is nothing (n,),
-    what the panels of the coefficients leave out of the slope, and its largest value (n, K)."""
+    """What the sweeps have found of cells (n, K).
+
+    begun, gains   (n, K) A at their starts and what it gains in them
+    slope, speed   (n, K, NODES) dA by the cam's turn, and how fast that turns by the input's
+    after          (n, K) about when their ends are reached, by the input's turn from the leg's start
+    largest, left, settled  (n,) |β| so far; the change of the sweep that was not made; whether that is nothing
+    wild           (n,) the cam only spins, or nothing was found
+    slack, most    (n, K) what the panels of the coefficients leave out of the slope, and its largest value
+    """
 
     begun: np.ndarray
     gains: np.ndarray
@@ -88,6 +95,7 @@ class _Found:
     largest: np.ndarray
     left: np.ndarray
     settled: np.ndarray
+    wild: np.ndarray
     slack: np.ndarray
     most: np.ndarray
 
@@ -175,8 +183,8 @@ class Turning(Equation):
         least = 64.0 * EPS * np.abs(found.begun) + 2.0 * h * found.slack
         allowed = SHARE * self.error * (self.swing.omega[lane] * found.largest)[:, None]
         fine = (inner <= np.maximum(allowed, least)).all(axis=1)
-        slow = ~((found.speed.min(axis=(1, 2)) > SLOWEST) & (ends >= starts).all(axis=1))  # nan is
-        return Solved(steps, arrived, found.settled, slow, fine)
+        forward = (found.speed.min(axis=(1, 2)) > SLOWEST) & (ends >= starts).all(axis=1)
+        return Solved(steps, arrived, found.settled, ~forward | found.wild, fine)
 
     def _swept(self, leg: Leg, lane: np.ndarray, place: Place, edges: np.ndarray, rows: np.ndarray) -> _Found:
         """Picard's sweeps through cells with these edges (n or 1, K + 1) and rows d, C, U at their nodes."""
@@ -215,11 +223,12 @@ class Turning(Equation):
             before = np.maximum(change, 1e-300)
             if (settled | ~np.isfinite(change)).all():
                 break
+        wild = ~(np.abs(speed / (1.0 - train.heavy)).max(axis=(1, 2)) <= march.FASTEST)  # nan is
         # a guess of the input's turns at the cells' ends
         after = turn[..., -1] + h * (1.0 - _NODES[-1]) / speed[..., -1]
         most = np.abs(slope).max(axis=2)
         slack = self.coefficients.panels.tail * most
-        return _Found(begun, gains, slope, speed, after, largest, left, settled, slack, most)
+        return _Found(begun, gains, slope, speed, after, largest, left, settled, wild, slack, most)
 
     def _wrong(self, found: _Found, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What A may be wrong by within cells (n, K) of lengths h, and at their ends.

@@ -19,6 +19,7 @@ from core.stability.swing import Steps, Swing
 
 LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
 BISECTIONS = 50
+NEARBY, SURE = 1e-6, 1e-4  # of the swing: from so close by another history starts, to be known so well
 CELLS = 6  # cells between looks in which the largest wind-up is searched
 
 
@@ -58,6 +59,30 @@ class History:
         step, part = np.repeat(np.arange(len(y)), LOOKED_AT.size), np.tile(LOOKED_AT, len(y))
         beta, rate = (each.reshape(y.shape) for each in self.steps.at(self._swing, step, part))
         return y, beta, rate
+
+    # -- accuracy ---------------------------------------------------------------------------------------
+
+    @cached_property
+    def error(self) -> float:
+        """What β may be wrong by, relative to the largest |β|: what the steps may be wrong by at their ends, one after the
+        other, as much larger as two histories from close by grow apart, and within the worst step. It is computed when it
+        is asked for, by these two."""
+        top, swing = self.largest[0], self._swing
+        if top == 0.0:
+            return 0.0
+        scale = float(swing.omega[0]) * top
+        start = self.steps.amplitude[0]
+        near = start + NEARBY * scale * np.array([0.0, 1.0, 1j])
+        beta, rate = swing.read(near)
+        inertia = 1.0 + self.q * self.coefficients.panels.at(TURN * np.mod(-beta, 1.0), 1)[0]
+        points = np.full(3, self.eta), np.full(3, self.q)
+        states = np.stack((beta, inertia * (1.0 - rate)), axis=1)
+        told = histories(self.coefficients, *points, self.damping, self.ended, states, error=NEARBY * SURE)
+        y = np.linspace(0.0, min(each.ended for each in told), max(2, int(LOOKED_AT.size * self.ended)))
+        own, *others = (each.at(y)[0] for each in told)
+        apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * top)
+        inner, outer = self.steps.wrong.T / scale
+        return float(outer.sum() * max(1.0, apart) + inner.max())
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -193,7 +218,10 @@ def history(
     contact: Contact | None = None,
     error: float = FULL,
 ) -> History:
-    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6)."""
+    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6).
+
+    error  wanted, of β relative to its largest value; the history's own ``error`` says what was reached
+    """
     states = None if start is None else np.array([start])
     return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact, error)[0]
 
@@ -220,29 +248,37 @@ def histories(
 
 
 def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): a cubic between two looks (Hermite)."""
-    width = np.diff(y, axis=1)
-    a, b = beta[:, :-1], beta[:, 1:]
-    u, v = width * rate[:, :-1], width * rate[:, 1:]
-    cubic = np.array([a, u, 3.0 * (b - a) - 2.0 * u - v, 2.0 * (a - b) + u + v])
-    slope = np.array([cubic[1], 2.0 * cubic[2], 3.0 * cubic[3]])  # of the cubic, times the width
-    return (width * _both_signs(cubic)).sum(axis=1), _both_signs(slope).sum(axis=1)
+    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): the polynomial of degree 5 through three
+    looks with their slopes (Hermite), on -1 ... 1."""
+    half = y[:, 1:-1:2] - y[:, :-2:2]
+    before, here, after = beta[:, :-2:2], beta[:, 1:-1:2], beta[:, 2::2]
+    slopes = half * rate[:, :-2:2], half * rate[:, 1:-1:2], half * rate[:, 2::2]
+    even, odd = 0.5 * (after + before) - here, 0.5 * (after - before) - slopes[1]
+    fourth = 0.25 * (slopes[2] - slopes[0]) - even
+    fifth = 0.25 * (slopes[2] + slopes[0]) - 0.5 * slopes[1] - 1.5 * odd
+    curve = np.array([here, slopes[1], even - fourth, odd - fifth, fourth, fifth])
+    slope = np.polynomial.polynomial.polyder(curve, axis=0)
+    return (half * _both_signs(curve)).sum(axis=1), _both_signs(slope).sum(axis=1)
 
 
 def _both_signs(powers_of: np.ndarray) -> np.ndarray:
-    """∫ |f| over 0 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
-    horner = np.polynomial.polynomial.polyval
-    start, end = powers_of[0], powers_of.sum(axis=0)
+    """∫ |f| over -1 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
+
+    def value(at: np.ndarray, polynomial: np.ndarray) -> np.ndarray:
+        return np.asarray(np.polynomial.polynomial.polyval(at, polynomial, tensor=False))
+
+    ones = np.ones(powers_of.shape[1:])
+    start, end = value(-ones, powers_of), value(ones, powers_of)
     turns = start * end < 0.0
-    zero = np.where(turns, start / np.where(turns, start - end, 1.0), 1.0)
+    zero = np.where(turns, (start + end) / np.where(turns, start - end, 1.0), 1.0)
     slope = np.polynomial.polynomial.polyder(powers_of, axis=0)
     for _ in range(4):
-        steep = horner(zero, slope, tensor=False)
-        step = horner(zero, powers_of, tensor=False) / np.where(steep == 0.0, 1.0, steep)
-        zero = np.where(turns, np.clip(zero - step, 0.0, 1.0), 1.0)
+        steep = value(zero, slope)
+        step = value(zero, powers_of) / np.where(steep == 0.0, 1.0, steep)
+        zero = np.where(turns, np.clip(zero - step, -1.0, 1.0), 1.0)
     area = np.polynomial.polynomial.polyint(powers_of, axis=0)
-    inside, whole = horner(zero, area, tensor=False), area.sum(axis=0)
-    return np.asarray(np.abs(inside) + np.abs(whole - inside))
+    low, middle, high = value(-ones, area), value(zero, area), value(ones, area)
+    return np.abs(middle - low) + np.abs(high - middle)
 
 
 def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:

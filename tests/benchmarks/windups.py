@@ -22,9 +22,9 @@ def given(y: np.ndarray) -> SimpleNamespace:
     return SimpleNamespace(y=y, turns=max(1.0, math.ceil(float(y[-1]))), coefficients=of(KIM).coefficients)
 
 
-def ours(there: Any, setting: None) -> Channels:
-    """Steps that end on the joins of the motion, whenever the wound-up cam comes there."""
-    told = history(there.coefficients, SPEED, Q, DAMPING, there.turns)
+def ours(there: Any, error: float) -> Channels:
+    """By the cam's own angle, so that its joins are passed exactly."""
+    told = history(there.coefficients, SPEED, Q, DAMPING, there.turns, error=error)
     return (told.at(there.y)[0],)
 
 
@@ -76,7 +76,7 @@ KERNEL = Kernel(
     given=given,
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
-        Method("KINDYNA", ours, ours=True),
+        Method("KINDYNA", ours, (1e-13, 1e-4, 1e-6, 1e-8, 1e-10), "wanted error", ours=True),
         Method("RK4, fixed steps", fixed_steps, (400, 100, 200, 1600, 6400), "steps a turn", one_by_one=True),
         *(
             Method(f"solve_ivp {name}", adaptive, [(name, t) for t in (1e-8, 1e-4, 1e-6, 1e-10, 1e-12)], "rtol", one_by_one=True)

@@ -36,7 +36,7 @@ def test_half_steps_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -
     found = coefficients(HARD[name])
     eta, q = np.array([0.9, 2.4, 5.1]), np.array([0.2, 0.05, 0.4])
     whole = histories(found, eta, q, 0.0, 2.0)
-    for name, value in (("march.PANELS", 0.8), ("march.PHASE", 0.9), ("legs.TOGETHER", 0.9), ("legs.PHASE", 0.45)):
+    for name, value in (("march.PANELS", 0.8), ("march.PHASE", 0.9), ("legs.TOGETHER", 0.9), ("legs.PHASE", 0.2)):
         monkeypatch.setattr(f"core.stability.{name}", value)
     y = np.linspace(0.0, 2.0, 300)
     for one, other in zip(whole, histories(found, eta, q, 0.0, 2.0), strict=True):
