@@ -24,6 +24,7 @@ from core.stability.swing import INVERSIONS, Steps, Swing
 SWEEPS = 30
 HALVINGS = 3  # of the cells of a leg
 SLOWEST = 0.2  # of the even speed: below, the cam's angle is no clock
+ASTRAY = 1e-3  # of its duration: a cell so far off stands in another swing of the shaft
 SHARE = 0.25  # of the wanted error that each source of it may use
 ROUNDINGS = 2.0  # of a cell
 MARCHED = 32.0  # of a step by the input's turn
@@ -184,7 +185,10 @@ class Turning(Equation):
         allowed = SHARE * self.error * (self.swing.omega[lane] * found.largest)[:, None]
         fine = (inner <= np.maximum(allowed, least)).all(axis=1)
         forward = (found.speed.min(axis=(1, 2)) > SLOWEST) & (ends >= starts).all(axis=1)
-        return Solved(steps, arrived, found.settled, ~forward | found.wild, fine)
+        # the cam may stand at an angle thrice where it has turned back: then the durations are not those of its speed
+        lasted, due = ends - starts, h * ((1.0 / found.speed) @ _WEIGHTS)
+        same = (np.abs(lasted - due) <= ASTRAY * lasted).all(axis=1)
+        return Solved(steps, arrived, found.settled & same, ~forward | found.wild, fine)
 
     def _swept(self, leg: Leg, lane: np.ndarray, place: Place, edges: np.ndarray, rows: np.ndarray) -> _Found:
         """Picard's sweeps through cells with these edges (n or 1, K + 1) and rows d, C, U at their nodes."""
