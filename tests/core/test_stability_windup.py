@@ -45,6 +45,46 @@ def test_half_steps_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -
         assert np.abs(one.at(y)[0] - other.at(y)[0]).max() < (1e-8 if one.eta > 5.0 else 1e-12)
 
 
+def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
+    """It turns back and comes again: in the dwell the shaft then stands at the same cam angle at three times."""
+    run = by_runge_kutta(0.9, 0.2, 0.0, 5.0)
+    gone = history(coefficients(KIM), 0.9, 0.2, 0.0, 5.0)
+    assert gone.turned_back is not None
+    assert np.abs(gone.at(run.y)[0] - run.beta).max() < 1e-9
+    ends = gone.at(gone.steps.y[1:])
+    before = gone.at(np.nextafter(gone.steps.y[1:], 0.0))
+    assert all(np.abs(a - b).max() < 1e-11 for a, b in zip(ends, before, strict=True)), "no jump from step to step"
+
+
+# -- accuracy ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["kim", "parabolic", "layout c"])
+def test_the_error_told_is_the_error_there_is(name: str) -> None:
+    """Against a history that is good to all digits, which other tests hold to 50-digit values and another integrator."""
+    found, y = coefficients(HARD[name]), np.linspace(0.0, 3.0, 400)
+    for eta, q in ((2.4, 0.05), (2.0, 0.05), (0.9, 0.2)):
+        best = history(found, eta, q, 0.0, 3.0)
+        for wanted in (1e-4, 1e-7, 1e-10):
+            told = history(found, eta, q, 0.0, 3.0, error=wanted)
+            true = np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0]
+            assert true <= told.error + best.error
+            assert told.error <= 30.0 * wanted, "nor is it told much larger than it was wanted"
+
+
+def test_a_smaller_error_takes_more_sweeps_and_reaches_it() -> None:
+    """Kim's cam at the benchmark's point against 50-digit values."""
+    from benchmarks.exact import exact
+    from benchmarks.exact_shafts import DAMPING, SPEED, TURNS
+
+    there = exact("wind-up")
+    for wanted in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
+        told = history(coefficients(KIM), SPEED, 0.05, DAMPING, TURNS, error=wanted)
+        true = there.error([told.at(np.array(there.at))[0]])
+        assert true <= wanted
+        assert true <= told.error <= 10.0 * wanted
+
+
 def test_points_side_by_side_are_the_points_alone() -> None:
     found = coefficients(KIM)
     eta, q = np.array([0.85, 2.0, 4.7]), np.array([0.1, 0.05, 0.9])
