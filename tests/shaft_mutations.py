@@ -133,7 +133,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("right[..., 2] += by_eta", "right[..., 2] -= by_eta", DIFFERENCES + "[0.0-kim]"),
     ],
     "core/stability/swing.py": [
-        ("rate + (self.decay + 1j", "rate + (1j", OTHER + "[1.3-0.3-0.03-4.0]"),
+        ("rate + (self.decay + 1j", "rate + (1j", WINDUP + "test_a_history_goes_on_from_any_of_its_states[0.03]"),
         ("pointer.real - self.decay * beta", "pointer.real + self.decay * beta", OTHER + "[1.3-0.3-0.03-4.0]"),
         ("by_cam * (pointer.imag", "by_cam * (-pointer.imag", OTHER + "[0.85-0.1-0.0-6.0]"),
     ],

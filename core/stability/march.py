@@ -28,6 +28,8 @@ OUTSIDE = 1e-10  # [rad] ... and what goes on beyond it no farther than that has
 ARRIVED = 16.0 * EPS  # of the time: so near its end nothing happens any more
 FASTEST = 30.0  # momentum in that of an even turn: a lane beyond is lost, it only spins
 
+Turns = float | np.ndarray
+
 _NODES, _WEIGHTS = gauss(STAGES)
 _WITH_END = np.append(_NODES, 1.0)
 _WITHIN = integration(STAGES)
@@ -102,21 +104,13 @@ class March(Equation):
         """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
         return np.minimum(self._widest[state.piece[lane]], self._waves[lane])
 
-    def run(
-        self,
-        start: np.ndarray,
-        y0: float | np.ndarray,
-        y1: float | np.ndarray,
-        *,
-        change: bool = False,
-        keep: bool = False,
-    ) -> Marched:
+    def run(self, start: np.ndarray, y0: Turns, y1: Turns, *, change: bool = False, keep: bool = False) -> Marched:
         """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input], all lanes' or each one's own (L,); change: with
         their derivatives; keep: with all steps."""
         lanes = self.eta.size
-        until = np.broadcast_to(np.asarray(y1, dtype=float), lanes)
+        until = np.full(lanes, y1, dtype=float)
         state = _State(
-            np.broadcast_to(np.asarray(y0, dtype=float), lanes).copy(),
+            np.full(lanes, y0, dtype=float),
             until,
             np.array(start, dtype=float).reshape(lanes, 2),
             np.zeros(lanes, dtype=int),
@@ -286,14 +280,8 @@ class March(Equation):
 
 
 def _next_guess(
-    trial: Step,
-    h: np.ndarray,
-    aim: np.ndarray,
-    crossed: np.ndarray,
-    theta: np.ndarray,
-    outside: np.ndarray,
-    ends: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
+    trial: Step, h: np.ndarray, aim: np.ndarray, crossed: np.ndarray, theta: np.ndarray, outside: np.ndarray, ends: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Length and aim (n,) of the next attempt: a step that left its piece is to land where it did; any other is tried
     free and half as long."""
     first = (outside != 0).argmax(axis=1)

@@ -56,6 +56,20 @@ def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
     assert all(np.abs(a - b).max() < 1e-11 for a, b in zip(ends, before, strict=True)), "no jump from step to step"
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.03])
+def test_a_history_goes_on_from_any_of_its_states(damping: float) -> None:
+    """After a whole turn of the input, where the cam stands within a piece."""
+    found, eta, q = coefficients(KIM), 1.3, 0.3
+    whole = history(found, eta, q, damping, 3.0)
+    beta, rate = (float(each[0]) for each in whole.at(np.ones(1)))
+    inertia = 1.0 + q * kim(TAU * (1.0 - beta))[0]
+    later = history(found, eta, q, damping, 2.0, (beta, inertia * (1.0 - rate)))
+    y = np.linspace(0.0, 2.0, 99)
+    assert abs(beta) > 1e-3
+    for one, other in zip(later.at(y), whole.at(y + 1.0), strict=True):
+        assert np.abs(one - other).max() < 1e-11
+
+
 # -- accuracy ---------------------------------------------------------------------------------------------
 
 
