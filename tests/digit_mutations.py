@@ -84,9 +84,12 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("omega * h < 1e-4", "omega * h < 1e-2", BARE + "[0.0]"),
         ("4.0 * EPS * np.abs(v)", "1e-9 * np.abs(v)", BENCH + "[monodromy-None]"),
     ],
-    "core/stability/march.py": [
-        ("SETTLED = 32.0 * EPS", "SETTLED = 1e-9", BENCH + "[wind-up-None]"),
-        ("STAGES = 12", "STAGES = 8", BENCH + "[wind-up-None]"),
+    "core/stability/turning.py": [
+        ("SHARE = 0.25", "SHARE = 1e4", BENCH + "[wind-up-1e-13]"),
+        ("ROUNDINGS = 2.0", "ROUNDINGS = 0.0 * (EPS := 2.0**-24)", BENCH + "[wind-up-1e-13]"),
+    ],
+    "core/stability/swing.py": [
+        ("CLOSE = 1e-8", "CLOSE = 1.0", BENCH + "[wind-up-1e-13]"),
     ],
     # -- stages: one too many -------------------------------------------------------------------------------------------
     "kindyna_gui/reads.py": [('"motion": ("motion",)', '"motion": ("motion", "linkage")', READS + "test_the_table_is_what_the_views_say")],

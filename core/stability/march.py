@@ -28,6 +28,8 @@ OUTSIDE = 1e-10  # [rad] ... and what goes on beyond it no farther than that has
 ARRIVED = 16.0 * EPS  # of the time: so near its end nothing happens any more
 FASTEST = 30.0  # momentum in that of an even turn: a lane beyond is lost, it only spins
 
+Turns = float | np.ndarray
+
 _NODES, _WEIGHTS = gauss(STAGES)
 _WITH_END = np.append(_NODES, 1.0)
 _WITHIN = integration(STAGES)
@@ -78,9 +80,10 @@ class Marched:
 
 @dataclass(eq=False)
 class _State:
-    """Where the lanes are now; see ``Marched`` and ``Step``."""
+    """Where the lanes are now, and until where they go; see ``Marched`` and ``Step``."""
 
     y: np.ndarray
+    until: np.ndarray
     x: np.ndarray
     piece: np.ndarray
     turn: np.ndarray
@@ -101,12 +104,14 @@ class March(Equation):
         """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
         return np.minimum(self._widest[state.piece[lane]], self._waves[lane])
 
-    def run(self, start: np.ndarray, y0: float, y1: float, *, change: bool = False, keep: bool = False) -> Marched:
-        """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input]; change: with their derivatives; keep: with all
-        steps."""
+    def run(self, start: np.ndarray, y0: Turns, y1: Turns, *, change: bool = False, keep: bool = False) -> Marched:
+        """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input], all lanes' or each one's own (L,); change: with
+        their derivatives; keep: with all steps."""
         lanes = self.eta.size
+        until = np.full(lanes, y1, dtype=float)
         state = _State(
-            np.full(lanes, float(y0)),
+            np.full(lanes, y0, dtype=float),
+            until,
             np.array(start, dtype=float).reshape(lanes, 2),
             np.zeros(lanes, dtype=int),
             np.zeros(lanes, dtype=int),
@@ -114,16 +119,16 @@ class March(Equation):
         )
         self._place(state)
         steps: list[Step] = []
-        done_at = y1 - ARRIVED * (1.0 + abs(y1))
+        done_at = until - ARRIVED * (1.0 + np.abs(until))
         going = np.flatnonzero(state.y < done_at)
         while going.size:
-            done = self._advance(state, going, y1)
+            done = self._advance(state, going)
             if keep:
                 steps += done
             state.y[np.abs(state.x[:, 1]) > FASTEST] = np.nan
-            going = going[state.y[going] < done_at]  # nan is not
+            going = going[state.y[going] < done_at[going]]  # nan is not
         state.x[np.isnan(state.y)] = np.nan
-        state.y[state.y >= done_at] = y1
+        state.y[:] = np.where(state.y >= done_at, until, state.y)
         return Marched(state.y, state.x, state.change, tuple(steps))
 
     def _place(self, state: _State) -> None:
@@ -140,9 +145,9 @@ class March(Equation):
         piece, full = state.piece[lane], TURN * state.turn[lane]
         return np.stack((self.begins[piece] + full, self.ends[piece] + full), axis=1)
 
-    def _advance(self, state: _State, lane: np.ndarray, y1: float) -> list[Step]:
+    def _advance(self, state: _State, lane: np.ndarray) -> list[Step]:
         """One step of each lane named. A lane that does not get on is lost: nan."""
-        h, aim = self._first_guess(state, lane, y1)
+        h, aim = self._first_guess(state, lane)
         done: list[Step] = []
         for _ in range(ATTEMPTS):
             ends = self._ends(state, lane)
@@ -151,14 +156,14 @@ class March(Equation):
             outside = np.where(theta > ends[:, 1:] + OUTSIDE, 1, np.where(theta < ends[:, :1] - OUTSIDE, -1, 0))
             outside[aim != 0, -1] = 0  # a landing ends on the join, whatever rounding says
             left = outside.any(axis=1)
-            inside_time = (h > 0.0) & (h <= (y1 - state.y[lane]) * (1.0 + 4.0 * EPS))
+            inside_time = (h > 0.0) & (h <= (state.until[lane] - state.y[lane]) * (1.0 + 4.0 * EPS))
             good = settled & ~left & inside_time
             if good.all():
-                self._accept(state, trial, aim, ends, y1)
+                self._accept(state, trial, aim, ends)
                 return [*done, trial]
             if good.any():
                 done.append(trial.only(good))
-                self._accept(state, done[-1], aim[good], ends[good], y1)
+                self._accept(state, done[-1], aim[good], ends[good])
             h, aim = _next_guess(trial, h, aim, settled & left & inside_time, theta, outside, ends)
             lane, h, aim = lane[~good], h[~good], aim[~good]
             crossing = np.flatnonzero(h < LEAST)
@@ -167,13 +172,13 @@ class March(Equation):
                 theta_now = TURN * (state.y[at] - state.x[at, 0])
                 near = np.abs(theta_now[:, None] - self._ends(state, at)).argmin(axis=1)
                 self._leave(state, at, 2 * near - 1)
-                h[crossing], aim[crossing] = self._first_guess(state, at, y1)
+                h[crossing], aim[crossing] = self._first_guess(state, at)
         state.y[lane], state.x[lane] = np.nan, np.nan
         return done
 
-    def _first_guess(self, state: _State, lane: np.ndarray, y1: float) -> tuple[np.ndarray, np.ndarray]:
+    def _first_guess(self, state: _State, lane: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Length of the step, and whether it is to land on the end (+1) or beginning (-1) of the piece, or nowhere (0)."""
-        h = np.minimum(self._longest(state, lane), y1 - state.y[lane])
+        h = np.minimum(self._longest(state, lane), state.until[lane] - state.y[lane])
         theta = TURN * (state.y[lane] - state.x[lane, 0])
         low, high = self._ends(state, lane).T
         d = self.local(1, state.piece[lane], state.turn[lane], theta[:, None])[0, :, 0]
@@ -225,7 +230,7 @@ class March(Equation):
         size = 2 * STAGES
         return np.linalg.inv(np.eye(size) + matrix.reshape(lane.size, size, size))
 
-    def _accept(self, state: _State, step: Step, aim: np.ndarray, ends: np.ndarray, y1: float) -> None:
+    def _accept(self, state: _State, step: Step, aim: np.ndarray, ends: np.ndarray) -> None:
         """The lanes are at the ends of their steps."""
         lane = step.lane
         if state.change is not None:
@@ -235,7 +240,8 @@ class March(Equation):
         landed = aim != 0
         goal = np.where(aim > 0, ends[:, 1], ends[:, 0])
         x[landed, 0] = y[landed] - goal[landed] / TURN  # the cam angle is known there
-        y = np.where(~landed & (y >= y1 * (1.0 - 4.0 * EPS)), y1, y)
+        until = state.until[lane]
+        y = np.where(~landed & (y >= until * (1.0 - 4.0 * EPS)), until, y)
         state.y[lane], state.x[lane] = y, x
         self._leave(state, lane[landed], aim[landed])
 
@@ -274,14 +280,8 @@ class March(Equation):
 
 
 def _next_guess(
-    trial: Step,
-    h: np.ndarray,
-    aim: np.ndarray,
-    crossed: np.ndarray,
-    theta: np.ndarray,
-    outside: np.ndarray,
-    ends: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:
+    trial: Step, h: np.ndarray, aim: np.ndarray, crossed: np.ndarray, theta: np.ndarray, outside: np.ndarray, ends: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Length and aim (n,) of the next attempt: a step that left its piece is to land where it did; any other is tried
     free and half as long."""
     first = (outside != 0).argmax(axis=1)

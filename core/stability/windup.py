@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
@@ -11,12 +11,15 @@ import numpy as np
 from core.motion import TURN
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.march import OUTSIDE, STAGES, March, Step
+from core.stability.following import follow
+from core.stability.legs import FULL
+from core.stability.march import OUTSIDE
 from core.stability.nonlinear import Points
-from core.stability.panels import powers, to_powers
+from core.stability.swing import Steps, Swing
 
 LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
 BISECTIONS = 50
+NEARBY, SURE = 1e-6, 1e-4  # of the swing: from so close by another history starts, to be known so well
 CELLS = 6  # cells between looks in which the largest wind-up is searched
 
 
@@ -33,7 +36,7 @@ class History:
     q: float
     damping: float
     periods: float
-    steps: Step
+    steps: Steps
     ended: float
     contact: Contact | None = None
 
@@ -43,20 +46,43 @@ class History:
         """β and β' (n,) at y (n,) [turns of the input], 0 ... ended."""
         step = np.clip(np.searchsorted(self.steps.y, y, side="right") - 1, 0, None)
         part = np.clip((y - self.steps.y[step]) / self.steps.h[step], 0.0, 1.0)
-        return self._within(step, part)
+        return self.steps.at(self._swing, step, part)
 
-    def _within(self, step: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """β and β' (n,) at parts (n,) of steps (n,)."""
-        taken = self.steps.only(step)
-        beta = taken.within(part[:, None])[:, 0, 0]
-        return beta, _interpolated(taken.rate[:, :, 0], part[:, None])[:, 0]
+    @cached_property
+    def _swing(self) -> Swing:
+        return Swing.of(np.array([self.eta]), self.damping)
 
     @cached_property
     def _looks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """y, β and β' (steps, looks) at ``LOOKED_AT`` of every step."""
         y = self.steps.y[:, None] + self.steps.h[:, None] * LOOKED_AT
-        beta = self.steps.within(np.broadcast_to(LOOKED_AT, y.shape))[..., 0]
-        return y, beta, _interpolated(self.steps.rate[:, :, 0], np.broadcast_to(LOOKED_AT, y.shape))
+        step, part = np.repeat(np.arange(len(y)), LOOKED_AT.size), np.tile(LOOKED_AT, len(y))
+        beta, rate = (each.reshape(y.shape) for each in self.steps.at(self._swing, step, part))
+        return y, beta, rate
+
+    # -- accuracy ---------------------------------------------------------------------------------------
+
+    @cached_property
+    def error(self) -> float:
+        """What β may be wrong by, relative to the largest |β|: what the steps may be wrong by at their ends, one after the
+        other, as much larger as two histories from close by grow apart, and within the worst step. It is computed when it
+        is asked for, by these two."""
+        top, swing = self.largest[0], self._swing
+        if top == 0.0:
+            return 0.0
+        scale = float(swing.omega[0]) * top
+        start = self.steps.amplitude[0]
+        near = start + NEARBY * scale * np.array([0.0, 1.0, 1j])
+        beta, rate = swing.read(near)
+        inertia = 1.0 + self.q * self.coefficients.panels.at(TURN * np.mod(-beta, 1.0), 1)[0]
+        points = np.full(3, self.eta), np.full(3, self.q)
+        states = np.stack((beta, inertia * (1.0 - rate)), axis=1)
+        told = histories(self.coefficients, *points, self.damping, self.ended, states, error=NEARBY * SURE)
+        y = np.linspace(0.0, min(each.ended for each in told), max(2, int(LOOKED_AT.size * self.ended)))
+        own, *others = (each.at(y)[0] for each in told)
+        apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * top)
+        inner, outer = self.steps.wrong.T / scale
+        return float(outer.sum() * max(1.0, apart) + inner.max())
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -74,17 +100,17 @@ class History:
             if tops[i, j] < 0.0:
                 break
             part = self._zero(int(i), float(LOOKED_AT[j]), float(LOOKED_AT[j + 1]))
-            value = abs(float(self._within(np.full(1, i), np.array([part]))[0][0]))
+            value = abs(float(self.steps.at(self._swing, np.full(1, i), np.array([part]))[0][0]))
             best = max(best, (value, float(self.steps.y[i] + part * self.steps.h[i])))
         return best
 
     def _zero(self, step: int, low: float, high: float) -> float:
         """The part of a step at which β' changes sign."""
         at = np.full(1, step)
-        sign = np.sign(self._within(at, np.array([low]))[1][0])
+        sign = np.sign(self.steps.at(self._swing, at, np.array([low]))[1][0])
         for _ in range(BISECTIONS):
             middle = 0.5 * (low + high)
-            if np.sign(self._within(at, np.array([middle]))[1][0]) == sign:
+            if np.sign(self.steps.at(self._swing, at, np.array([middle]))[1][0]) == sign:
                 low = middle
             else:
                 high = middle
@@ -190,10 +216,14 @@ def history(
     periods: float = 30.0,
     start: tuple[float, float] | None = None,
     contact: Contact | None = None,
+    error: float = FULL,
 ) -> History:
-    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6)."""
+    """From a state (β, Π) at y = 0, or from rest, β = β' = 0 (Kim1990 §6).
+
+    error  wanted, of β relative to its largest value; the history's own ``error`` says what was reached
+    """
     states = None if start is None else np.array([start])
-    return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact)[0]
+    return histories(coefficients, np.array([eta]), np.array([q]), damping, periods, states, contact, error)[0]
 
 
 def histories(
@@ -204,43 +234,51 @@ def histories(
     periods: float = 30.0,
     start: np.ndarray | None = None,
     contact: Contact | None = None,
+    error: float = FULL,
 ) -> tuple[History, ...]:
     """Several points (L,) side by side, from states (L, 2) or from rest: hardly slower than one of them."""
-    march = March(coefficients, Points(eta, q, damping))
-    gone = march.run(march.resting() if start is None else start, 0.0, periods, keep=True)
-    steps = Step(*(np.concatenate([getattr(s, f.name) for s in gone.steps]) for f in fields(Step)))
-    told = []
-    for lane in range(eta.size):
-        own = steps.only(np.flatnonzero(steps.lane == lane))
-        ended = float(own.y[-1] + own.h[-1]) if np.isnan(gone.y[lane]) else periods
-        told.append(History(coefficients, float(eta[lane]), float(q[lane]), damping, periods, own, ended, contact))
-    return tuple(told)
+    steps, ended = follow(coefficients, Points(eta, q, damping), start, periods, error)
+    return tuple(
+        History(
+            coefficients, float(eta[lane]), float(q[lane]), damping, periods,
+            steps.only(np.flatnonzero(steps.lane == lane)), float(ended[lane]), contact,
+        )
+        for lane in range(eta.size)
+    )  # fmt: skip
 
 
 def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): a cubic between two looks (Hermite)."""
-    width = np.diff(y, axis=1)
-    a, b = beta[:, :-1], beta[:, 1:]
-    u, v = width * rate[:, :-1], width * rate[:, 1:]
-    cubic = np.array([a, u, 3.0 * (b - a) - 2.0 * u - v, 2.0 * (a - b) + u + v])
-    slope = np.array([cubic[1], 2.0 * cubic[2], 3.0 * cubic[3]])  # of the cubic, times the width
-    return (width * _both_signs(cubic)).sum(axis=1), _both_signs(slope).sum(axis=1)
+    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): the polynomial of degree 5 through three
+    looks with their slopes (Hermite), on -1 ... 1."""
+    half = y[:, 1:-1:2] - y[:, :-2:2]
+    before, here, after = beta[:, :-2:2], beta[:, 1:-1:2], beta[:, 2::2]
+    slopes = half * rate[:, :-2:2], half * rate[:, 1:-1:2], half * rate[:, 2::2]
+    even, odd = 0.5 * (after + before) - here, 0.5 * (after - before) - slopes[1]
+    fourth = 0.25 * (slopes[2] - slopes[0]) - even
+    fifth = 0.25 * (slopes[2] + slopes[0]) - 0.5 * slopes[1] - 1.5 * odd
+    curve = np.array([here, slopes[1], even - fourth, odd - fifth, fourth, fifth])
+    slope = np.polynomial.polynomial.polyder(curve, axis=0)
+    return (half * _both_signs(curve)).sum(axis=1), _both_signs(slope).sum(axis=1)
 
 
 def _both_signs(powers_of: np.ndarray) -> np.ndarray:
-    """∫ |f| over 0 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
-    horner = np.polynomial.polynomial.polyval
-    start, end = powers_of[0], powers_of.sum(axis=0)
+    """∫ |f| over -1 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
+
+    def value(at: np.ndarray, polynomial: np.ndarray) -> np.ndarray:
+        return np.asarray(np.polynomial.polynomial.polyval(at, polynomial, tensor=False))
+
+    ones = np.ones(powers_of.shape[1:])
+    start, end = value(-ones, powers_of), value(ones, powers_of)
     turns = start * end < 0.0
-    zero = np.where(turns, start / np.where(turns, start - end, 1.0), 1.0)
+    zero = np.where(turns, (start + end) / np.where(turns, start - end, 1.0), 1.0)
     slope = np.polynomial.polynomial.polyder(powers_of, axis=0)
     for _ in range(4):
-        steep = horner(zero, slope, tensor=False)
-        step = horner(zero, powers_of, tensor=False) / np.where(steep == 0.0, 1.0, steep)
-        zero = np.where(turns, np.clip(zero - step, 0.0, 1.0), 1.0)
+        steep = value(zero, slope)
+        step = value(zero, powers_of) / np.where(steep == 0.0, 1.0, steep)
+        zero = np.where(turns, np.clip(zero - step, -1.0, 1.0), 1.0)
     area = np.polynomial.polynomial.polyint(powers_of, axis=0)
-    inside, whole = horner(zero, area, tensor=False), area.sum(axis=0)
-    return np.asarray(np.abs(inside) + np.abs(whole - inside))
+    low, middle, high = value(-ones, area), value(zero, area), value(ones, area)
+    return np.abs(middle - low) + np.abs(high - middle)
 
 
 def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:
@@ -254,8 +292,3 @@ def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:
         return float(at[0])
     part = flat[i - 1] / (flat[i - 1] - flat[i])
     return float(at[i - 1] + part * (at[i] - at[i - 1]))
-
-
-def _interpolated(values: np.ndarray, part: np.ndarray) -> np.ndarray:
-    """The polynomial (n, k) through values (n, STAGES) at the nodes of a step, at parts (n, k)."""
-    return np.asarray((powers(2.0 * part - 1.0, STAGES) @ to_powers(values)[..., None])[..., 0])

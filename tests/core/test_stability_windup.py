@@ -36,13 +36,67 @@ def test_half_steps_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -
     found = coefficients(HARD[name])
     eta, q = np.array([0.9, 2.4, 5.1]), np.array([0.2, 0.05, 0.4])
     whole = histories(found, eta, q, 0.0, 2.0)
-    monkeypatch.setattr("core.stability.march.PANELS", 0.8)
-    monkeypatch.setattr("core.stability.march.PHASE", 0.9)
+    for name, value in (("march.PANELS", 0.8), ("march.PHASE", 0.9), ("legs.TOGETHER", 0.9), ("legs.PHASE", 0.2)):
+        monkeypatch.setattr(f"core.stability.{name}", value)
     y = np.linspace(0.0, 2.0, 300)
     for one, other in zip(whole, histories(found, eta, q, 0.0, 2.0), strict=True):
         assert other.steps.y.size > 1.3 * one.steps.y.size
         # five turns of a fast shaft in one of a slow cam: ten digits, else twelve
         assert np.abs(one.at(y)[0] - other.at(y)[0]).max() < (1e-8 if one.eta > 5.0 else 1e-12)
+
+
+def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
+    """It turns back and comes again: in the dwell the shaft then stands at the same cam angle at three times."""
+    run = by_runge_kutta(0.9, 0.2, 0.0, 5.0)
+    gone = history(coefficients(KIM), 0.9, 0.2, 0.0, 5.0)
+    assert gone.turned_back is not None
+    assert np.abs(gone.at(run.y)[0] - run.beta).max() < 1e-9
+    ends = gone.at(gone.steps.y[1:])
+    before = gone.at(np.nextafter(gone.steps.y[1:], 0.0))
+    assert all(np.abs(a - b).max() < 1e-11 for a, b in zip(ends, before, strict=True)), "no jump from step to step"
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.03])
+def test_a_history_goes_on_from_any_of_its_states(damping: float) -> None:
+    """After a whole turn of the input, where the cam stands within a piece."""
+    found, eta, q = coefficients(KIM), 1.3, 0.3
+    whole = history(found, eta, q, damping, 3.0)
+    beta, rate = (float(each[0]) for each in whole.at(np.ones(1)))
+    inertia = 1.0 + q * kim(TAU * (1.0 - beta))[0]
+    later = history(found, eta, q, damping, 2.0, (beta, inertia * (1.0 - rate)))
+    y = np.linspace(0.0, 2.0, 99)
+    assert abs(beta) > 1e-3
+    for one, other in zip(later.at(y), whole.at(y + 1.0), strict=True):
+        assert np.abs(one - other).max() < 1e-11
+
+
+# -- accuracy ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["kim", "parabolic", "layout c"])
+def test_the_error_told_is_the_error_there_is(name: str) -> None:
+    """Against a history that is good to all digits, which other tests hold to 50-digit values and another integrator."""
+    found, y = coefficients(HARD[name]), np.linspace(0.0, 3.0, 400)
+    for eta, q in ((2.4, 0.05), (2.0, 0.05), (0.9, 0.2)):
+        best = history(found, eta, q, 0.0, 3.0)
+        for wanted in (1e-4, 1e-7, 1e-10):
+            told = history(found, eta, q, 0.0, 3.0, error=wanted)
+            true = np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0]
+            assert true <= told.error + best.error
+            assert told.error <= 30.0 * wanted, "nor is it told much larger than it was wanted"
+
+
+def test_a_smaller_error_takes_more_sweeps_and_reaches_it() -> None:
+    """Kim's cam at the benchmark's point against 50-digit values."""
+    from benchmarks.exact import exact
+    from benchmarks.exact_shafts import DAMPING, SPEED, TURNS
+
+    there = exact("wind-up")
+    for wanted in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
+        told = history(coefficients(KIM), SPEED, 0.05, DAMPING, TURNS, error=wanted)
+        true = there.error([told.at(np.array(there.at))[0]])
+        assert true <= wanted
+        assert true <= told.error <= 10.0 * wanted
 
 
 def test_points_side_by_side_are_the_points_alone() -> None:
