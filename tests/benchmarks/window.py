@@ -269,11 +269,11 @@ EMPTY = FIRST_PAINT.format(
 
 def starts(times: int = STARTS) -> list[Row]:
     """Seconds from a new process to the first paint of the lift, and of an empty window; the median, in turn. Warm: the
-    compiled modules are kept, whatever this process was told to do with its own."""
+    compiled modules are kept, whatever this process was told to do with its own; in the layout of the first start."""
     scripts = {"the lift drawn": OURS, BARE: EMPTY}
     taken: dict[str, list[float]] = {name: [] for name in scripts}
-    with TemporaryDirectory() as compiled:
-        env = {**os.environ, "PYTHONPYCACHEPREFIX": compiled}
+    with TemporaryDirectory() as own:
+        env = {**os.environ, "PYTHONPYCACHEPREFIX": f"{own}/compiled", "XDG_CONFIG_HOME": f"{own}/settings"}
         env.pop("PYTHONDONTWRITEBYTECODE", None)
         for count in range(times + 1):
             for name, script in scripts.items():
