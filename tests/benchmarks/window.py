@@ -2,7 +2,8 @@
 
     .venv/bin/python tests/benchmarks/window.py
 
-The lift at 1440 x 900, offscreen, 1800 cam angles, as the window opens and with all docks open and twelve plots. Times
+The lift at 1440 x 900, offscreen, 1800 cam angles, as the window opens, with six plots, and with all docks open and
+twelve plots. Times
 are processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what
 slows the machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of
 the same plots and drawings in the same round. Tables that are read rather than watched follow when editing pauses: they
@@ -45,9 +46,11 @@ from kindyna_gui.segments_view import SegmentsView
 
 ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)
-ROWS = 4  # plots one below the other
+ROWS = 4  # plots one below the other, at most
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve
-MANY = 12
+OPENS, SOME, MANY = 3, 6, 12
+LAYOUTS = (OPENS, SOME, MANY)
+"""Plots beside the mechanism: as the window opens, as the target of an edit asks, and with all docks open."""
 EDITS = (
     ("edit of a length", "follower.rod_mm", 0.037),
     ("edit of the cam", "cam.base_radius_mm", 0.011),
@@ -79,23 +82,20 @@ def names() -> tuple[str, ...]:
     return (*edits, f"{EDIT_KERNEL}: {TABLES}", f"{DRAG_KERNEL}: {DRAG}", f"{FRAME_KERNEL}: {FRAME}")
 
 
-def measure(rounds: int = ROUNDS, first: bool = True) -> list[Row]:
-    """Seconds of every method with all docks open, before them as the window opens if wanted; ``bare repaint`` is the
-    yardstick of its kernel and number of plots."""
+def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS) -> list[Row]:
+    """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots."""
     with quiet():
-        return [row for every in ((False, True) if first else (True,)) for row in _measured(every, rounds)]
+        return [row for plots in layouts for row in _measured(plots, rounds)]
 
 
-def _measured(every: bool, rounds: int) -> list[Row]:
+def _measured(plots: int, rounds: int) -> list[Row]:
     window = hidden_window(load(example("transfer_lift")), SIZE)
     try:
-        docks: list[Dock] = []
-        if every:
-            docks = _open_plots(window, MANY)
+        docks = _open_plots(window, plots) if plots > OPENS else []
+        if plots == MANY:
             _open_tables(window)
         seen = _seen(window, docks)
-        plots = len(seen) - 2
-        assert not every or plots == MANY, "every plot, the mechanism and the motion are on screen"
+        assert len(seen) == plots + 2, "every plot, the mechanism and the motion are on screen"
         runs = _runs(window, seen)
         found = _timed(runs, rounds)
         rows = [Row(EDIT_KERNEL, name, plots, found[name]) for name in runs if name != FRAME]
@@ -185,7 +185,7 @@ def _open_tables(window: MainWindow) -> None:
 
 
 def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
-    """All plots beside each other instead of behind each other, and more until there are enough; all their docks."""
+    """So many plots beside each other instead of behind each other, and no others; their docks."""
     docks = [window.docks[name] for name, row in VIEWS.items() if row.area == RIGHT]
     for name in MORE[: max(0, plots - len(docks))]:
         make = lazily("plots_view", "PlotView", quantities=(name,))
@@ -195,11 +195,11 @@ def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
             lambda make=make: make(window.session, window.player),  # type: ignore[misc]
         )
         docks.append(dock)
-    docks = docks[:plots]
     for dock in docks:
         window.removeDockWidget(dock)
     rest(window)
-    columns = len(docks) // ROWS
+    docks = docks[:plots]
+    columns = -(-len(docks) // ROWS)
     for i, dock in enumerate(docks):
         dock.setGeometry(0, 0, 300, 200)  # behind a tab it had none
         if i < columns:
@@ -208,7 +208,8 @@ def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
             window.splitDockWidget(docks[i - columns], dock, Qt.Orientation.Vertical)
         dock.show()
     for column in range(columns):
-        window.resizeDocks(docks[column::columns], [100] * ROWS, Qt.Orientation.Vertical)
+        below = docks[column::columns]
+        window.resizeDocks(below, [100] * len(below), Qt.Orientation.Vertical)
     for _ in range(2):
         rest(window)
     return docks
