@@ -168,8 +168,9 @@ class ParametersView(View):
         self.name.refresh(design)
         self.kind.setText(kind_label(study))
         for section, form in self.forms.items():
-            there = _part(design, section) is not None
-            self.tabs.setTabVisible(self.tabs.indexOf(form), there)
+            there, tab = _part(design, section) is not None, self.tabs.indexOf(form)
+            if there != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
+                self.tabs.setTabVisible(tab, there)
             if not there:
                 continue
             before = form.widget()
