@@ -47,6 +47,7 @@ from kindyna_gui.segments_view import SegmentsView
 ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)
 ROWS = 4  # plots one below the other, at most
+COLUMN = 260  # pixels wide
 MORE = ("guide_force", "slider_position", "phi", "beta")  # to twelve
 OPENS, SOME, MANY = 3, 6, 12
 LAYOUTS = (OPENS, SOME, MANY)
@@ -210,6 +211,7 @@ def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
     for column in range(columns):
         below = docks[column::columns]
         window.resizeDocks(below, [100] * len(below), Qt.Orientation.Vertical)
+    window.resizeDocks(docks[:columns], [COLUMN] * columns, Qt.Orientation.Horizontal)
     for _ in range(2):
         rest(window)
     return docks
