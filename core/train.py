@@ -11,9 +11,10 @@ from types import MappingProxyType
 
 import numpy as np
 
+from core.derivatives import Derivatives, sum_of, turning
 from core.keeping import WhenAsked
 from core.motion import MotionState
-from core.vectors import turned, turning, unit
+from core.vectors import unit
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"
@@ -22,18 +23,37 @@ _NOTHING: Mapping[str, complex] = MappingProxyType({})
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Where a body is: its origin and its angle with three derivatives by cam angle; functions that make them will do.
+    """Where a body is: its origin and its angle with three derivatives by cam angle, each made when it is first read.
 
-    z       (4, n) complex, origin in the global frame [m]
-    angle   (4, n) [rad], counter-clockwise from global +x
+    origin  complex, in the global frame [m]
+    turn    [rad], counter-clockwise from global +x
     points  the body's own points, fixed in its frame [m], for drawing and for pairs
     unit    (n,) complex, the body's x axis: e^{i angle}, where it is known without the angle
     """
 
-    z: WhenAsked[np.ndarray] = WhenAsked()
-    angle: WhenAsked[np.ndarray] = WhenAsked()
+    origin: Derivatives
+    turn: Derivatives
     points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
-    unit: WhenAsked[np.ndarray] = WhenAsked(lambda pose: unit(pose.angle[0]))
+    unit: WhenAsked[np.ndarray] = WhenAsked(lambda pose: unit(pose.turn[0]))
+
+    @classmethod
+    def of(cls, z: np.ndarray, angle: np.ndarray, points: Mapping[str, complex] = _NOTHING) -> Pose:
+        """From all derivatives (4, n)."""
+        return cls(Derivatives.of(z), Derivatives.of(angle), points)
+
+    def turning_as(self, turn: Derivatives) -> Pose:
+        """The same body, its angle told otherwise: whole turns apart."""
+        return Pose(self.origin, turn, self.points, lambda: self.unit)
+
+    @property
+    def z(self) -> np.ndarray:
+        """Origin (4, n)."""
+        return self.origin.all
+
+    @property
+    def angle(self) -> np.ndarray:
+        """Angle (4, n)."""
+        return self.turn.all
 
     @property
     def x(self) -> np.ndarray:
@@ -43,27 +63,25 @@ class Pose:
     def y(self) -> np.ndarray:
         return self.z.imag
 
-    def at(self, local: complex) -> np.ndarray:
-        """A body-fixed point in the global frame with three derivatives (4, n)."""
-        if local == 0:
-            return self.z
-        moved = turning(local * self.unit, self.angle)
-        moved += self.z
-        return moved
+    def carried(self, local: complex) -> Derivatives:
+        """A body-fixed point in the global frame."""
+        return sum_of(self.origin, turning(local * self.unit, self.turn)) if local else self.origin
 
     def derivative(self, local: complex, order: int) -> np.ndarray:
-        """One row of ``at`` (n,)."""
-        if local == 0:
-            return self.z[order]
-        return self.z[order] + turned(local * self.unit, self.angle, order)
+        """One order of ``carried`` (n,)."""
+        return self.carried(local)[order]
+
+    def at(self, local: complex) -> np.ndarray:
+        """A body-fixed point in the global frame with three derivatives (4, n)."""
+        return self.carried(local).all
 
     def point(self, name: str) -> np.ndarray:
         """A named point in the global frame with three derivatives (4, n)."""
         return self.at(self.points[name])
 
-    def place(self, name: str) -> np.ndarray:
-        """A named point in the global frame (n,)."""
-        return self.derivative(self.points[name], 0)
+    def place(self, name: str, order: int = 0) -> np.ndarray:
+        """A named point in the global frame, or one derivative (n,)."""
+        return self.derivative(self.points[name], order)
 
 
 @dataclass(frozen=True)

@@ -2,9 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Protocol
+
 import numpy as np
 
 BLOCK = 16_384  # vectors that are worked on at once: what a processor's cache holds
+
+
+class Rows(Protocol):
+    """A quantity's derivatives by order."""
+
+    def __getitem__(self, order: int, /) -> np.ndarray: ...
+
+
+def blocks(n: int) -> Iterator[slice]:
+    """n vectors, so many at once."""
+    return (slice(i, i + BLOCK) for i in range(0, n, BLOCK))
 
 
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
@@ -25,32 +39,38 @@ def unit(angle: np.ndarray) -> np.ndarray:
     return out
 
 
-def turned(u: np.ndarray, angle: np.ndarray, order: int, out: np.ndarray | None = None) -> np.ndarray:
-    """A derivative (n,), of order 0 ... 3, of a vector u (n,) fixed in a body whose angle is ``angle`` (4, n).
+def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:
+    """A derivative (n,), of order 0 ... 3, of a vector u (n,) fixed in a body whose angle has the derivatives ``angle[1]``
+    ..., (n,) or (1,).
 
     u' = iα'u, u'' = (iα'' - α'²)u, u''' = (i(α''' - α'³) - 3α'α'')u.
     """
     if order == 0:
-        return np.positive(u, out=out)
-    _, a1, a2, a3 = angle
-    factor = np.empty(u.size, dtype=complex)
-    if order == 1:
-        factor.real, factor.imag = 0.0, a1
-    elif order == 2:
-        np.multiply(-a1, a1, out=factor.real)
-        factor.imag = a2
-    else:
-        np.multiply(-3.0 * a1, a2, out=factor.real)
-        np.subtract(a3, a1 * a1 * a1, out=factor.imag)
-    return np.multiply(factor, u, out=factor if out is None else out)
-
-
-def turning(u: np.ndarray, angle: np.ndarray) -> np.ndarray:
-    """The vector itself and its three derivatives (4, n)."""
-    out = np.empty((4, u.size), dtype=complex)
-    block = BLOCK if u.shape == angle.shape[1:] else max(u.size, 1)
-    for i in range(0, u.size, block):
-        at = slice(i, i + block)
-        for order in range(4):
-            turned(u[at], angle[:, at], order, out[order, at])
+        return u
+    rates = [angle[k] for k in range(1, order + 1)]
+    n = max(u.size, *(rate.size for rate in rates))
+    if n <= BLOCK:
+        return _turned(u, rates)
+    out = np.empty(n, dtype=complex)
+    for at in blocks(n):
+        out[at] = _turned(_part(u, at), [_part(rate, at) for rate in rates])
     return out
+
+
+def _turned(u: np.ndarray, rates: list[np.ndarray]) -> np.ndarray:
+    """By all rates up to the order."""
+    a1 = rates[0]
+    if len(rates) == 1:
+        return u * a1 * 1j if a1.size > 1 else u * (1j * a1)
+    factor = np.empty(max(rate.size for rate in rates), dtype=complex)
+    if len(rates) == 2:
+        np.multiply(-a1, a1, out=factor.real)
+        factor.imag = rates[1]
+    else:
+        np.multiply(-3.0 * a1, rates[1], out=factor.real)
+        np.subtract(rates[2], a1 * a1 * a1, out=factor.imag)
+    return np.multiply(factor, u, out=factor) if factor.size >= u.size else factor * u
+
+
+def _part(row: np.ndarray, at: slice) -> np.ndarray:
+    return row[at] if row.size > 1 else row

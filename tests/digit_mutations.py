@@ -8,6 +8,15 @@ EDIT = READS + "test_an_edit_recomputes_only_what_depends_on_it"
 HIDDEN = READS + "test_what_cannot_be_seen_neither_computes_nor_draws"
 LINKAGE, SHAFT = (f"tests/core/test_{name}.py::" for name in ("linkage", "shaft"))
 STRESS = "tests/core/test_stress_cases.py::"
+KEEPS = STRESS + "test_the_error_keeps_below_what_the_condition_allows"
+DYADS = "tests/core/test_dyad_digits.py::test_angles_rates_and_joint_of_a_dyad_keep_their_digits"
+ASKED = "tests/core/test_when_asked.py::"
+EDITS = "tests/core/test_study_edits.py::"
+BY_FIELD = EDITS + "test_a_fields_edit_computes_its_stages_again_and_going_back_none"
+NAMED = EDITS + "test_another_name_computes_nothing"
+LOADED = EDITS + "test_other_loads_leave_the_extremes_of_what_moves_as_they_are"
+OF_LINKAGES = READS + "test_each_view_alone_computes_no_more_of_a_linkage"
+BARE = "tests/core/test_stability_digits.py::test_a_bare_shaft_turns_as_in_closed_form_at_any_speed"
 
 DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     # -- digits: what keeps them in each kernel, replaced by what a textbook has, or rounded on the way ----------------
@@ -15,10 +24,12 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("angle = f * w + phase\n            sin", "angle = f * (w + 64.0) - f * 64.0 + phase\n            sin", BENCH + "[law-None]"),
     ],
     "core/blend/family.py": [
-        ("works = [SPEEDS[name] * h for", "works = [SPEEDS[name] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
+        ("works = [SPEEDS[curve] * h for", "works = [SPEEDS[curve] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
     ],
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
+         LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
+        ("stretched, folded = (reach - r) + more, (r - fold) - less", "stretched, folded = reach - r, r - fold",
          LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
     ],
     "core/linkage/dead_centres.py": [
@@ -26,22 +37,39 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
          LINKAGE + "test_the_area_keeps_all_its_digits_down_to_dead_centres"),
     ],
     "core/linkage/rod_and_arm.py": [
-        ("np.add(square, difference, out", "np.add((square + 1024.0) - 1024.0, difference, out", BENCH + "[linkage-None]"),
+        ("np.multiply(square + other, share", "np.multiply((square + 1024.0) - 1024.0 + other, share", BENCH + "[linkage-None]"),
     ],
     "core/mechanism/dyads.py": [
         ("between = 0.5 * (la * la + lb * lb - square)", "between = 0.5 * ((la * la + 64.0) + lb * lb - square) - 32.0",
          BENCH + "[dyads-None]"),
+        ("np.array([cross(along, known) * inverse,", "np.array([cross(along, known) * inverse + 256.0 - 256.0,",
+         DYADS + "[rpr-1-1.0]"),
+    ],
+    "core/mechanism/closing.py": [
+        ("inside = room * (long + np.abs(short))", "inside = long * long - short * short", KEEPS + "[Slide across its rod, 1e-07]"),
+        ("-3.0 * w * angle[2], -(w * w * w)", "-3.0 * w * angle[2], (256.0 - w * w * w) - 256.0", DYADS + "[rpr-1-1.0]"),
     ],
     "core/cam/shape.py": [
         ("np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel)))",
          "np.arccos(np.minimum(np.abs(dot(normal, train.travel)), 1.0))",
          STRESS + "test_a_pressure_angle_near_zero_keeps_its_digits[1e-06]"),
         ("normal = (-1j * sense) * t / np.abs(t)", "normal = ((-1j * sense) * t / np.abs(t) + 1024.0) - 1024.0", BENCH + "[profile-None]"),
-        ("speed = np.abs(t)\n    cube", "speed = (np.abs(t) + 64.0) - 64.0\n    cube", BENCH + "[curvature-None]"),
+        ("speed = np.abs(motion[1])", "speed = (np.abs(motion[1]) + 64.0) - 64.0", BENCH + "[curvature-None]"),
+        ("sense, reference, t, lambda: cam_follower_centre(", "sense, reference, t, cam_follower_centre(",
+         ASKED + "test_a_stage_makes_what_it_reads_of_those_before_it_and_nothing_else"),
+        ("bend = cache(lambda: curvature(motion, sense))", "bend = lambda: curvature(motion, sense)",
+         ASKED + "test_the_curvatures_are_made_together_and_once"),
+        ("        pitch_curvature=bend,", "        pitch_curvature=bend(),",
+         ASKED + "test_a_stage_makes_what_it_reads_of_those_before_it_and_nothing_else"),
     ],
     "core/dynamics/forces.py": [
         ("e = (cross(pin_b - centre, mass_force) - spin) / length",
          "e = ((cross(pin_b - centre, mass_force) - spin) / length + 2.0**26) - 2.0**26", BENCH + "[torque-None]"),
+    ],
+    "core/dynamics/loading.py": [
+        ("about = sum(p.about_centre + p.mass * abs(p.centre - centre) ** 2 for p in parts)",
+         "about = sum(p.about_centre + p.mass * abs(p.centre) ** 2 for p in parts) - mass * abs(centre) ** 2",
+         STRESS + "test_masses_far_from_the_pivot_and_near_each_other_keep_their_inertia"),
     ],
     "core/shaft.py": [
         ("power = to_powers @ (to_chebyshev @ values.reshape(-1, NODES).T)",
@@ -53,6 +81,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/stability/monodromy.py": [
         ("SWEEPS = 40", "SWEEPS = 6", BENCH + "[monodromy-None]"),
+        ("omega * h < 1e-4", "omega * h < 1e-2", BARE + "[0.0]"),
         ("4.0 * EPS * np.abs(v)", "1e-9 * np.abs(v)", BENCH + "[monodromy-None]"),
     ],
     "core/stability/march.py": [
@@ -62,8 +91,30 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     # -- stages: one too many -------------------------------------------------------------------------------------------
     "kindyna_gui/reads.py": [('"motion": ("motion",)', '"motion": ("motion", "linkage")', READS + "test_the_table_is_what_the_views_say")],
     "kindyna_gui/plots_view.py": [("drawn, told = split(", "_ = study.dynamics\n        drawn, told = split(", ALONE)],
-    "kindyna_gui/view.py": [("if self.on_screen():\n            if self.pause_ms", "if True:\n            if self.pause_ms", HIDDEN)],
+    "kindyna_gui/view.py": [
+        ("if self.on_screen():\n            if self.pause_ms", "if True:\n            if self.pause_ms", HIDDEN),
+        ("not self.in_trouble and self.on_screen():", "not self.in_trouble:",
+         READS + "test_who_cannot_be_seen_does_not_follow_the_cam_though_nothing_else_is_new"),
+        ("return not rect.isEmpty()", "return True", READS + "test_a_dock_behind_another_neither_computes_nor_paints"),
+    ],
+    "kindyna_gui/centres_view.py": [("self.now = position(", "_ = study.dynamics\n        self.now = position(", OF_LINKAGES)],
+    "kindyna_gui/session.py": [
+        ("if self._at is None or self._at[0] != theta:", "if True:",
+         READS + "test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it"),
+    ],
+    "kindyna_gui/pictures/items.py": [
+        ("UNSEEN / wanted", "8.0 * UNSEEN / wanted", "tests/gui/test_detail.py::test_no_point_of_the_cam_is_off_by_more_than_nobody_sees"),
+    ],
+    "kindyna_gui/pictures/plot_lines.py": [
+        ("if wanted == self._laid:", "if False:", "tests/gui/test_detail.py::test_a_curve_is_thinned_once_for_a_size_and_a_design"),
+    ],
     "core/study/stages.py": [("KEPT = 24", "KEPT = 1", EDIT)],
+    "core/study/linkage.py": [
+        ("replace(linkage.driver, speed_rpm=1.0)", "replace(linkage.driver)", BY_FIELD),
+        ("part and replace(part, roller_radius_mm=1.0)", "part", BY_FIELD),
+        ("return design.linkage, design.motion, design.cam", "return design.name, design.linkage, design.motion, design.cam", NAMED),
+        ('loads = design.loads if stage == "dynamics" else None', "loads = design.loads", LOADED),
+    ],
     "core/study/quantities.py": [
         ("if not study.levelled:", "if False:", SHAFT + "test_without_a_flywheel_nothing_of_it_is_computed_for_the_torque"),
         ("if study.levelled or not np.isfinite(torque).all():", "if True:",

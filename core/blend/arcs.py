@@ -21,13 +21,13 @@ from core.blend.polynomials import (
     Exact,
     Poly,
     crossed,
-    minus,
     plus,
     roots,
     rounded,
     scaled,
     times,
     trimmed,
+    weighed,
     whole,
 )
 from core.blend.wishes import Wish
@@ -129,8 +129,8 @@ def _quadratic(flat: Flat, bend: Bend, acceleration: float) -> tuple[Exact, Exac
     factor, value = whole(bend.factor), whole(acceleration)
     return (
         scaled(factor, times(s1, s1)),
-        minus(scaled(2 * factor, times(s0, s1)), scaled(value, times(h1, under))),
-        minus(scaled(factor, times(s0, s0)), scaled(value, times(h0, under))),
+        weighed(2 * factor, times(s0, s1), value, times(h1, under)),
+        weighed(factor, times(s0, s0), value, times(h0, under)),
     )
 
 
@@ -151,7 +151,7 @@ def kink(equations: Equations, one: Bend, two: Bend) -> Row:
     if (one.speed, two.speed) == ("W", "R"):
         a = tuple((0, 0, *p) if p else p for p in a)
     rows = zip(a, b, strict=True)
-    return tuple(minus(scaled(whole(two.factor), p), scaled(whole(one.factor), q)) for p, q in rows)
+    return tuple([weighed(whole(two.factor), p, whole(one.factor), q) for p, q in rows])
 
 
 def _at_one_t(
@@ -160,13 +160,14 @@ def _at_one_t(
     """Over the plane at one t: the height is a quadratic function of the speed S, which is the curve's number; where it
     is linear in S, or S the same everywhere, lines."""
     equations, factor = flat.equations, bend.factor / acceleration
-    planes = equations.columns(t) @ np.vstack([[1.0, 0.0, 0.0], flat.numbers])
+    numbers = np.array(flat.numbers)
+    planes = equations.columns(t) @ np.vstack([[1.0, 0.0, 0.0], numbers])
     s, h = planes[equations.place_of(bend.speed)], planes[equations.place_of(bend.height)]
     spin = s[1] * h[2] - s[2] * h[1]
     if abs(spin) > SAME * np.abs(planes[:, 1:]).max() ** 2:
         y1 = np.array([s[2] * h[0] - s[0] * h[2], h[2], -s[2] * factor]) / spin
         y2 = np.array([s[0] * h[1] - s[1] * h[0], -h[1], s[1] * factor]) / spin
-        x = flat.numbers[:, :1] * [1.0, 0.0, 0.0] + flat.numbers[:, 1:2] * y1 + flat.numbers[:, 2:] * y2
+        x = numbers[:, :1] * [1.0, 0.0, 0.0] + numbers[:, 1:2] * y1 + numbers[:, 2:] * y2
         exact = tuple(trimmed(whole(c) for c in row) for row in x)
         top = _FASTEST * (1.0 + 1.0 / t) * (1.0 + t) * (1.0 + max(equations.tops))
         yield _limited(Curve(family, equations, t, exact, (ONE,), top), bend, acceleration)
@@ -178,7 +179,7 @@ def _at_one_t(
         name, values = bend.speed, roots(quadratic)
     for value in values:
         pinned = zip(equations.exact(name), equations.exact(""), strict=True)
-        row = tuple(minus(scaled(ONE, a), scaled(whole(float(value)), b)) for a, b in pinned)
+        row = tuple([weighed(ONE, a, whole(float(value)), b) for a, b in pinned])
         for line in flats(equations, [*rows, row]):
             if line.freedom == 1:
                 yield _limited(Curve.of(family, line), bend, acceleration)
@@ -190,5 +191,5 @@ def _limited(curve: Curve, bend: Bend, acceleration: float) -> Curve:
     for other in curve.family.bends:
         if other != bend:
             above, below = curve.bend(other)
-            limits.append(minus(scaled(whole(acceleration), below), scaled(ONE, above)))
+            limits.append(weighed(whole(acceleration), below, ONE, above))
     return replace(curve, limits=tuple(limits))

@@ -21,7 +21,6 @@ from core.blend.polynomials import (
     Poly,
     crossed,
     derivative,
-    minus,
     plus,
     quotient_at,
     roots,
@@ -30,6 +29,7 @@ from core.blend.polynomials import (
     times,
     trimmed,
     vanishes,
+    weighed,
     whole,
 )
 from core.blend.wishes import Wish, ratio
@@ -82,8 +82,8 @@ class Curve:
         """A flat of one free number."""
         if flat.t is None:
             return cls(family, flat.equations, None, tuple(r[0] for r in flat.x), flat.below, flat.equations.top, closed)
-        rows = tuple(trimmed([r[0][0] if r[0] else 0, r[1][0] if r[1] else 0]) for r in flat.x)
-        return cls(family, flat.equations, flat.t, rows, flat.below, flat.equations.tops[flat.free[0] - 1], closed)
+        rows = tuple(trimmed([whole(v) for v in row]) for row in flat.numbers)
+        return cls(family, flat.equations, flat.t, rows, (ONE,), flat.equations.tops[flat.free[0] - 1], closed)
 
     def over(self, name: str) -> Exact:
         """A form, or 1 for an empty name, as a polynomial of p; all times the same one."""
@@ -189,7 +189,7 @@ class Curve:
         """All p at which a setting may have its value, feasible or not; of an acceleration those of every curve."""
         found = []
         for above, below in self.quotients(wish.name):
-            found += roots(minus(scaled(ONE, above), scaled(whole(wish.value), below)), 0.0, self.top)
+            found += roots(weighed(ONE, above, whole(wish.value), below), 0.0, self.top)
         return found
 
     def extremes(self, quotients: Sequence[Quotient], stretch: Stretch) -> list[Extreme]:

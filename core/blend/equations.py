@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import inf
 
 import numpy as np
 
-from core.blend.polynomials import Exact, trimmed, whole
+from core.blend.polynomials import Exact, shortened, trimmed, whole
 
 Row = tuple[Exact, ...]
 """An equation p0(t) + p1(t) x1 + ... = 0."""
@@ -54,6 +55,12 @@ def constant(value: float) -> Form:
     return Form({(0, 0): value} if value != 0.0 else {})
 
 
+def _powers(t: float) -> tuple[float, ...]:
+    """1, t, t² and, counted from the end, 1/t, 1/t²: products, which unlike powers may become infinite."""
+    inverse = 1.0 / t if t else inf
+    return 1.0, t, t * t, inverse * inverse, inverse
+
+
 def _form(value: Form | float) -> Form:
     return value if isinstance(value, Form) else constant(value)
 
@@ -71,16 +78,17 @@ class Equations:
     tops: tuple[float, ...]
 
     @cached_property
-    def names(self) -> tuple[str, ...]:
-        return tuple(self.forms)
-
-    @cached_property
     def _index(self) -> Mapping[str, int]:
-        return {name: i for i, name in enumerate(self.names)}
+        return {name: i for i, name in enumerate(self.forms)}
 
     def place_of(self, name: str) -> int:
         """Its row in what ``values`` returns."""
         return self._index[name]
+
+    @cached_property
+    def _with_one(self) -> Mapping[str, Form]:
+        """The forms, and 1 under an empty name."""
+        return {**self.forms, "": power(0)}
 
     @cached_property
     def raised(self) -> int:
@@ -89,10 +97,13 @@ class Equations:
 
     @cached_property
     def _rows(self) -> Mapping[str, Row]:
-        return {name: self._row(form) for name, form in {**self.forms, "": power(0)}.items()}
+        rows = [self._row(form) for form in self._with_one.values()]
+        short, width = shortened(p for row in rows for p in row), len(self.numbers) + 1
+        return {name: short[i * width :][:width] for i, name in enumerate(self._with_one)}
 
     def exact(self, name: str) -> Row:
-        """A form, or 1 for an empty name, times t^raised: polynomials by x_0, x_1, ... in whole numbers."""
+        """A form, or 1 for an empty name, times t^raised: polynomials by x_0, x_1, ... in whole numbers, all
+        of them times the same one."""
         return self._rows[name]
 
     def _row(self, form: Form) -> Row:
@@ -116,10 +127,9 @@ class Equations:
         return made
 
     @cached_property
-    def _flat(self) -> tuple[np.ndarray, np.ndarray]:
-        """The tensor as a matrix over the exponents, and its sizes."""
-        matrix = self._tensor.reshape(len(self._exponents), -1)
-        return matrix, np.abs(matrix)
+    def _matrix(self) -> np.ndarray:
+        """The tensor as a matrix over the exponents."""
+        return self._tensor.reshape(len(self._exponents), -1)
 
     def values(self, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """All forms (forms, n) at t (n,) and x (numbers, n)."""
@@ -128,23 +138,22 @@ class Equations:
             powers = t[None, :] ** self._exponents[:, None]
             return np.einsum("en,ekn->kn", powers, self._tensor @ with_one)
 
-    def values_and_sizes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """All forms (forms,) at one point, and the sum of the sizes of each form's terms: what the rounding of its value is
-        to be compared with."""
-        with_one, rows = np.array([1.0, *x]), len(self.forms)
-        with np.errstate(all="ignore"):
-            powers = t**self._exponents
-            values, sizes = ((powers @ flat).reshape(rows, -1) for flat in self._flat)
-            return values @ with_one, sizes @ np.abs(with_one)
+    @cached_property
+    def _terms(self) -> Mapping[str, list[tuple[float, int, int]]]:
+        return {name: [(c, e, j) for (j, e), c in form.terms.items()] for name, form in self._with_one.items()}
+
+    def terms(self, names: Iterable[str], t: float, x: Iterable[float]) -> list[list[float]]:
+        """Forms, or 1 for an empty name, at one point, term by term. In plain floats: of so few terms quicker than arrays."""
+        powers, with_one = _powers(float(t)), (1.0, *map(float, x))
+        return [[c * powers[e] * with_one[j] for c, e, j in self._terms[name]] for name in names]
+
+    def at(self, names: Iterable[str], t: float, x: Iterable[float]) -> list[float]:
+        """Forms, or 1 for an empty name, at one point."""
+        return [sum(form) for form in self.terms(names, t, x)]
 
     def columns(self, t: float) -> np.ndarray:
         """All forms by 1, x1, x2, ... at t (forms, 1 + numbers)."""
-        return (t**self._exponents @ self._flat[0]).reshape(len(self.forms), -1)
-
-    def at(self, t: float, x: Sequence[float] | np.ndarray) -> np.ndarray:
-        """All forms (forms,) at one point."""
-        with np.errstate(all="ignore"):
-            return np.asarray(self.columns(t) @ np.array([1.0, *x]))
+        return (t**self._exponents @ self._matrix).reshape(len(self.forms), -1)
 
     def slopes(self, t: float, x: Sequence[float] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """All forms (forms,) at one point, and their derivatives by t, x1, x2, ... (forms, 1 + numbers)."""
@@ -155,8 +164,8 @@ class Equations:
         """The same where floating-point errors are seen to already."""
         with_one = np.array([1.0, *x])
         powers = t**self._exponents
-        columns = (powers @ self._flat[0]).reshape(len(self.forms), -1)
-        by_t = ((self._exponents * powers / t) @ self._flat[0]).reshape(len(self.forms), -1)
+        columns = (powers @ self._matrix).reshape(len(self.forms), -1)
+        by_t = ((self._exponents * powers / t) @ self._matrix).reshape(len(self.forms), -1)
         values = columns @ with_one
         columns[:, 0] = by_t @ with_one
         return values, columns

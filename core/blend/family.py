@@ -10,7 +10,7 @@ Stroke of the rise and total span are 1 in the equations.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, pi, sqrt
@@ -93,6 +93,12 @@ class Family:
         return (*(("h2",) if self.has_constant_rise else ()), *(("h5",) if self.has_constant_return else ()))
 
     @cached_property
+    def heights(self) -> tuple[str, ...]:
+        """Names of the heights of the curves, but for that of a single one."""
+        rise, back = self.sequence.rise, self.sequence.back
+        return (*(named(rise, RISE) if len(rise) > 1 else ()), *(named(back, RETURN) if len(back) > 1 else ()))
+
+    @cached_property
     def single_back(self) -> str:
         """The one curve of the return, where it has only one."""
         return self.sequence.back[0] if len(self.sequence.back) == 1 else ""
@@ -146,14 +152,12 @@ class Family:
         """For the ratio of the strokes of a task."""
         return _equations(self, task.back / task.rise)
 
-    def solution(self, task: Task, t: float, x: tuple[float, ...], exact: Mapping[str, float]) -> Solution:
-        """The motion at a point; heights in ``exact`` that it meets but for rounding are taken from there."""
+    def solution(self, task: Task, t: float, heights: Iterable[float], exact: Mapping[str, float]) -> Solution:
+        """The motion from its t and its ``heights`` for a stroke of 1; those in ``exact`` that it meets but for rounding are
+        taken from there."""
         if len(self.sequence.rise) == 1:
-            heights, spans = _without_freedom(self.sequence, task)
-            return Solution(self.sequence, heights, spans, 0.0, 0.0)
-        equations = self.equations(task)
-        values = equations.at(t, x) * task.rise
-        at = {n: max(float(values[equations.place_of(n)]), 0.0) for n in equations.names if n.startswith("h")}
+            return Solution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
+        at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
         if self.bent == "r":
             at.update(self._returned(task, at, t * t))
         for name, value in exact.items():
@@ -175,17 +179,15 @@ class Family:
 
     def _assembled(self, task: Task, at: Mapping[str, float], ratio: float) -> Solution:
         """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
-        rise, back = self.sequence.rise, self.sequence.back
-        up, down = _rows(rise, at, RISE), _rows(back, at, RETURN)
-        works = [SPEEDS[name] * h for name, h in zip(rise, up, strict=True)]
+        rises, heights = len(self.sequence.rise), tuple([at[name] for name in self.heights])
+        works = [SPEEDS[curve] * h for curve, h in zip(self.sequence.curves, heights, strict=not self.single_back)]
         if self.single_back:
+            heights += (task.back,)
             works.append(_FACTORS[self.single_back] * sqrt(task.back * at["h3"]))
-            speed = sum(works) / task.span
-            return Solution(self.sequence, (*up, task.back), tuple(w / speed for w in works), speed, 0.0)
-        returned = [SPEEDS[name] * h / ratio for name, h in zip(back, down, strict=True)]
-        speed = (sum(works) + sum(returned)) / task.span
-        spans = [w / speed for w in (*works, *returned)]
-        return Solution(self.sequence, (*up, *down), tuple(spans), speed, ratio * speed if back else 0.0)
+        works[rises:] = [work / ratio for work in works[rises:]]
+        speed = sum(works) / task.span
+        back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
+        return Solution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed)
 
 
 RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
@@ -198,10 +200,6 @@ _FACTORS = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
 def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
     """The names of the heights of curves of one way."""
     return names if len(curves) == 3 else names[::2]
-
-
-def _rows(curves: tuple[str, ...], at: Mapping[str, float], names: tuple[str, str, str]) -> list[float]:
-    return [at[n] for n in named(curves, names)] if len(curves) > 1 else []
 
 
 @lru_cache(maxsize=256)

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
-from math import inf
-
-import numpy as np
 
 from core.blend.equations import Equations, Row
 from core.blend.polynomials import (
     NOTHING,
-    ONE,
+    UNIT,
     Exact,
-    Poly,
     at,
     crossed,
     divided,
-    lowest_bit,
     lowest_power,
     roots,
     rounded,
     scaled,
-    trimmed,
+    shortened,
     vanishes,
-    whole,
 )
 
 VANISHING = 1e-9  # a pivot so much smaller than its terms: the equations are looked at anew there
@@ -34,7 +27,8 @@ SINGULAR = 1e-11
 
 @dataclass(frozen=True)
 class Flat:
-    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...) / below, polynomials in t.
+    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...) / below, polynomials in t; where the wishes
+    pin t, x_j = numbers[j][0] + numbers[j][1] y1 + ...
 
     t     its value where the wishes pin it, None where it is free
     free  the j of the x_j that stay free: y1, y2, ...
@@ -43,46 +37,27 @@ class Flat:
     equations: Equations
     t: float | None
     free: tuple[int, ...]
-    x: tuple[Row, ...]
-    below: Exact
+    x: tuple[Row, ...] = ()
+    below: Exact = UNIT
+    numbers: tuple[tuple[float, ...], ...] = ()
 
     @property
     def freedom(self) -> int:
         """How many numbers are free on it."""
         return len(self.free) + (self.t is None)
 
-    @cached_property
-    def _rounded(self) -> tuple[list[list[Poly]], Poly]:
-        polynomials = rounded([p for row in self.x for p in row] + [self.below])
-        width = len(self.free) + 1
-        return [polynomials[i * width : (i + 1) * width] for i in range(len(self.x))], polynomials[-1]
-
-    @cached_property
-    def numbers(self) -> np.ndarray:
-        """Of a flat at one t: the x by 1, y1, y2, ... (numbers, 1 + free)."""
-        rows, (below,) = self._rounded
-        return np.array([[p[0] / below if p else 0.0 for p in row] for row in rows]).reshape(len(rows), -1)
-
-    def place(self, t: float, y: Sequence[float] = ()) -> tuple[float, ...]:
-        """x_1, x_2, ... at t and the free numbers."""
-        rows, under = self._rounded
-        below = at(under, t)
-        if below == 0.0:
-            return (inf,) * len(rows)
-        with_one = (1.0, *y)
-        return tuple(sum(at(p, t) * v for p, v in zip(n, with_one, strict=True)) / below for n in rows)
-
 
 def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
     """All points that meet the equations."""
     k = len(equations.numbers)
-    rows = [_tidied(row) for row in rows]
+    rows = [_lowered(row) for row in rows]
     pivots, below, rest = _eliminated(rows, k)
     pins = [row[0] for row in rest if row[0]]
     if pins:
-        first, others = min(pins, key=len), [rounded([p])[0] for p in pins]
-        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in others)]
-        return [flat for t in values for flat in _pinned(equations, rows, pivots, below, t)]
+        first, *others = sorted(pins, key=len)
+        shown = [rounded([p])[0] for p in others]
+        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
+        return [flat for t in values for flat in _pinned(equations, rows, pivots, t)]
     free = tuple(j for j in range(1, k + 1) if j not in pivots)
     found = [_over_t(equations, pivots, below, free)]
     for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
@@ -90,11 +65,10 @@ def flats(equations: Equations, rows: Iterable[Row]) -> list[Flat]:
     return found
 
 
-def _tidied(row: Row) -> Row:
-    """Without a common power of t and of 2."""
-    lowest = min((lowest_power(p) for p in row if p), default=0)
-    shift = lowest_bit(c for p in row for c in p)
-    return tuple([tuple([c >> shift for c in p[lowest:]]) for p in row])
+def _lowered(row: Row) -> Row:
+    """Without a common power of t."""
+    lowest = min([lowest_power(p) for p in row if p], default=0)
+    return tuple([p[lowest:] for p in row]) if lowest else row
 
 
 def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Row]]:
@@ -102,11 +76,9 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Ro
     which no x is left. Bareiss' elimination: every division comes out even, so that no factor is left over."""
     waiting, columns = list(rows), set(range(1, k + 1))
     done: dict[int, Row] = {}
-    factor: Exact = (1,)
-    while choice := min(
-        ((_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]), default=None
-    ):
-        _, i, j = choice
+    factor = UNIT
+    while choices := [(_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]]:
+        _, i, j = min(choices)
         pivot, last = waiting.pop(i), factor
         factor = pivot[j]
         columns.remove(j)
@@ -117,12 +89,12 @@ def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Exact, list[Ro
 
 def _cost(pivot: Exact) -> tuple[int, int]:
     """A pivot of one term keeps the degrees low."""
-    return sum(map(bool, pivot)), len(pivot)
+    return len(pivot) - pivot.count(0), len(pivot)
 
 
 def _without(row: Row, pivot: Row, j: int, last: Exact) -> Row:
     rows = zip(row, pivot, strict=True)
-    return tuple(divided(crossed(pivot[j], a, row[j], b), last) for a, b in rows)
+    return tuple([divided(crossed(pivot[j], a, row[j], b), last) for a, b in rows])
 
 
 def _over_t(equations: Equations, pivots: dict[int, Row], below: Exact, free: tuple[int, ...]) -> Flat:
@@ -133,17 +105,18 @@ def _over_t(equations: Equations, pivots: dict[int, Row], below: Exact, free: tu
             x.append(tuple(scaled(-1, pivots[j][n]) for n in (0, *free)))
         else:
             x.append((NOTHING, *(below if n == j else NOTHING for n in free)))
-    tidied = _tidied((below, *(p for r in x for p in r)))
+    tidied = _lowered(shortened((below, *(p for r in x for p in r))))
     return Flat(equations, None, free, tuple(tidied[1 + i * width :][:width] for i in range(len(x))), tidied[0])
 
 
-def _pinned(equations: Equations, rows: list[Row], pivots: dict[int, Row], below: Exact, t: float) -> list[Flat]:
-    if vanishes(rounded([below])[0], t, VANISHING):
-        return _numerically(equations, rows, t)
+def _pinned(equations: Equations, rows: list[Row], pivots: dict[int, Row], t: float) -> list[Flat]:
     solved = {}
     for j, row in pivots.items():
         polynomials = rounded(row)
-        solved[j] = [at(p, t) / at(polynomials[j], t) for p in polynomials]
+        if vanishes(polynomials[j], t, VANISHING):
+            return _numerically(equations, rows, t)
+        below = at(polynomials[j], t)
+        solved[j] = [at(p, t) / below for p in polynomials]
     return [_at_t(equations, t, solved)]
 
 
@@ -167,12 +140,8 @@ def _numerically(equations: Equations, rows: list[Row], t: float) -> list[Flat]:
 
 
 def _at_t(equations: Equations, t: float, solved: dict[int, list[float]]) -> Flat:
-    k = len(equations.numbers)
-    free = tuple(j for j in range(1, k + 1) if j not in solved)
-    x: list[Row] = []
-    for j in range(1, k + 1):
-        if j in solved:
-            x.append(tuple(trimmed([whole(-solved[j][n])]) for n in (0, *free)))
-        else:
-            x.append((NOTHING, *((ONE,) if n == j else NOTHING for n in free)))
-    return Flat(equations, t, free, tuple(x), (ONE,))
+    columns = range(1, len(equations.numbers) + 1)
+    free = tuple([j for j in columns if j not in solved])
+    alone = {j: (0.0, *[float(n == j) for n in free]) for j in free}
+    numbers = [alone[j] if j in alone else tuple([0.0 - solved[j][n] for n in (0, *free)]) for j in columns]
+    return Flat(equations, t, free, numbers=tuple(numbers))

@@ -47,8 +47,8 @@ class Meter:
 
     def measure(self, wish: Wish, t: float, x: Sequence[float] | np.ndarray) -> tuple[float, np.ndarray]:
         """What is asked and its derivatives by t, x1, ... (1 + numbers,)."""
-        values, slopes = self.equations.slopes(t, x)
-        return self.of_values(wish, values, slopes)
+        with np.errstate(all="ignore"):
+            return self.of_values(wish, *self.equations.unguarded_slopes(t, x))
 
     def of_values(self, wish: Wish, values: np.ndarray, slopes: np.ndarray) -> tuple[float, np.ndarray]:
         """The same from all forms and their derivatives."""
@@ -109,8 +109,8 @@ class Meter:
     ) -> tuple[float, tuple[float, ...], bool]:
         """Newton's method on all wishes at once, while it gains and they are missed by more than is enough [``MET``]: the
         point and whether it meets them."""
-        if not wishes:
-            return t, tuple(float(v) for v in x), True
+        if not wishes or (enough and self._are_met(wishes, t, x, enough * MET)):
+            return float(t), tuple(map(float, x)), True
         z = best = np.array([t, *x])
         least = np.inf
         with np.errstate(all="ignore"):
@@ -128,6 +128,17 @@ class Meter:
                 if not z[0] > 0.0:
                     break
         return float(best[0]), tuple(float(v) for v in best[1:]), least <= 1.0
+
+    def _are_met(self, wishes: Sequence[Wish], t: float, x: Sequence[float] | np.ndarray, share: float) -> bool:
+        """Whether linear wishes are missed by less than a share of theirs; without derivatives, which rarely are needed."""
+        if not all(w.linear for w in wishes):
+            return False
+        names = [name for w in wishes for name in ratio(w.name, self.family)]
+        values = iter(self.equations.at(names, t, x))
+        for wish, above, below in zip(wishes, values, values, strict=True):
+            if not abs(above - wish.value * below) < share * (wish.value or 1.0) * abs(below):
+                return False
+        return True
 
     def is_alone(self, wishes: Sequence[Wish], t: float, x: Sequence[float]) -> bool:
         """Whether no other points that meet the wishes lie beside one."""
@@ -151,10 +162,12 @@ class Meter:
     def is_feasible(self, t: float, x: Sequence[float] | np.ndarray, least: float = 0.0) -> bool:
         """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for
         rounding."""
-        place = self.equations.place_of
-        values, sizes = (row.tolist() for row in self.equations.values_and_sizes(t, x))
-        positive = all(values[i] > max(least, EPS * sizes[i]) for i in map(place, self.family.positive))
-        return positive and all(values[place(n)] >= -ROUNDING for n in self.family.constant)
+        positive, constant = self.family.positive, self.family.constant
+        terms = self.equations.terms((*positive, *constant), t, x)
+        for row in terms[: len(positive)]:
+            if not sum(row) > max(least, EPS * sum(map(abs, row))):
+                return False
+        return all(sum(row) >= -ROUNDING for row in terms[len(positive) :])
 
     # -- at many points -----------------------------------------------------------------------------------
 

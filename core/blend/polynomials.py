@@ -9,13 +9,16 @@ none is missed. Above 1 the polynomial of the reciprocal is looked at: roots nea
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import reduce
 from itertools import zip_longest
 from math import inf, ldexp, sqrt
+from operator import or_
 
 Exact = tuple[int, ...]
 Poly = tuple[float, ...]
 
 NOTHING: Exact = ()
+UNIT: Exact = (1,)
 MOST_BITS = 1000  # a longer number is none in floating point
 BITS = 160  # behind the point, of a coefficient made whole
 TOUCHED = 1e-10  # an extreme that misses zero by no more, as a share of the terms, counts as a root
@@ -35,25 +38,27 @@ ONE = whole(1.0)
 
 def trimmed(coefficients: Iterable[int]) -> Exact:
     """Without zeros at the end."""
-    p = list(coefficients)
+    p = tuple(coefficients)
     while p and not p[-1]:
-        p.pop()
-    return tuple(p)
+        p = p[:-1]
+    return p
 
 
 def plus(a: Exact, b: Exact) -> Exact:
-    return trimmed(x + y for x, y in zip_longest(a, b, fillvalue=0))
+    return trimmed([x + y for x, y in zip_longest(a, b, fillvalue=0)])
 
 
 def minus(a: Exact, b: Exact) -> Exact:
     if not b:
         return a
-    return trimmed(x - y for x, y in zip_longest(a, b, fillvalue=0))
+    return trimmed([x - y for x, y in zip_longest(a, b, fillvalue=0)])
 
 
 def times(a: Exact, b: Exact) -> Exact:
     if not a or not b:
         return NOTHING
+    if len(a) == 1:
+        return scaled(a[0], b)
     made = [0] * (len(a) + len(b) - 1)
     for i, x in enumerate(a):
         if x:
@@ -67,6 +72,13 @@ def scaled(factor: int, p: Exact) -> Exact:
     return tuple([factor * c for c in p]) if factor else NOTHING
 
 
+def weighed(p: int, a: Exact, q: int, b: Exact) -> Exact:
+    """p a - q b of numbers p and q."""
+    if not b:
+        return scaled(p, a)
+    return trimmed([p * x - q * y for x, y in zip_longest(a, b, fillvalue=0)])
+
+
 def crossed(a: Exact, b: Exact, c: Exact, d: Exact) -> Exact:
     """a b - c d."""
     return minus(times(a, b), times(c, d))
@@ -74,6 +86,8 @@ def crossed(a: Exact, b: Exact, c: Exact, d: Exact) -> Exact:
 
 def divided(p: Exact, q: Exact) -> Exact:
     """p/q where that comes out even."""
+    if q == UNIT:
+        return p
     if len(q) == 1:
         return tuple(c // q[0] for c in p)
     rest, made = list(p), [0] * (len(p) - len(q) + 1)
@@ -95,17 +109,17 @@ def lowest_power(p: Sequence[float]) -> int:
     return 0
 
 
-def lowest_bit(numbers: Iterable[int]) -> int:
-    """How often 2 divides them all."""
-    together = 0
-    for n in numbers:
-        together |= n
-    return (together & -together).bit_length() - 1 if together else 0
+def shortened(polynomials: Iterable[Exact]) -> tuple[Exact, ...]:
+    """Without a common power of 2."""
+    polynomials = tuple(polynomials)
+    together = reduce(or_, [c for p in polynomials for c in p], 0)
+    shift = (together & -together).bit_length() - 1 if together else 0
+    return tuple([tuple([c >> shift for c in p]) for p in polynomials])
 
 
 def rounded(polynomials: Sequence[Exact]) -> list[Poly]:
     """The same but for one common factor, a power of 2, in floating point."""
-    bits = max((max(map(abs, p)) for p in polynomials if p), default=0).bit_length()
+    bits = max([c.bit_length() for p in polynomials for c in p], default=0)
     if bits >= MOST_BITS:
         shift = 1 << bits
         return [tuple(c / shift for c in p) for p in polynomials]

@@ -11,7 +11,7 @@ from core.blend.curves import sequences
 from core.blend.openings import dependent, determining, new_settings, openings
 from core.blend.range import Range, hull
 from core.blend.ranges import ranges_by
-from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, names_of, renamed, wish_of
+from core.blend.request import UNITS, BlendError, Candidate, Request, candidates, renamed, wish_of
 from core.blend.wishes import POINT, SETTINGS, Wish, hardest_first
 
 
@@ -144,7 +144,7 @@ def wrong_number(request: Request) -> BlendError:
     counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
     wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
     given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
-    known = set().union(*(names_of(c) for c in rows))
+    known = set().union(*(c.names for c in rows))
     strange = [name for name in request.settings if renamed(request, name) not in known]
     if strange:
         allowed = " | ".join(_spelt(request, name) for name in SETTINGS if name in known)

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import isfinite
 from types import MappingProxyType
 
-from core.blend.curves import CONSTANT, CONSTANT_VELOCITY, MOTION_TYPES, Sequence, sequences
+from core.blend.curves import CONSTANT, CONSTANT_VELOCITY, ELEMENTS, MOTION_TYPES, Sequence, sequences
 from core.blend.family import Family, Solution, Task
 from core.blend.solver import Problem
 from core.blend.wishes import MAY_VANISH, POINT, SETTINGS, Wish
@@ -23,6 +23,7 @@ _MIRRORED_SETTING = {
     "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
 }  # fmt: skip
 _OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
+_CURVES = {name: Named(name.lower()) for name in ELEMENTS}
 ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
 
@@ -89,6 +90,19 @@ class Candidate:
     @property
     def freedom(self) -> int:
         return self.family.freedom
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """What can be wished of its curves."""
+        rise, back = self.sequence.rise, self.sequence.back
+        names = {"acceleration", POINT}
+        if len(rise) > 1:
+            names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
+        if len(back) > 1:
+            names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
+        if rise and back:
+            names.add("peak")
+        return frozenset(names)
 
 
 def candidates(request: Request) -> list[Candidate]:
@@ -198,22 +212,9 @@ def wishes_of(request: Request) -> list[Wish]:
     ]
 
 
-def names_of(candidate: Candidate) -> set[str]:
-    """What can be wished of the curves that a candidate has."""
-    rise, back = candidate.sequence.rise, candidate.sequence.back
-    names = {"acceleration", POINT}
-    if len(rise) > 1:
-        names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
-    if len(back) > 1:
-        names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
-    if rise and back:
-        names.add("peak")
-    return names
-
-
 def means_something(candidate: Candidate, wishes: Iterable[Wish]) -> bool:
     """Whether every wish is of a curve that the candidate has."""
-    return {w.name for w in wishes} <= names_of(candidate)
+    return {w.name for w in wishes} <= candidate.names
 
 
 def task_of(request: Request, candidate: Candidate) -> Task:
@@ -251,15 +252,14 @@ def _symmetric(sequence: Sequence) -> bool:
 def _ordered(candidate: Candidate, solution: Solution) -> tuple[Solution, tuple[Segment, ...]]:
     """The solution in the order of time, and its segments."""
     heights, spans = solution.heights, solution.spans
-    speed, back_speed = solution.speed, solution.back_speed
     if candidate.backwards:
-        heights, spans, speed, back_speed = heights[::-1], spans[::-1], back_speed, speed
-    shown = Solution(candidate.sequence, heights, spans, speed, back_speed)
-    rises = len(candidate.sequence.rise)
+        heights, spans = heights[::-1], spans[::-1]
+        solution = Solution(candidate.sequence, heights, spans, solution.back_speed, solution.speed)
     none = ROUNDING * sum(spans)
-    segments = tuple(
-        Segment(span, height if i < rises else -height, Named(name.lower()))
-        for i, (name, height, span) in enumerate(zip(candidate.sequence.curves, heights, spans, strict=True))
+    rows = zip(candidate.sequence.curves, heights, spans, strict=True)
+    segments = [
+        Segment(span, ELEMENTS[name].way * height, _CURVES[name])
+        for name, height, span in rows
         if span > (none if name in CONSTANT else 0.0)
-    )
-    return shown, segments
+    ]
+    return solution, tuple(segments)

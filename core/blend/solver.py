@@ -70,15 +70,16 @@ class Problem:
     # -- solutions ----------------------------------------------------------------------------------------
 
     def solutions(self) -> list[Solution]:
-        """Every solution where there are as many wishes as free numbers, the gentlest first; none where the wishes leave
-        something free."""
-        found = [self.solution_at(place) for place in self._met()]
-        return sorted(found, key=lambda s: s.peak_acceleration)
+        """Every solution where there are as many wishes as free numbers, the gentlest first, of equally gentle ones that of
+        the least t; none where the wishes leave something free."""
+        found = [self.solution_at(place) for place in sorted(self._met())]
+        return sorted(found, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(found) > 1 else found
 
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""
         exact = {w.name: w.value for w in self.asked if w.name in HEIGHTS}
-        return self.family.solution(self.task, *place, exact)
+        heights = self.meter.equations.at(self.family.heights, *place) if self.family.heights else ()
+        return self.family.solution(self.task, place[0], heights, exact)
 
     def _met(self) -> list[Place]:
         """The points that meet all wishes and are feasible, each once."""
@@ -107,7 +108,7 @@ class Problem:
         if not bent:
             for flat in flats(self.meter.equations, self._rows(self.wishes)):
                 if flat.freedom == 0 and flat.t is not None:
-                    yield flat.t, flat.place(flat.t)
+                    yield flat.t, tuple(row[0] for row in flat.numbers)
         elif names == ["acceleration"]:
             for curve in self.curves(self.wishes):
                 yield from (curve.place(p) for p in curve.where(bent[0]))

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from core.blend.equations import Equations, Row
 from core.blend.family import Family, Task
-from core.blend.polynomials import ONE, minus, scaled, whole
+from core.blend.polynomials import ONE, weighed, whole
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
 MAY_VANISH = ("h2", "h5", "length")
 """What may be 0: a constant velocity of no length, where the curves about it meet."""
 POINT = "point"
+_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2}
+_SPEEDS = {"vcv": "W", "vcv2": "R"}
 BENT = ("acceleration", POINT)
 """What is not linear in the linear numbers of a family."""
 
 
-@dataclass(frozen=True)
-class Wish:
+class Wish(NamedTuple):
     """name of ``SETTINGS`` or ``point``, its value, and where a point lies [deg from the start of the curves]."""
 
     name: str
@@ -40,7 +41,7 @@ def size_of(name: str, task: Task) -> float:
     """The unit in which a setting is measured where stroke of the rise and span are 1."""
     if name in ("length", "peak"):
         return task.span
-    return task.rise / task.span ** {"vcv": 1, "vcv2": 1, "acceleration": 2}.get(name, 0)
+    return task.rise / task.span ** _PER_DEGREE.get(name, 0)
 
 
 def in_units(wish: Wish, task: Task) -> Wish:
@@ -54,7 +55,7 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
         return ("h2", "W") if family.has_constant_rise else ("h5", "R")
     if name == "peak":
         return "up", "W"
-    return {"vcv": "W", "vcv2": "R"}.get(name, name), ""
+    return _SPEEDS.get(name, name), ""
 
 
 def equation(wish: Wish, family: Family, equations: Equations) -> Row:
@@ -62,4 +63,4 @@ def equation(wish: Wish, family: Family, equations: Equations) -> Row:
     above, below = ratio(wish.name, family)
     value = whole(wish.value)
     rows = zip(equations.exact(above), equations.exact(below), strict=True)
-    return tuple([minus(scaled(ONE, a), scaled(value, b)) if b else scaled(ONE, a) for a, b in rows])
+    return tuple([weighed(ONE, a, value, b) for a, b in rows])

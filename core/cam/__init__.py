@@ -2,9 +2,9 @@
 
 from core.cam.limits import PRESSURE_LIMITS, findings, require_hold
 from core.cam.proof import centre_residual, tangency_residual
-from core.cam.shape import ENVELOPES, CamShape, Flank, curvature, envelope, relative_motion
+from core.cam.shape import ENVELOPES, CamShape, Flank, envelope, relative_motion
 
 __all__ = [
-    "ENVELOPES", "PRESSURE_LIMITS", "CamShape", "Flank", "centre_residual", "curvature", "envelope", "findings",
-    "relative_motion", "require_hold", "tangency_residual",
+    "ENVELOPES", "PRESSURE_LIMITS", "CamShape", "Flank", "centre_residual", "envelope", "findings", "relative_motion",
+    "require_hold", "tangency_residual",
 ]  # fmt: skip

@@ -51,7 +51,7 @@ def require_hold(train: Train) -> None:
     Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
     the linkage: NoCam.
     """
-    reference = train.follower.z[0]
+    reference = train.follower.origin[0]
     with np.errstate(invalid="ignore"):  # no travel where the roller stands still
         hold = np.abs(dot(train.travel, reference)) / np.abs(reference)
     if not (hold > 16.0 * EPS * train.condition).any():

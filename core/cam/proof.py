@@ -11,7 +11,7 @@ from core.train import Train
 def centre_residual(train: Train, shape: CamShape) -> np.ndarray:
     """t against i(φ'-d)(R-Q) (n,), relative to the terms of the latter: relative velocity and instant centre Q must
     say the same. Written as i(weight R - point), it stands at infinity too."""
-    centre, turn = shape.centre, train.follower.angle[1] - shape.sense
+    centre, turn = shape.centre, train.follower.turn[1] - shape.sense
     # the centre's weight is φ'-d for a pivot and 1 for a guide, where the follower does not turn
     scale = turn / np.where(centre.weight == 0.0, 1.0, centre.weight)
     scale = np.where(centre.weight == 0.0, 1.0, scale)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from core.derivatives import BINOMIAL, Derivatives
 from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam, angle_ranges
 from core.instant_centres import Centres, cam_follower_centre
@@ -54,25 +55,30 @@ class CamShape:
         return self.flanks[0]
 
 
-def relative_motion(train: Train, sense: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Velocity t = R' - idR of the reference point relative to the cam, w = R'' - 2idR' - R and
-    x = R''' - 3idR'' - 3R' + idR (n,): the derivatives of the pitch curve, turned into the global frame."""
-    r0, r1, r2, r3 = train.follower.z
-    i = 1j * sense
-    return relative_velocity(train, sense), r2 - 2.0 * i * r1 - r0, r3 - 3.0 * i * r2 - 3.0 * r1 + i * r0
+def relative_motion(train: Train, sense: float) -> Derivatives:
+    """The pitch curve's derivatives, turned into the global frame: the reference point R, its velocity t = R' - idR relative
+    to the cam, w = R'' - 2idR' - R and x = R''' - 3idR'' - 3R' + idR, by Leibniz of R e^{-idθ}."""
+    r = train.follower.origin
+
+    def row(order: int) -> np.ndarray:
+        terms = [c * (-1j * sense) ** (order - k) * r[k] for k, c in enumerate(BINOMIAL[order][:-1])]
+        return np.asarray(sum(terms, r[order]))
+
+    return Derivatives(row)
 
 
-def relative_velocity(train: Train, sense: float) -> np.ndarray:
-    """t alone (n,)."""
-    return train.follower.z[1] - 1j * sense * train.follower.z[0]
+def curvature(motion: Derivatives, sense: float) -> np.ndarray:
+    """κ_p = -d Im(t̄ w)/|t|³ (n,) [1/m], convex positive for both senses."""
+    speed = np.abs(motion[1])
+    return -sense * cross(motion[1], motion[2]) / (speed * speed * speed)
 
 
-def curvature(t: np.ndarray, w: np.ndarray, x: np.ndarray, sense: float) -> tuple[np.ndarray, np.ndarray]:
-    """κ_p = -d Im(t̄ w)/|t|³, convex positive for both senses, and κ_p' (n,) [1/m, 1/m per rad]."""
-    speed = np.abs(t)
-    cube = speed * speed * speed
-    turn = cross(t, w)
-    return -sense * turn / cube, -sense * (cross(t, x) - 3.0 * turn * dot(t, w) / (speed * speed)) / cube
+def curvature_slope(motion: Derivatives, sense: float) -> np.ndarray:
+    """κ_p' (n,) [1/m per rad]."""
+    t, w, x = (motion[order] for order in (1, 2, 3))
+    square = dot(t, t)
+    bend = cross(t, x) - 3.0 * cross(t, w) * dot(t, w) / square
+    return -sense * bend / (square * np.sqrt(square))
 
 
 # what sets the cam's size: its field, and what to do
@@ -89,7 +95,8 @@ def roller_envelope(train: Train, cam: RollerCam | LinkageCam, sense: float) -> 
     Raises NoCam where the roller covers the cam centre or stands still on the cam (a cusp).
     """
     radius = si(cam).roller_radius
-    reference, t = train.follower.z[0], relative_velocity(train, sense)
+    motion = relative_motion(train, sense)
+    reference, t = motion[0], motion[1]
     _require_cam(train, reference, t, cam)
     normal = (-1j * sense) * t / np.abs(t)
 
@@ -99,18 +106,15 @@ def roller_envelope(train: Train, cam: RollerCam | LinkageCam, sense: float) -> 
         turned = train.motion.angles.unit
         return turned.conj() if sense > 0.0 else turned
 
-    @cache
-    def bends() -> tuple[np.ndarray, np.ndarray]:
-        return curvature(*relative_motion(train, sense), sense)
-
+    bend = cache(lambda: curvature(motion, sense))
     flank = Flank(
         pitch=lambda: reference * back(),
         profile=lambda: (reference + radius * normal) * back(),
         normal=normal,
         pressure_angle=lambda: np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel))),
-        pitch_curvature=lambda: bends()[0],
-        pitch_curvature_slope=lambda: bends()[1],
-        profile_curvature=lambda: _beyond(bends()[0], radius),
+        pitch_curvature=bend,
+        pitch_curvature_slope=lambda: curvature_slope(motion, sense),
+        profile_curvature=lambda: _beyond(bend(), radius),
     )
     return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(train, sense))
 

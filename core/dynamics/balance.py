@@ -56,10 +56,10 @@ def momentum_residual(train: Train, shape: CamShape, forces: Forces, loading: Lo
     body = train.bodies[train.output]
     line = train.pairs[_guide_of(train)]
     push = loading.along_guide(train.motion.y[0]) * line.axis
-    outer: list[tuple[np.ndarray, np.ndarray]] = [(push, body.z[0])]
+    outer: list[tuple[np.ndarray, np.ndarray]] = [(push, body.origin[0])]
     for name, pair in train.pairs.items():
         if pair.on == FRAME:
-            outer.append((forces.pairs[name], train.bodies[pair.body].point(pair.point)[0]))
+            outer.append((forces.pairs[name], train.bodies[pair.body].place(pair.point)))
     outer.append((-forces.contact * shape.flank.normal, shape.reference))
     change: list[np.ndarray] = []
     turn: list[np.ndarray] = []

@@ -59,7 +59,7 @@ class _Walk:
         return (
             inertia.mass * (square * pose.derivative(inertia.centre, 2) - self.loading.gravity),
             pose.derivative(inertia.centre, 0),
-            inertia.about_centre * square * pose.angle[2],
+            inertia.about_centre * square * pose.turn[2],
         )
 
 

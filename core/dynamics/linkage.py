@@ -87,7 +87,7 @@ class _Walk:
 
     def place(self, pair: Pair) -> np.ndarray:
         """Where the body has its point of a pair (n,)."""
-        return self.train.bodies[pair.body].point(pair.point)[0]
+        return self.train.bodies[pair.body].place(pair.point)
 
     def line(self, pair: Pair) -> np.ndarray:
         """The direction of a sliding pair (n,)."""
@@ -237,7 +237,7 @@ def linkage_forces(
     own, n = _Walk(train), train.theta.size
     square = omega * omega
     for body, inertia in loading.inertias.items():
-        centre, spin = train.bodies[body].at(inertia.centre), train.bodies[body].angle[2]
+        centre, spin = train.bodies[body].carried(inertia.centre), train.bodies[body].turn[2]
         own.load(
             body,
             centre[0],
@@ -245,7 +245,7 @@ def linkage_forces(
             -inertia.about_centre * square * spin,
         )
     for body, point, force, torque in loading.forces:
-        own.load(body, train.bodies[body].point(point)[0], np.full(n, force), torque)
+        own.load(body, train.bodies[body].place(point), np.full(n, force), torque)
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = _walked(own)
         if contact is None:

@@ -22,8 +22,8 @@ def linkage_power_residual(train: Train, forces: LinkageForces, loading: LinkLoa
         terms.append(inertia.mass * dot(z[1], z[2]) + inertia.about_centre * angle[1] * angle[2])
         terms.append(-inertia.mass * dot(z[1], np.asarray(loading.gravity)))
     for body, point, force, torque in loading.forces:
-        terms.append(-dot(train.bodies[body].point(point)[1] * omega, np.asarray(force)))
-        terms.append(-torque * train.bodies[body].angle[1] * omega)
+        terms.append(-dot(train.bodies[body].place(point, 1) * omega, np.asarray(force)))
+        terms.append(-torque * train.bodies[body].turn[1] * omega)
     return _relative(given - sum(terms), [given, *terms])
 
 
@@ -41,7 +41,7 @@ def linkage_momentum_residual(
     for name, pair in train.pairs.items():
         if FRAME in (pair.on, pair.body):
             sign = 1.0 if pair.on == FRAME else -1.0
-            at = train.bodies[pair.body].point(pair.point)[0]
+            at = train.bodies[pair.body].place(pair.point)
             push.append(sign * forces.pairs[name])
             turn += [cross(at, sign * forces.pairs[name]), sign * forces.couples.get(name, np.zeros(at.size))]
             if {pair.on, pair.body} == {FRAME, train.output}:
@@ -52,7 +52,7 @@ def linkage_momentum_residual(
                     push.append(drive)
                     turn.append(cross(at, drive))
     for body, point, force, torque in loading.forces:
-        at = train.bodies[body].point(point)[0]
+        at = train.bodies[body].place(point)
         push.append(np.full(at.size, force))
         turn += [cross(at, np.asarray(force)), np.full(at.size, torque)]
     if contact is not None:
@@ -60,7 +60,7 @@ def linkage_momentum_residual(
         push.append(-forces.contact * normal)
         turn.append(cross(reference, -forces.contact * normal))
     for body, inertia in loading.inertias.items():
-        centre, spin = train.bodies[body].at(inertia.centre), train.bodies[body].angle[2]
+        centre, spin = train.bodies[body].carried(inertia.centre), train.bodies[body].turn[2]
         weight = inertia.mass * (loading.gravity - square * centre[2])
         push.append(weight)
         turn += [cross(centre[0], weight), -inertia.about_centre * square * spin]

@@ -16,14 +16,14 @@ from core.train import FRAME, REVOLUTE, SLIDING, Train
 def _through_pivot(train: Train, sense: float) -> Centres:
     """Kennedy: on the line cam centre - pivot P; q = Zxy φ'/(φ'-d) (Shin1995 (18) counts φ' against the cam)."""
     pair = train.pairs[train.ground]
-    pivot, turn = train.bodies[pair.body].point(pair.point)[0], train.bodies[pair.body].angle[1]
+    pivot, turn = train.bodies[pair.body].place(pair.point), train.bodies[pair.body].turn[1]
     return Centres(pivot * turn, turn - sense)
 
 
 def _across_guide(train: Train, sense: float) -> Centres:
     """Kennedy: the follower turns about infinity across its guide e, so Q = -i d s' e."""
     pair = train.pairs[train.ground]
-    speed = (train.bodies[pair.body].z[1] / pair.axis).real
+    speed = (train.bodies[pair.body].origin[1] / pair.axis).real
     return Centres(-1j * sense * speed * pair.axis, np.ones_like(speed))
 
 
@@ -32,8 +32,8 @@ def _through_pole(train: Train, sense: float) -> Centres:
     the pairs: Q = φ'I/(φ'-d). Where the link does not turn, where no two triangles reach the pole or rounding decides
     it, by the velocity of the roller's centre: Q = (φ'R + iR')/(φ'-d)."""
     follower = train.follower
-    turn = follower.angle[1]
-    point, weight = turn * follower.z[0] + 1j * follower.z[1], turn - sense
+    turn = follower.turn[1]
+    point, weight = turn * follower.origin[0] + 1j * follower.origin[1], turn - sense
     pole = _pole(train)
     if pole is None:
         return Centres(point, weight)
@@ -51,7 +51,7 @@ def _pole(train: Train) -> Centres | None:
     """The centre of the roller's link on the frame by construction, scaled; None where it is not reached."""
     names = tuple(name for name in train.bodies if name != train.follower_body)
     order = {name: i for i, name in enumerate(names)}
-    size = float(np.abs(train.follower.z[0]).max())
+    size = float(np.abs(train.follower.origin[0]).max())
     found = {key: centre.scaled(size) for key, centre in primary_pairs(train, order).items()}
     for wanted in construction(names, frozenset(found)).steps:
         found[wanted.key] = kennedy(found, wanted, size).scaled(size)

@@ -13,6 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from core.derivatives import standing
 from core.train import FRAME, SLIDING, Pair, Pose, Train
 from core.vectors import dot
 
@@ -70,9 +71,8 @@ def _outwards(train: Train, name: str) -> list[str]:
 
 
 def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
-    start, end = body.point(a), body.point(p)
-    turned = 1j * body.angle[1] * (body.points[p] - body.points[a]) * body.unit
-    return Difference(TURNING, name, name, a, p, start[0], end[0], start[1], turned, end[1])
+    turned = 1j * body.turn[1] * (body.points[p] - body.points[a]) * body.unit
+    return Difference(TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1))
 
 
 def _sliding(train: Train, pair: Pair) -> Difference:
@@ -85,15 +85,15 @@ def _sliding(train: Train, pair: Pair) -> Difference:
     name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
     body, line = (train.bodies[name], train.bodies[on]) if swapped else (train.bodies[name], first)
     p = next(iter(_outwards(train, name)), pair.point)
-    place, speed = body.point(p)[:2]
-    under = line.z[1] + 1j * line.angle[1] * (place - line.z[0])
+    place, speed = body.place(p), body.place(p, 1)
+    under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
     return Difference(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
 
 
 def _still(like: Pose) -> Pose:
     """The frame of a train that does not list it."""
-    n = like.z.shape[1]
-    return Pose(np.zeros((4, n), dtype=complex), np.zeros((4, n)))
+    n = like.origin[0].size
+    return Pose(standing(0j).spread(n), standing(0.0).spread(n))
 
 
 # -- the polygon ------------------------------------------------------------------------------------------

@@ -55,7 +55,7 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
     found = dict(primary)
     resting: dict[Key, np.ndarray] = {}
     speed = max(
-        (float(np.abs(p.angle[1]).max()) * size + float(np.abs(p.z[1]).max()) for p in train.bodies.values()),
+        (float(np.abs(p.turn[1]).max()) * size + float(np.abs(p.origin[1]).max()) for p in train.bodies.values()),
         default=0.0,
     )
     for key in combinations(names, 2):
@@ -85,8 +85,8 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
 
 def _by_velocity(a: Pose, b: Pose) -> Centres:
     """Where both have the same velocity: z_a' + iω_a(P - z_a) = z_b' + iω_b(P - z_b)."""
-    wa, wb = a.angle[1], b.angle[1]
-    return Centres(wb * b.z[0] - wa * a.z[0] + 1j * (b.z[1] - a.z[1]), wb - wa)
+    wa, wb = a.turn[1], b.turn[1]
+    return Centres(wb * b.origin[0] - wa * a.origin[0] + 1j * (b.origin[1] - a.origin[1]), wb - wa)
 
 
 def primary_pairs(train: Train, order: Mapping[str, int]) -> dict[Key, Centres]:
@@ -102,7 +102,7 @@ def primary_pairs(train: Train, order: Mapping[str, int]) -> dict[Key, Centres]:
     for name, links in pins.items():
         for a, b in combinations([n for n in links if n in order], 2):
             key = _key(a, b, order)
-            at = train.bodies[key[0] if key[0] != FRAME else key[1]].point(name)[0]
+            at = train.bodies[key[0] if key[0] != FRAME else key[1]].place(name)
             found[key] = Centres(at, np.ones(at.size))
     return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 
 import numpy as np
 
+from core.derivatives import Derivatives, standing, turning
 from core.design import SI, CamSlider, si
 from core.errors import NoAssembly, angle_ranges
 from core.linkage.base import BasePosition, base_position
 from core.linkage.rod_and_arm import RodAndArm, rod_and_arm
 from core.motion import MotionState
 from core.train import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
-from core.vectors import turning, unit
+from core.vectors import unit
 
 
 def cam_slider_train(follower: CamSlider, reach: float, motion: MotionState) -> Train:
@@ -57,40 +57,27 @@ def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm)
     arm, rod = solved.arm * along, solved.rod * along
     ahead = complex(np.exp(1j * g.fixed_angle))
     roller = arm * ahead
-    swing = cache(lambda: turning(arm, solved.phi_rates))
+    swing = turning(arm, solved.phi)
+    pin, centre = complex(g.slider_arm), _polar(g.roller_arm, g.fixed_angle)
 
-    def carried(place: complex) -> np.ndarray:
-        """A point of the arm, with three derivatives."""
-        z = place * swing()
-        z[0] += pivot
-        return z
+    def carried(place: complex) -> Derivatives:
+        """A point of the arm."""
+        return Derivatives(lambda order: place * swing[order] if order else pivot + place * arm)
 
     def place() -> np.ndarray:
         return pivot + (slider + 1j * g.guide_height) * along
 
+    fixed = standing(pivot).spread(n)
     bodies = {
-        "arm": Pose(
-            _still(pivot, n),
-            lambda: _ahead(solved.phi, g.guide_angle),
-            {"pivot": 0j, "arm_pin": complex(g.slider_arm), "roller": _polar(g.roller_arm, g.fixed_angle)},
-            arm,
-        ),
-        "rod": Pose(
-            lambda: carried(g.slider_arm),
-            lambda: _ahead(solved.beta, g.guide_angle),
-            {"arm_pin": 0j, "slider_pin": complex(g.rod)},
-            rod,
-        ),
+        "arm": Pose(fixed, _ahead(solved.phi, g.guide_angle), {"pivot": 0j, "arm_pin": pin, "roller": centre}, arm),
+        "rod": Pose(carried(pin), _ahead(solved.beta, g.guide_angle), {"arm_pin": 0j, "slider_pin": complex(g.rod)}, rod),
         "slider": Pose(
-            lambda: _first(place(), motion.y * along),
-            _still(g.guide_angle, n),
+            Derivatives(lambda order: motion.y[order] * along if order else place()),
+            standing(g.guide_angle).spread(n),
             {"slider_pin": 0j},
         ),
         "roller": Pose(
-            lambda: carried(g.roller_arm * ahead),
-            lambda: _ahead(solved.phi, g.fixed_angle + g.guide_angle),
-            {"roller": 0j},
-            roller,
+            carried(g.roller_arm * ahead), _ahead(solved.phi, g.fixed_angle + g.guide_angle), {"roller": 0j}, roller
         ),
     }
     pairs = {
@@ -102,9 +89,9 @@ def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm)
 
     def closure() -> np.ndarray:
         """By the angles, as they stand in tables: the triangle's own vectors close by themselves."""
-        pin = pivot + g.slider_arm * unit(bodies["arm"].angle[0])
+        pin = pivot + g.slider_arm * unit(bodies["arm"].turn[0])
         size = g.slider_arm + g.rod + abs(g.guide_height)
-        return np.abs(pin + g.rod * unit(bodies["rod"].angle[0]) - place()) / size
+        return np.abs(pin + g.rod * unit(bodies["rod"].turn[0]) - place()) / size
 
     return Train(
         motion=motion,
@@ -115,7 +102,9 @@ def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm)
         follower_body="roller",
         ground="pivot",
         travel=lambda: 1j * roller,
-        coordinates=lambda: {"slider_position": _first(slider, motion.y.copy()), "phi": solved.phi, "beta": solved.beta},
+        coordinates=lambda: {
+            "slider_position": np.vstack([slider, motion.y[1:]]), "phi": solved.phi.all, "beta": solved.beta.all
+        },
         base={
             "slider": (base.slider, "mm"),
             "phi": (base.phi, "deg"),
@@ -131,22 +120,9 @@ def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm)
     )
 
 
-def _still(value: complex, n: int) -> np.ndarray:
-    """What never changes (4, n), which takes no memory."""
-    rows = np.zeros((4, 1), dtype=type(value))
-    rows[0] = value
-    return np.broadcast_to(rows, (4, n))
-
-
-def _first(value: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Rows (4, n) whose first is this value."""
-    rows[0] = value
-    return rows
-
-
-def _ahead(angle: np.ndarray, by: float) -> np.ndarray:
-    """An angle (4, n) that is ahead by a fixed one."""
-    return _first(angle[0] + by, angle.copy()) if by else angle
+def _ahead(angle: Derivatives, by: float) -> Derivatives:
+    """An angle that is ahead by a fixed one."""
+    return Derivatives(lambda order: angle[order] if order else angle[0] + by)
 
 
 def _polar(radius: float, angle: float) -> complex:

@@ -3,34 +3,32 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from core.derivatives import Chain, Derivatives
 from core.design import SI
-from core.keeping import WhenAsked
 from core.linkage.base import BasePosition
 from core.linkage.dead_centres import dead_centres
-from core.vectors import BLOCK
+from core.vectors import blocks
 
 
 @dataclass(frozen=True, eq=False)
 class RodAndArm:
-    """slider L (n,) [m]; phi, beta (4, n) [rad], in the guide's frame, made when they are asked for; phi_rates,
-    beta_rates (4, n), whose first row is not theirs, the derivatives alone; arm e^{iφ} and rod e^{iβ} (n,); area K (n,) =
-    4 x area of the triangle pivot, arm pin, slider pin, NaN where it does not close; square r² (n,) of the distance
-    pivot - slider pin."""
+    """slider L (n,) [m]; phi, beta [rad], in the guide's frame, with three derivatives; arm e^{iφ} and rod e^{iβ} (n,);
+    area K (n,) = 4 x area of the triangle pivot, arm pin, slider pin, NaN where it does not close; square r² (n,) of the
+    distance pivot - slider pin."""
 
     slider: np.ndarray
-    phi: WhenAsked[np.ndarray] = WhenAsked()
-    beta: WhenAsked[np.ndarray] = WhenAsked()
-    phi_rates: WhenAsked[np.ndarray] = WhenAsked()
-    beta_rates: WhenAsked[np.ndarray] = WhenAsked()
-    arm: WhenAsked[np.ndarray] = WhenAsked()
-    rod: WhenAsked[np.ndarray] = WhenAsked()
-    area: WhenAsked[np.ndarray] = WhenAsked()
-    square: WhenAsked[np.ndarray] = WhenAsked()
+    phi: Derivatives
+    beta: Derivatives
+    arm: np.ndarray
+    rod: np.ndarray
+    area: np.ndarray
+    square: np.ndarray
 
 
 def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
@@ -42,64 +40,68 @@ def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
     as printed; third derivatives by differentiating them once more. All NaN where there is no triangle, infinite or NaN
     where it is flat.
     """
-    h, n = g.guide_height, y.shape[1]
-    slider, square, k, by_arm, by_rod = made = np.empty((5, n))
-    arm, rod = np.empty((2, n), dtype=complex)
-    phi, beta = np.empty_like(y), np.empty_like(y)
-    for i in range(0, n, BLOCK):
-        at = slice(i, i + BLOCK)
-        _solve(g, base, y[:, at], made[:, at], (arm[at], rod[at]), (phi[:, at], beta[:, at]))
+    n = y.shape[1]
+    slider, square, area = made = np.empty((3, n))
+    arm, rod = units = np.empty((2, n), dtype=complex)
+    for at in blocks(n):
+        _triangle(g, base, y[0, at], made[:, at], units[:, at])
+    difference = (g.slider_arm - g.rod) * (g.slider_arm + g.rod)
 
-    def angle(rates: np.ndarray, sigma: float, by_side: np.ndarray, turns: float) -> np.ndarray:
-        """The angle before its derivatives."""
-        rates[0] = np.arctan2(h, slider) + sigma * np.arctan2(k, by_side) + turns
-        return rates
+    def follow(order: int, turns: Chain) -> np.ndarray:
+        lower = [turns[k] for k in range(1, order)]
+        out = np.empty((2, n))
+        for at in blocks(n):
+            known = y[order, at] * units.real[::-1, at]
+            _rates(g, base.sigma, square[at], area[at], known, [rates[:, at] for rates in lower], out[:, at])
+        return out
 
-    return RodAndArm(
-        slider,
-        lambda: angle(phi, base.sigma, by_arm, _whole_turns(g, base)[0]),
-        lambda: angle(beta, -base.sigma, by_rod, _whole_turns(g, base)[1]),
-        phi, beta, arm, rod, k, square,
-    )  # fmt: skip
+    def angle(sigma: float, beside: float, turns: float) -> Callable[[], np.ndarray]:
+        return lambda: np.arctan2(g.guide_height, slider) + sigma * np.arctan2(area, square + beside) + turns
 
-
-Pair = tuple[np.ndarray, np.ndarray]
+    turns, whole = Chain(follow), _whole_turns(g, base)
+    phi = turns.part(0, angle(base.sigma, difference, whole[0]))
+    beta = turns.part(1, angle(-base.sigma, -difference, whole[1]))
+    return RodAndArm(slider, phi, beta, arm, rod, area, square)
 
 
 @np.errstate(divide="ignore", invalid="ignore")
-def _solve(g: SI, base: BasePosition, y: np.ndarray, made: np.ndarray, units: Pair, rates: Pair) -> None:
-    """The same for some cam angles into rows L, r², K, r² + L1² - L2², r² - L1² + L2² (5, m), unit vectors (m,) and rates
-    (4, m) of arm and rod."""
+def _triangle(g: SI, base: BasePosition, y: np.ndarray, made: np.ndarray, units: np.ndarray) -> None:
+    """L, r², K (3, m) and the unit vectors of arm and rod (2, m) for slider displacements y (m,)."""
     l1, l2, h = g.slider_arm, g.rod, g.guide_height
-    (arm, rod), (phi, beta) = units, rates
-    slider = np.add(base.slider, y[0], out=made[0])
-    square = np.multiply(slider, slider, out=made[1])
+    slider, square, k = made
+    np.add(base.slider, y, out=slider)
+    np.multiply(slider, slider, out=square)
     square += h * h
-    k = made[2]
     k[:] = dead_centres(l1, l2, h).area4(slider)
     difference = (l1 - l2) * (l1 + l2)
-    by_arm, by_rod = np.add(square, difference, out=made[3]), np.subtract(square, difference, out=made[4])
-    up, ahead = k * (base.sigma * h), k * (base.sigma)
-    ahead *= slider
-    cos_phi, sin_phi = slider * by_arm - up, h * by_arm + ahead
-    cos_beta, sin_beta = slider * by_rod + up, h * by_rod - ahead
-    for cosine, sine, twice in ((cos_phi, sin_phi, 2.0 * l1), (cos_beta, sin_beta, 2.0 * l2)):
-        share = 1.0 / (twice * square)
-        cosine *= share
-        sine *= share
+    for unit, length, other, sigma in zip(units, (l1, l2), (difference, -difference), (base.sigma, -base.sigma), strict=True):
+        share = (0.5 / length) / square
+        np.multiply(square + other, share, out=unit.real)
+        np.multiply(k, share * sigma, out=unit.imag)
+    line = np.empty(slider.size, dtype=complex)
+    line.real, line.imag = slider, h
+    units *= line
 
-    sin = k * (base.sigma / (2.0 * l1 * l2))  # sin(φ-β)
-    cos = (square - (l1 * l1 + l2 * l2)) / (2.0 * l1 * l2)  # cos(φ-β)
-    to_phi, to_beta = -1.0 / (l1 * sin), 1.0 / (l2 * sin)
-    p1 = np.multiply(y[1] * cos_beta, to_phi, out=phi[1])  # (12)
-    b1 = np.multiply(y[1] * cos_phi, to_beta, out=beta[1])  # (11)
-    p2, b2 = l1 * p1 * p1, l2 * b1 * b1
-    np.multiply(y[2] * cos_beta + p2 * cos + b2, to_phi, out=phi[2])  # (14)
-    np.multiply(y[2] * cos_phi + b2 * cos + p2, to_beta, out=beta[2])  # (13)
-    p3, b3 = 3.0 * l1 * p1 * phi[2], 3.0 * l2 * b1 * beta[2]
-    np.multiply(y[3] * cos_beta + p3 * cos - p2 * p1 * sin + b3, to_phi, out=phi[3])
-    np.multiply(y[3] * cos_phi + p3 + b3 * cos + b2 * b1 * sin, to_beta, out=beta[3])
-    arm.real, arm.imag, rod.real, rod.imag = cos_phi, sin_phi, cos_beta, sin_beta
+
+@np.errstate(divide="ignore", invalid="ignore")
+def _rates(
+    g: SI, sigma: float, square: np.ndarray, area: np.ndarray, known: np.ndarray, lower: list[np.ndarray], out: np.ndarray
+) -> None:
+    """The next derivatives of φ and β (2, m) into ``out`` from those before and what the slider's own gives, y cos β and
+    y cos φ in that order (2, m): (12), (11); with the squares of the velocities (14), (13); once more differentiated."""
+    l1, l2 = g.slider_arm, g.rod
+    inverse = np.empty(known.shape)  # 1/(L1 sin(β-φ)), 1/(L2 sin(φ-β)) with sin(φ-β) = σK/2 L1 L2
+    np.divide(-2.0 * sigma * l2, area, out=inverse[0])
+    np.divide(2.0 * sigma * l1, area, out=inverse[1])
+    if lower:
+        w = lower[0]
+        turning = (w * w if len(lower) == 1 else 3.0 * w * lower[1]) * np.array([[l1], [l2]])
+        cos = (square - (l1 * l1 + l2 * l2)) / (2.0 * l1 * l2)  # cos(φ-β)
+        known += turning * cos
+        known += turning[::-1]
+    np.multiply(known, inverse, out=out)
+    if len(lower) == 2:
+        out += w * w * w
 
 
 def _whole_turns(g: SI, base: BasePosition) -> tuple[float, float]:

@@ -42,7 +42,7 @@ def translating_train(follower: Translating, reach: float, motion: MotionState) 
     angle[0] = g.direction
     return Train(
         motion=motion,
-        bodies={"follower": Pose(z, angle, {"roller": 0j})},
+        bodies={"follower": Pose.of(z, angle, {"roller": 0j})},
         pairs={"guide": Pair(SLIDING, FRAME, "follower", "roller", along)},
         dyads=(),
         output="follower",

@@ -8,21 +8,33 @@ from typing import Any
 import numpy as np
 
 
+@np.errstate(invalid="ignore")
 def area4(r: np.ndarray, a: float, b: float) -> np.ndarray:
     """K = 4 x area of the triangles with sides r (n,), a, b, NaN where there is none (0 on a straight line).
 
-    Sorted A >= B >= C: K = sqrt((A+(B+C))(C-(A-B))(C+(A-B))(A+(B-C))). Kahan, Miscalculating Area and Angles of a
-    Needle-like Triangle. A single factor, C-(A-B), turns negative where the sides do not meet.
+    K = sqrt((a+b-r)(a+b+r)(r-|a-b|)(r+|a-b|)), of which what rounding takes from a+b and a-b is given back, so that each
+    factor is good to an eps: as accurate as Kahan's formula (Miscalculating Area and Angles of a Needle-like Triangle)
+    without putting the sides in order. Only one factor turns negative where they do not meet.
     """
-    return area4_and_room(r, a, b)[0]
+    return area4_and_gaps(r, a, b)[0]
 
 
-def area4_and_room(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
-    """K as ``area4`` gives it, and C-(A-B) (n,): what is left before the sides no longer meet, negative where K is NaN."""
-    low, high = min(a, b), max(a, b)
-    big, mid, small = np.maximum(r, high), np.clip(r, low, high), np.minimum(r, low)
-    product = _square(small, mid, big)
-    return np.sqrt(np.where(product < 0.0, np.nan, product)), small - (big - mid)
+def area4_and_gaps(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """K as ``area4`` gives it, and a+b-r, r-|a-b| (n,): what is left before the sides no longer meet, one of them negative
+    where K is NaN."""
+    (reach, more), (fold, less) = _two_sum(a, b), _two_sum(max(a, b), -min(a, b))
+    stretched, folded = (reach - r) + more, (r - fold) - less
+    product = stretched * folded
+    product *= reach + r
+    product *= r + fold
+    return np.sqrt(product, out=product), (stretched, folded)
+
+
+def _two_sum(a: float, b: float) -> tuple[float, float]:
+    """a + b rounded, and what rounding took (Knuth)."""
+    total = a + b
+    part = total - a
+    return total, (a - (total - part)) + (b - part)
 
 
 def _square(small: Any, mid: Any, big: Any) -> Any:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
 
-from core.design import FRAME_LINK, Linkage, LinkageCam
+from core.derivatives import BINOMIAL, ORDERS, Derivatives, difference
+from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
+from core.mechanism.closing import line_of
 from core.mechanism.course import Course
 from core.mechanism.dyads import Closed
 from core.mechanism.plan import Joint, Plan
@@ -17,7 +20,7 @@ from core.mechanism.rounding import condition
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
 from core.train import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
-from core.vectors import cross, dot, turning
+from core.vectors import cross, dot
 
 ROLLER = "roller"
 
@@ -39,13 +42,13 @@ def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: Li
     With a cam the roller is a body of its own, its origin the roller's centre. Raises NoPosition, naming the driver
     angles, where links do not meet.
     """
-    solved = course.solve(motion.y)
+    solved = course.solve(at_driver(motion.y[0]) if linkage.driver.kind == CRANK else Derivatives.of(motion.y))
     _require(course, solved, motion)
     plan, n = course.plan, motion.theta.size
     names = pair_names(plan)
     bodies = {body_name(link): _body(plan, link, pose, n) for link, pose in sorted(solved.poses.items())}
     output, follower, ground = body_name(linkage.driver.link), body_name(linkage.driver.link), names[plan.driver]
-    travel = np.ones(n, dtype=complex)
+    travel: Callable[[], np.ndarray] = partial(np.ones, n, dtype=complex)
     if cam is not None:
         follower, ground = ROLLER, _ground(plan, names, cam.link)
         bodies[ROLLER], travel = _roller(plan, bodies, course, motion, cam)
@@ -61,11 +64,11 @@ def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: Li
         follower_body=follower,
         ground=ground,
         travel=travel,
-        coordinates=_coordinates(linkage, plan, bodies),
+        coordinates=lambda: _coordinates(linkage, plan, bodies),
         base={},
-        residual=_residual(plan, bodies),
-        condition=np.broadcast_to(condition(plan, solved), n),
-        singular={
+        residual=lambda: _residual(plan, bodies),
+        condition=lambda: np.broadcast_to(condition(plan, solved), n),
+        singular=lambda: {
             step.joint: np.broadcast_to(result.sine, n)
             for (step, _), result in zip(plan.steps, solved.steps, strict=True)
             if isinstance(result, Closed)
@@ -84,7 +87,7 @@ def unit_speed_train(linkage: Linkage, positions: np.ndarray, course: Course) ->
     """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
     what needs directions only, such as instant centres, stands in a dwell of the motion too."""
     state = MotionState(
-        Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions), np.ones(positions.size)
+        Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions).all, np.ones(positions.size)
     )
     return linkage_train(linkage, state, course)
 
@@ -102,7 +105,7 @@ def pair_names(plan: Plan) -> Mapping[Joint, str]:
 def _require(course: Course, solved: Solved, motion: MotionState) -> None:
     """Every link somewhere at every angle."""
     for step, _ in course.plan.steps:
-        lost = ~np.isfinite(solved.poses[step.links[0]].angle[0] + solved.poses[step.links[-1]].angle[0])
+        lost = ~np.isfinite(solved.poses[step.links[0]].unit + solved.poses[step.links[-1]].unit)
         if not lost.any():
             continue
         links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
@@ -121,8 +124,8 @@ def _body(plan: Plan, link: int, pose: Pose, n: int) -> Pose:
         for held in (joint.first, joint.second):
             if held.link == link and not joint.revolute:
                 points[joint.name] = held.point
-    heading = np.broadcast_to(pose.unit, n)
-    return Pose(np.broadcast_to(pose.z, (4, n)), np.broadcast_to(pose.angle, (4, n)), MappingProxyType(points), heading)
+    origin, turn = (rows.spread(n).quiet() for rows in (pose.origin, pose.turn))
+    return Pose(origin, turn, MappingProxyType(points), lambda: np.broadcast_to(pose.unit, n))
 
 
 def _pair(joint: Joint, name: str) -> Pair:
@@ -134,14 +137,17 @@ def _pair(joint: Joint, name: str) -> Pair:
 
 def _roller(
     plan: Plan, bodies: Mapping[str, Pose], course: Course, motion: MotionState, cam: LinkageCam
-) -> tuple[Pose, np.ndarray]:
+) -> tuple[Pose, Callable[[], np.ndarray]]:
     """The roller's centre as a body, and where it goes when the driver moves forward (a unit vector, (n,))."""
     pose = bodies[body_name(cam.link)]
     at = plan.points[cam.link][cam.point]
-    forward = course.solve(at_driver(motion.y[0])).poses[cam.link].at(at)[1]
-    with np.errstate(invalid="ignore"):
-        travel = forward / np.abs(forward)
-    return Pose(pose.at(at), pose.angle, MappingProxyType({ROLLER: 0j}), pose.unit), travel
+
+    @np.errstate(divide="ignore", invalid="ignore", over="ignore")
+    def travel() -> np.ndarray:
+        forward = course.solve(at_driver(motion.y[0])).poses[cam.link].derivative(at, 1)
+        return np.asarray(forward / np.abs(forward))
+
+    return Pose(pose.carried(at).quiet(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit), travel
 
 
 def _coordinates(linkage: Linkage, plan: Plan, bodies: Mapping[str, Pose]) -> dict[str, np.ndarray]:
@@ -156,12 +162,10 @@ def _coordinates(linkage: Linkage, plan: Plan, bodies: Mapping[str, Pose]) -> di
 def _slide(bodies: Mapping[str, Pose], joint: Joint) -> np.ndarray:
     """How far the sliding link's point has gone along the line (4, n) [m]."""
     line, own = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
-    pose = bodies[body_name(line.link)]
-    gap = bodies[body_name(own.link)].at(own.point) - pose.at(line.point)
-    along = turning(line.along * pose.unit, pose.angle)
-    binomial = ((1.0,), (1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0))
+    g, along = line_of({line.link: bodies[body_name(line.link)]}, line)
+    gap = difference(bodies[body_name(own.link)].carried(own.point), g)
     return np.array(
-        [sum(c * dot(along[k], gap[order - k]) for k, c in enumerate(binomial[order])) for order in range(4)]
+        [sum(c * dot(along[k], gap[order - k]) for k, c in enumerate(BINOMIAL[order])) for order in range(ORDERS)]
     )
 
 
@@ -172,7 +176,7 @@ def _residual(plan: Plan, bodies: Mapping[str, Pose]) -> np.ndarray:
         ends = []
         for held in (joint.first, joint.second):
             pose = bodies[body_name(held.link)]
-            ends.append(pose.z[0] + held.point * pose.unit)
+            ends.append(pose.derivative(held.point, 0))
         gap = ends[1] - ends[0]
         if not joint.revolute:
             gap = cross(joint.first.along * bodies[body_name(joint.first.link)].unit, gap)

@@ -10,6 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from core.derivatives import Derivatives
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP
 from core.mechanism.dyads import Closed
@@ -52,6 +53,10 @@ class Turning:
     middle: float | None
     turns: bool
 
+    def of(self, q: Derivatives, angle: Derivatives) -> Derivatives:
+        """An angle between -π and π and its derivatives, the angle without jumps."""
+        return Derivatives(lambda order: angle[order] if order else self.continued(q[0], angle[0]))
+
     def continued(self, q: np.ndarray, angle: np.ndarray) -> np.ndarray:
         """The angles (n,) of -π ... π at q with the whole turns they lack."""
         if self.middle is not None:
@@ -85,12 +90,12 @@ class Course:
     turning: Mapping[int, Turning]
     closes: bool = True
 
-    def solve(self, q: np.ndarray) -> Solved:
-        """Poses for the driver at q (4, n), angles without jumps; NaN outside the ranges."""
+    def solve(self, q: Derivatives) -> Solved:
+        """Poses for the driver at q, angles without jumps; NaN outside the ranges."""
         solved = solve(self.plan, q, self.way)
         for link, turning in self.turning.items():
-            angle = solved.poses[link].angle
-            angle[0] = turning.continued(q[0], angle[0])
+            pose = solved.poses[link]
+            solved.poses[link] = pose.turning_as(turning.of(q, pose.turn))
         return solved
 
 
@@ -138,7 +143,7 @@ def _gap(plan: Plan, index: int, way: Way) -> Callable[[np.ndarray], np.ndarray]
     def gap(q: np.ndarray) -> np.ndarray:
         closed = solve(plan, at_driver(q), way, index + 1).steps[index]
         assert isinstance(closed, Closed)
-        value = closed.gap
+        value = np.broadcast_to(closed.gap, q.shape)
         for over in way.bridges.get(index, ()):
             value = np.where(over.within(q), np.abs(value), value)
         return value
@@ -179,9 +184,10 @@ def _end_states(solved: Solved, links: tuple[int, ...]) -> np.ndarray:
     columns = []
     for link in links:
         pose = solved.poses[link]
-        angle = pose.angle.copy()
+        angle = np.array(pose.turn.spread(2).all)
         angle[0] = np.unwrap(angle[0])
-        columns += [pose.z.real, pose.z.imag, angle]
+        z = pose.origin.spread(2).all
+        columns += [z.real, z.imag, angle]
     return np.moveaxis(np.array(columns), 0, 2).swapaxes(0, 1)
 
 
@@ -214,13 +220,14 @@ def _turning(plan: Plan, ranges: list[Range], way: Way, length: float, whole: bo
     for link, pose in solved.poses.items():
         if link in (FRAME_LINK, plan.linkage.driver.link):
             continue
-        angle = np.concatenate([_based(np.unwrap(_known(part))) for part in np.split(pose.angle[0], cuts)])
+        along = np.array(np.broadcast_to(pose.turn[0], q.shape))
+        angle = np.concatenate([_based(np.unwrap(_known(part))) for part in np.split(along, cuts)])
         turns = full and bool(abs(angle[-1] - angle[0]) > pi)
         middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN and not turns else None
         found[link] = Turning(q, angle, middle, turns)
         if full:
             lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
-            closes &= bool(lost < 1e-6 and abs(pose.z[0, -1] - pose.z[0, 0]) < 1e-6 * plan.size)
+            closes &= bool(lost < 1e-6 and abs(pose.origin[0][-1] - pose.origin[0][0]) < 1e-6 * plan.size)
     return found, closes
 
 

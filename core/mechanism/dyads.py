@@ -12,27 +12,26 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.linkage.triangle import area4_and_room
+from core.derivatives import BINOMIAL, Chain, Derivatives, difference, earlier, product, scaled, sum_of, turning
+from core.keeping import WhenAsked
+from core.linkage.triangle import area4_and_gaps
 from core.mechanism.closing import (
-    BINOMIAL,
     BY_ROUNDING,
     PARALLEL,
     Bodies,
-    angles,
+    angle_of,
+    beside,
     centripetal,
-    earlier,
-    full,
     leg,
     line_of,
     pin_of,
     placed,
-    product,
     turned_like,
     two_slides,
 )
 from core.mechanism.plan import Joint
 from core.train import Pose
-from core.vectors import cross, dot, turning
+from core.vectors import cross, dot, turned
 
 Sides = float | np.ndarray
 """+1 or -1, for all positions or for each."""
@@ -40,7 +39,7 @@ Sides = float | np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Closed:
-    """A solved dyad.
+    """A solved dyad; all but the poses is made when it is first read, and has one value where it is the same everywhere.
 
     poses     of its two links
     columns   c1, c2 (n,) complex: how the loop opens with each of its two coordinates [m per rad, or 1]
@@ -50,57 +49,77 @@ class Closed:
     """
 
     poses: tuple[Pose, Pose]
-    columns: tuple[np.ndarray, np.ndarray]
-    gap: np.ndarray
-    sine: np.ndarray
-    reach: np.ndarray
+    columns: WhenAsked[tuple[np.ndarray, np.ndarray]] = WhenAsked()
+    gap: WhenAsked[np.ndarray] = WhenAsked()
+    sine: WhenAsked[np.ndarray] = WhenAsked()
+    reach: WhenAsked[np.ndarray] = WhenAsked()
 
 
 # -- the kinds --------------------------------------------------------------------------------------------
 
 
 def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
-    """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by Kahan's area, as for arm and rod of the cam slider.
+    """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area, as for arm and rod of the cam slider.
 
-    A = d(r² + L_a² - L_b² + iσK)/(2r²), B = A - d from P_b: iA α - iB β = D, A × B = σK/2.
+    With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D. With c =
+    α'², β'² in the second order, 3α'α'', 3β'β'' in the third: (A × B) α = -B·d + (A·B) c_α - L_b² c_β,
+    (A × B) β = -A·d + L_a² c_α - (A·B) c_β.
     """
     outer_a, inner, outer_b = joints
     a, b = pin_of(bodies, outer_a.first), pin_of(bodies, outer_b.first)
     rod_a, rod_b = inner.first.point - outer_a.second.point, inner.second.point - outer_b.second.point
     la, lb = abs(rod_a), abs(rod_b)
-    d = b - a
+    d = difference(a, b)
     square = d[0].real ** 2 + d[0].imag ** 2
     r = np.sqrt(square)
-    area, room = area4_and_room(r, la, lb)
-    if not (room >= 0.0).all():
-        area = np.where((room < 0.0) & (room > -BY_ROUNDING * (la + lb)), 0.0, area)
+    area, gaps = area4_and_gaps(r, la, lb)
+    if not area.min() >= 0.0:
+        missed = np.minimum(*gaps)
+        area = np.where((missed < 0.0) & (missed > -BY_ROUNDING * (la + lb)), 0.0, area)
     k = side * area
-    difference = (la - lb) * (la + lb)
-    scale = 0.5 / square
-    to_a, to_b = np.empty_like(d[0]), np.empty_like(d[0])
-    to_a.real, to_b.real = (square + difference) * scale, (difference - square) * scale
-    to_a.imag = to_b.imag = k * scale
-    to_a *= d[0]
-    to_b *= d[0]
-    turn = 0.5 * k  # A × B
+    ends = np.empty((2, r.size), dtype=complex)
+    to_b, to_a = ends
+    sum_and_difference = (la + lb) * (la - lb)
+    np.subtract(sum_and_difference, square, out=to_b.real)
+    np.add(sum_and_difference, square, out=to_a.real)
+    ends.imag = k
+    ends *= d[0] * (-0.5 / square)
     between = 0.5 * (la * la + lb * lb - square)  # A · B
-    alpha, beta = np.empty((3, r.size)), np.empty((3, r.size))
-    inverse = 1.0 / turn
-    alpha[0], beta[0] = dot(d[1], to_b) * inverse, dot(d[1], to_a) * inverse
-    a1, b1 = alpha[0], beta[0]
-    a2, b2 = a1 * a1, b1 * b1
-    alpha[1] = (dot(d[2], to_b) + a2 * between - b2 * (lb * lb)) * inverse
-    beta[1] = (dot(d[2], to_a) + a2 * (la * la) - b2 * between) * inverse
-    a3, b3 = 3.0 * a1 * alpha[1], 3.0 * b1 * beta[1]
-    alpha[2] = (dot(d[3], to_b) + a3 * between - b3 * (lb * lb)) * inverse + a2 * a1
-    beta[2] = (dot(d[3], to_a) + a3 * (la * la) - b3 * between) * inverse + b2 * b1
-    heading_a, heading_b = to_a * (1.0 / rod_a), to_b * (1.0 / rod_b)
-    angle_a, angle_b = angles(heading_a, alpha), angles(heading_b, beta)
+    inverse = -2.0 / k  # of -A × B
+
+    def follow(order: int, turns: Chain) -> np.ndarray:
+        known = np.empty((2, r.size))
+        for row, end in zip(known, ends, strict=True):
+            np.multiply(end.real, d[order].real, out=row)
+            row += end.imag * d[order].imag
+        if order > 1:
+            w = turns[1]
+            alpha, beta = w * w if order == 2 else 3.0 * w * turns[2]
+            known[0] -= alpha * between
+            known[0] += (lb * lb) * beta
+            known[1] -= (la * la) * alpha
+            known[1] += beta * between
+        known *= inverse
+        if order == 3:
+            known += w * w * w
+        return known
+
+    turns = Chain(follow)
+
+    def alone(row: int, to: np.ndarray, rod: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
+        def heading() -> np.ndarray:
+            return to * (1.0 / rod)
+
+        return heading, turns.part(row, angle_of(heading))
+
     poses = (
-        placed(np.broadcast_to(a, d.shape), outer_a.second.point, heading_a, angle_a),
-        placed(np.broadcast_to(b, d.shape), outer_b.second.point, heading_b, angle_b),
+        placed(a, outer_a.second.point, *alone(0, to_a, rod_a)),
+        placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
     )
-    return Closed(poses, (1j * to_a, -1j * to_b), room, area * (0.5 / (la * lb)), r + (la + lb))
+    return Closed(
+        poses, lambda: (1j * to_a, -1j * to_b), lambda: np.minimum(*gaps), lambda: area * (0.5 / (la * lb)),
+        lambda: r + (la + lb),
+    )  # fmt: skip
 
 
 def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
@@ -111,38 +130,37 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     g, t = line_of(bodies, guide.first)
     rod = inner.first.point - outer.second.point
     length = abs(rod)
-    on_line = (inner.second.point - guide.second.point) / guide.second.along
-    rail = g + (1j * on_line.imag) * t
-    path = rail - p
-    n = path.shape[1]
-    direction = np.broadcast_to(t, (4, n))
-    away = np.broadcast_to(cross(t[0], path[0]), n)
+    rail = beside(g, t, ((inner.second.point - guide.second.point) / guide.second.along).imag)
+    path = difference(rail, p)
+    away = cross(t[0], path[0])
     c = side * leg(length, away, length)
-    slide, alpha = np.empty((4, n)), np.empty((3, n))
-    slide[0] = c - dot(path[0], t[0])
-    to_joint = np.empty(n, dtype=complex)
+    to_joint = np.empty(c.shape, dtype=complex)
     to_joint.real, to_joint.imag = c, away
-    to_joint = to_joint * t[0]
+    to_joint *= t[0]
     inverse = 1.0 / c
-    still = guide.first.link == 1
-    for order in (1, 2, 3):
-        known = path[order] if still else path[order] + earlier(slide, direction, order)
-        if order > 1:
-            known = known - centripetal(to_joint, alpha, order)
-        alpha[order - 1] = -cross(known, t[0]) * inverse
-        slide[order] = -dot(known, to_joint) * inverse
-    heading = to_joint * (1.0 / rod)
-    angle = angles(heading, alpha)
-    heading_b, angle_b = turned_like(bodies[guide.first.link], guide.first.along / guide.second.along)
-    heading_b, angle_b = full((heading_b, angle_b), n)
-    joint = rail + product(slide, direction)
+
+    def start() -> np.ndarray:
+        return np.asarray(c - dot(path[0], t[0]))
+
+    def follow(order: int, both: Chain) -> np.ndarray:
+        known = path[order] if t.still else path[order] + earlier(both.part(1, start), t, order)
+        known = known - centripetal(to_joint, both.part(0), order)
+        return np.array([-cross(known, t[0]) * inverse, -dot(known, to_joint) * inverse])
+
+    def heading() -> np.ndarray:
+        return to_joint * (1.0 / rod)
+
+    both = Chain(follow)
+    angle, slide = both.part(0, angle_of(heading)), both.part(1, start)
+    joint = sum_of(rail, product(slide, t))
     poses = (
-        placed(np.broadcast_to(p, path.shape), outer.second.point, heading, angle),
-        placed(joint, inner.second.point, heading_b, angle_b),
+        placed(p, outer.second.point, heading, angle),
+        placed(joint, inner.second.point, *turned_like(bodies[guide.first.link], guide.first.along / guide.second.along)),
     )
-    size = np.abs(c)
-    reach = length + np.abs(path[0])
-    return Closed(poses, (1j * to_joint, -direction[0]), length - np.abs(away), size / length, reach)
+    return Closed(
+        poses, lambda: (1j * to_joint, -t[0]), lambda: length - np.abs(away), lambda: np.abs(c) / length,
+        lambda: length + np.abs(path[0]),
+    )  # fmt: skip
 
 
 def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
@@ -152,36 +170,37 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     own = (outer_a.second.point - inner.first.point) / inner.first.along
     other = (outer_b.second.point - inner.second.point) / inner.second.along
     offset = own.imag - other.imag
-    d = a - b
-    n = d.shape[1]
+    d = difference(a, b)
     square = d[0].real ** 2 + d[0].imag ** 2
     r = np.sqrt(square)
-    slide, beta = np.empty((4, n)), np.empty((3, n))
-    slide[0] = side * leg(r, np.full(n, offset), abs(offset))
-    t = np.empty((3, n), dtype=complex)
-    t[0].real, t[0].imag = slide[0], -offset
-    t[0] *= d[0] / square
-    inverse = 1.0 / slide[0]
-    for order in (1, 2, 3):
-        known = d[order]
-        if order > 1:
-            known = (
-                known
-                - centripetal(d[0], beta, order)
-                - sum(c * slide[k] * t[order - k] for k, c in enumerate(BINOMIAL[order]) if k)
-            )
-        beta[order - 1] = cross(t[0], known) * inverse
-        slide[order] = dot(d[0], known) * inverse
-        if order < 3:
-            t[order] = centripetal(t[0], beta, order) + 1j * beta[order - 1] * t[0]
-    heading_a, heading_b = t[0] / inner.first.along, t[0] / inner.second.along
+    s = side * leg(r, np.full(r.size, offset), abs(offset))
+    along = np.empty(r.size, dtype=complex)
+    along.real, along.imag = s, -offset
+    along *= d[0] / square
+    inverse = 1.0 / s
+
+    def follow(order: int, both: Chain) -> np.ndarray:
+        turn, slide = both.part(0), both.part(1)
+        known = d[order] - centripetal(d[0], turn, order)
+        for k in range(1, order):
+            known = known - BINOMIAL[order][k] * slide[k] * turned(along, turn, order - k)
+        return np.array([cross(along, known) * inverse, dot(d[0], known) * inverse])
+
+    both = Chain(follow)
+
+    def lying(own_line: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
+        def heading() -> np.ndarray:
+            return along / own_line
+
+        return heading, both.part(0, angle_of(heading))
+
     poses = (
-        placed(np.broadcast_to(a, d.shape), outer_a.second.point, heading_a, angles(heading_a, beta)),
-        placed(np.broadcast_to(b, d.shape), outer_b.second.point, heading_b, angles(heading_b, beta)),
+        placed(a, outer_a.second.point, *lying(inner.first.along)),
+        placed(b, outer_b.second.point, *lying(inner.second.along)),
     )
-    size = np.abs(slide[0])
-    gap = r - abs(offset)
-    return Closed(poses, (1j * d[0], t[0]), gap, size / r, r + abs(offset))
+    return Closed(
+        poses, lambda: (1j * d[0], along), lambda: r - abs(offset), lambda: np.abs(s) / r, lambda: r + abs(offset)
+    )
 
 
 def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
@@ -190,20 +209,15 @@ def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     lines = []
     for guide, held in ((guide_a, inner.first), (guide_b, inner.second)):
         g, t = line_of(bodies, guide.first)
-        on_line = (held.point - guide.second.point) / guide.second.along
-        lines.append((g + (1j * on_line.imag) * t, t))
+        lines.append((beside(g, t, ((held.point - guide.second.point) / guide.second.along).imag), t))
     (g1, t1), (g2, t2) = lines
-    n = max(g1.shape[1], g2.shape[1])
-    slides = two_slides(np.broadcast_to(g2 - g1, (4, n)), t1, -t2)
-    joint = g1 + product(slides[0], t1)
-    headings = [
-        turned_like(bodies[guide.first.link], guide.first.along / guide.second.along) for guide in (guide_a, guide_b)
-    ]
-    poses = (
-        placed(joint, inner.first.point, *full(headings[0], n)),
-        placed(joint, inner.second.point, *full(headings[1], n)),
-    )
-    return _crossing(poses, t1[0], -t2[0], np.abs(slides[0, 0]) + np.abs(slides[1, 0]) + np.abs(g2[0] - g1[0]))
+    opposite = scaled(t2, -1.0)
+    apart = difference(g2, g1)
+    s1, s2 = two_slides(apart, t1, opposite)
+    joint = sum_of(g1, product(s1, t1))
+    turns = [turned_like(bodies[guide.first.link], guide.first.along / guide.second.along) for guide in (guide_a, guide_b)]
+    poses = (placed(joint, inner.first.point, *turns[0]), placed(joint, inner.second.point, *turns[1]))
+    return _crossing(poses, t1, opposite, lambda: np.abs(s1[0]) + np.abs(s2[0]) + np.abs(apart[0]))
 
 
 def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
@@ -212,21 +226,19 @@ def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     p = pin_of(bodies, outer.first)
     g, t2 = line_of(bodies, guide.first)
     known = bodies[guide.first.link]
-    heading_b, angle_b = turned_like(known, guide.first.along / guide.second.along)
-    heading_a, angle_a = turned_like(
-        known, guide.first.along / guide.second.along * inner.second.along / inner.first.along
-    )
-    t1 = turning(inner.second.along * heading_b, angle_b)
+    by = guide.first.along / guide.second.along
+    heading_b, angle_b = turned_like(known, by)
+    turned_a = turned_like(known, by * inner.second.along / inner.first.along)
+    t1 = turning(inner.second.along * heading_b(), angle_b)
     y = ((outer.second.point - inner.first.point) / inner.first.along).imag
-    between = turning((inner.second.point - guide.second.point) * heading_b, angle_b)
-    n = max(p.shape[1], g.shape[1])
-    slides = two_slides(np.broadcast_to(p - g - between - 1j * y * t1, (4, n)), t1, t2)
-    line_b = g + product(slides[1], t2)
+    between = turning((inner.second.point - guide.second.point) * heading_b(), angle_b)
+    apart = difference(p, g)
+    s1, s2 = two_slides(difference(apart, beside(between, t1, y)), t1, t2)
     poses = (
-        placed(np.broadcast_to(p, (4, n)), outer.second.point, *full((heading_a, angle_a), n)),
-        placed(line_b, guide.second.point, *full((heading_b, angle_b), n)),
+        placed(p, outer.second.point, *turned_a),
+        placed(sum_of(g, product(s2, t2)), guide.second.point, heading_b, angle_b),
     )
-    return _crossing(poses, t1[0], t2[0], np.abs(slides[0, 0]) + np.abs(slides[1, 0]) + np.abs(p[0] - g[0]))
+    return _crossing(poses, t1, t2, lambda: np.abs(s1[0]) + np.abs(s2[0]) + np.abs(apart[0]))
 
 
 DYADS: Mapping[str, Callable[[Bodies, tuple[Joint, ...], Sides], Closed]] = MappingProxyType(
@@ -234,9 +246,10 @@ DYADS: Mapping[str, Callable[[Bodies, tuple[Joint, ...], Sides], Closed]] = Mapp
 )
 
 
-def _crossing(poses: tuple[Pose, Pose], c1: np.ndarray, c2: np.ndarray, reach: np.ndarray) -> Closed:
+def _crossing(poses: tuple[Pose, Pose], c1: Derivatives, c2: Derivatives, reach: Callable[[], np.ndarray]) -> Closed:
     """Lines that cross in one point: only where they are parallel is there none."""
-    n = reach.size
-    sine = np.broadcast_to(np.abs(cross(c1, c2)), n)
-    columns = (np.broadcast_to(c1, n), np.broadcast_to(c2, n))
-    return Closed(poses, columns, sine - PARALLEL, sine, reach)
+
+    def sine() -> np.ndarray:
+        return np.abs(cross(c1[0], c2[0]))
+
+    return Closed(poses, lambda: (c1[0], c2[0]), lambda: sine() - PARALLEL, sine, reach)

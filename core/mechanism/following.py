@@ -56,7 +56,7 @@ def _state(group: Group, result: Settled) -> np.ndarray:
     for order in range(4):
         row: list[float] = []
         for link in group.links:
-            z, angle = result.poses[link].z[order, 0] / group.size, result.poses[link].angle[order, 0]
+            z, angle = result.poses[link].origin[order][0] / group.size, result.poses[link].turn[order][0]
             row += [z.real, z.imag, angle]
         rows.append(row)
     return np.array(rows)
@@ -106,10 +106,7 @@ def _assembled(plan: Plan, index: int, group: Group, way: Way, q: float) -> np.n
 
 
 def _repeated(pose: Pose, n: int) -> Pose:
-    return Pose(
-        np.broadcast_to(pose.z[:, :1], (4, n)), np.broadcast_to(pose.angle[:, :1], (4, n)),
-        unit=np.broadcast_to(pose.unit[:1], n),
-    )  # fmt: skip
+    return Pose(pose.origin.spread(n), pose.turn.spread(n), unit=np.broadcast_to(pose.unit, n))
 
 
 def _spread(group: Group, known: Bodies) -> np.ndarray:
@@ -119,7 +116,7 @@ def _spread(group: Group, known: Bodies) -> np.ndarray:
     for _ in range(40):
         ratio = (1.0 + ratio) ** (1.0 / (k + 1))
     share = np.mod(0.5 + np.outer(ratio ** -np.arange(1.0, k + 1), np.arange(1.0, STARTS + 1)), 1.0)
-    centre = np.mean([pose.z[0, 0] for pose in known.values()]) / group.size
+    centre = np.mean([pose.origin[0][0] for pose in known.values()]) / group.size
     x = 4.0 * (share - 0.5)
     x[0::3] += centre.real
     x[1::3] += centre.imag
@@ -149,8 +146,8 @@ def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.nd
         links = [n for n in group.links if name in plan.points[n]]
         if len(links) < 2:
             continue
-        pin = poses[links[0]].at(plan.points[links[0]][name])[0]
-        ends = [poses[n].at(_other_pin(plan, n, name))[0] for n in links[:2]]
+        pin = poses[links[0]].derivative(plan.points[links[0]][name], 0)
+        ends = [poses[n].derivative(_other_pin(plan, n, name), 0) for n in links[:2]]
         kept &= np.sign(cross(ends[1] - ends[0], pin - ends[0])) == side
     return kept
 

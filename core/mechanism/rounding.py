@@ -57,7 +57,7 @@ def condition(plan: Plan, solved: Solved) -> np.ndarray:
 def _at(held: Held, poses: dict[int, Pose], found: dict[int, Doubt]) -> np.ndarray:
     """Of a point of a known link."""
     doubt = found[held.link]
-    return np.asarray(doubt.origin + abs(held.point) * doubt.angle + np.abs(poses[held.link].z[0]) + abs(held.point))
+    return np.asarray(doubt.origin + abs(held.point) * doubt.angle + np.abs(poses[held.link].origin[0]) + abs(held.point))
 
 
 def _dyad(
@@ -100,4 +100,4 @@ def _group(
     inverse[fine] = np.abs(np.linalg.inv(result.matrix[fine])).sum(axis=2).max(axis=1)
     miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
     for link in step.links:
-        found[link] = Doubt(size * inverse * miss + np.abs(poses[link].z[0]), inverse * miss + 1.0)
+        found[link] = Doubt(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import cmath
 from dataclasses import dataclass
 
 import numpy as np
 
+from core.derivatives import Derivatives, standing
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
+from core.mechanism.closing import placed
 from core.mechanism.dyads import DYADS, Closed
 from core.mechanism.groups import Group, Settled, newton, settled
 from core.mechanism.plan import Plan
 from core.mechanism.way import Bridge, Way
 from core.train import Pose
-from core.vectors import turning, unit
+from core.vectors import unit
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,41 +27,33 @@ class Solved:
     steps: tuple[Closed | Settled, ...]
 
 
-def frame_pose() -> Pose:
-    """The link that stands still."""
-    return Pose(np.zeros((4, 1), dtype=complex), np.zeros((4, 1)), unit=np.ones(1, dtype=complex))
+FRAME_POSE = Pose(standing(0j), standing(0.0), unit=np.ones(1, dtype=complex))
+"""Of the link that stands still."""
 
 
-def driver_pose(plan: Plan, q: np.ndarray) -> Pose:
-    """The driving link at q (4, n): its angle [rad] where it is pinned to the frame, else its slide [m]."""
+def driver_pose(plan: Plan, q: Derivatives) -> Pose:
+    """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
     on, own = plan.driver.first, plan.driver.second
     if plan.driver.revolute:
-        heading = unit(q[0])
-        z = turning(-own.point * heading, q) if own.point else np.zeros(q.shape, dtype=complex)
-        z[0] += on.point
-        return Pose(z, q, unit=heading)
-    n = q.shape[1]
+        pin = standing(on.point)
+        return placed(pin, own.point, lambda: unit(q[0]), q)
     turned = on.along / own.along
-    angle = np.zeros((4, n))
-    angle[0] = np.angle(turned)
-    z = q * on.along
-    z[0] += on.point - own.point * turned
-    return Pose(z, angle, unit=np.full(n, turned))
+    start = on.point - own.point * turned
+    origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
+    return Pose(origin, standing(cmath.phase(turned)), unit=np.array([turned]))
 
 
-def at_driver(values: np.ndarray) -> np.ndarray:
-    """Driver positions (n,) as q (4, n) at unit speed: then every derivative is by the driver's coordinate."""
-    q = np.zeros((4, values.size))
-    q[0], q[1] = values, 1.0
-    return q
+def at_driver(values: np.ndarray) -> Derivatives:
+    """Driver positions (n,) as q at unit speed: then every derivative is by the driver's coordinate."""
+    return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
 
 
-def solve(plan: Plan, q: np.ndarray, way: Way, steps: int | None = None) -> Solved:
-    """Poses with three derivatives for the driver at q (4, n), derivatives by whatever q's are by.
+def solve(plan: Plan, q: Derivatives, way: Way, steps: int | None = None) -> Solved:
+    """Poses with three derivatives for the driver at q, derivatives by whatever q's are by.
 
     way: sides beyond change points, and where Newton starts; steps: only so many of the plan's.
     """
-    poses: dict[int, Pose] = {FRAME_LINK: frame_pose(), plan.linkage.driver.link: driver_pose(plan, q)}
+    poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
     found: list[Closed | Settled] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
@@ -72,18 +67,27 @@ def solve(plan: Plan, q: np.ndarray, way: Way, steps: int | None = None) -> Solv
     return Solved(poses, tuple(found))
 
 
-def _bridged(links: tuple[int, ...], bridges: tuple[Bridge, ...], q: np.ndarray, poses: dict[int, Pose]) -> None:
+def _bridged(links: tuple[int, ...], bridges: tuple[Bridge, ...], q: Derivatives, poses: dict[int, Pose]) -> None:
     """Lay the bridges that the driver's positions fall on."""
     laid = [(bridge, there) for bridge in bridges if (there := bridge.within(q[0])).any()]
-    if laid:
-        for link in links:
-            pose = poses[link]
-            poses[link] = Pose(pose.z.copy(), pose.angle.copy(), unit=np.array(pose.unit))
+    if not laid:
+        return
+    n = q[0].size
+    states = {
+        link: (
+            np.array(poses[link].origin.spread(n).all),
+            np.array(poses[link].turn.spread(n).all),
+            np.array(np.broadcast_to(poses[link].unit, n)),
+        )
+        for link in links
+    }
     for bridge, there in laid:
-        bridge.lay(q, there, poses)
+        bridge.lay(q.all, there, states)
+    for link, (z, angle, heading) in states.items():
+        poses[link] = Pose(Derivatives.of(z), Derivatives.of(angle), unit=heading)
 
 
-def _grouped(plan: Plan, index: int, q: np.ndarray, way: Way, poses: dict[int, Pose]) -> Settled:
+def _grouped(plan: Plan, index: int, q: Derivatives, way: Way, poses: dict[int, Pose]) -> Settled:
     step, joints = plan.steps[index]
     group = Group(step.links, joints, plan.size)
     x, last = newton(group, poses, way.tracks[index].start(q[0]))

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import perm
 
 import numpy as np
 
-from core.train import Pose
 from core.vectors import unit
+
+State = tuple[np.ndarray, np.ndarray, np.ndarray]
+"""Of a link: origin and angle (4, n), x axis (n,)."""
 
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
 
@@ -54,8 +57,8 @@ class Bridge:
     def within(self, q: np.ndarray) -> np.ndarray:
         return np.abs(q - self.at) < self.half
 
-    def lay(self, q: np.ndarray, there: np.ndarray, poses: dict[int, Pose]) -> None:
-        """Put the links' poses, whose arrays must be their own, at q (4, n) where ``there`` (n,) says so."""
+    def lay(self, q: np.ndarray, there: np.ndarray, states: Mapping[int, State]) -> None:
+        """Put the links' states at q (4, n) where ``there`` (n,) says so."""
         u = (q[0, there] - self.at) / self.half
         by_q = [_derivative(self.power, u, order) / self.half**order for order in range(4)]
         _, v, a, j = q[:, there, None]
@@ -66,11 +69,11 @@ class Bridge:
             by_q[3] * v * v * v + 3.0 * by_q[2] * v * a + by_q[1] * j,
         )
         for i, link in enumerate(self.links):
-            pose = poses[link]
+            z, angle, heading = states[link]
             for order, row in enumerate(rows):
-                pose.z[order, there] = row[:, 3 * i] + 1j * row[:, 3 * i + 1]
-                pose.angle[order, there] = row[:, 3 * i + 2]
-            pose.unit[there] = unit(pose.angle[0, there])
+                z[order, there] = row[:, 3 * i] + 1j * row[:, 3 * i + 1]
+                angle[order, there] = row[:, 3 * i + 2]
+            heading[there] = unit(angle[0, there])
 
 
 def _derivative(power: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:

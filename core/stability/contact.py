@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.cam import CamShape
+from core.derivatives import Derivatives
 from core.dynamics import Loading, newton_euler
 from core.motion import Angles, Program
 from core.stability.coefficients import RETUNED, Sizes
@@ -80,7 +81,8 @@ def contact(
 def _with_rates(train: Train, change: Callable[[np.ndarray], np.ndarray]) -> Train:
     """The train with other derivatives: accelerations are read from the second ones."""
     bodies: Mapping[str, Pose] = {
-        name: replace(pose, z=change(pose.z), angle=change(pose.angle)) for name, pose in train.bodies.items()
+        name: replace(pose, origin=Derivatives.of(change(pose.z)), turn=Derivatives.of(change(pose.angle)))
+        for name, pose in train.bodies.items()
     }
     return replace(train, bodies=bodies)
 

@@ -46,7 +46,7 @@ def mechanism_stage(linkage: Linkage, roller: LinkageCam | None, course: Course,
     return linkage_train(linkage, state, course, roller)
 
 
-@remembered
+@stage("centres")
 def centres_of(linkage: Linkage, course: Course, state: MotionState) -> CentreTable:
     """By the driver's own coordinate, so that a dwell of the motion has centres too."""
     train = unit_speed_train(linkage, state.y[0], course)
@@ -77,7 +77,7 @@ class LinkageStudy(Study, of=LinkageDesign):
     """Stages ``linkage`` and ``dynamics``; ``motion`` where it drives a link, ``cam`` where a cam makes it.
 
     The angle is the crank's own, or the cam's (the turn of the motion). A crank that cannot turn fully is looked at where
-    it can: then there are fewer angles than samples. ``centres`` belongs to the stage ``linkage``.
+    it can: then there are fewer angles than samples. ``centres`` belongs to the stage ``linkage``, and is counted by itself.
     """
 
     design: LinkageDesign
@@ -96,10 +96,23 @@ class LinkageStudy(Study, of=LinkageDesign):
         return self.design.linkage.driver.kind == CRANK
 
     @cached_property
+    def _places(self) -> Linkage:
+        """The linkage at a speed of 1: no place and no derivative by the angle depends on it, so that another speed solves
+        nothing anew."""
+        linkage = self.design.linkage
+        return replace(linkage, driver=replace(linkage.driver, speed_rpm=1.0))
+
+    @cached_property
+    def _roller(self) -> LinkageCam | None:
+        """The roller's centre, which is where it is whatever its radius."""
+        part: LinkageCam | None = self.design.cam
+        return part and replace(part, roller_radius_mm=1.0)
+
+    @cached_property
     def course(self) -> Course:
         """Ranges, change points and turning of the links. Raises NoPosition where they meet nowhere."""
         ends = () if self.by_crank else swept(program(self.design.motion))
-        found = course_of(self.design.linkage, *ends)
+        found = course_of(self._places, *ends)
         if not found.ranges:
             raise NoPosition(
                 "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
@@ -148,14 +161,14 @@ class LinkageStudy(Study, of=LinkageDesign):
     @cached_property
     def linkage(self) -> Train:
         try:
-            return self._stage(mechanism_stage, self.design.linkage, self.design.cam, self.course, self.drive)
+            return self._stage(mechanism_stage, self._places, self._roller, self.course, self.drive)
         except NoAnswer as error:
             raise self._located(error, "linkage") from None
 
     @cached_property
     def centres(self) -> CentreTable:
         """All instant centres at every angle; bodies are named as in ``linkage``."""
-        return self._stage(centres_of, self.design.linkage, self.course, self.drive)
+        return self._stage(centres_of, self._places, self.course, self.drive)
 
     @cached_property
     def _cam(self) -> CamShape:
@@ -312,7 +325,7 @@ class LinkageStudy(Study, of=LinkageDesign):
     def angular_velocities(self) -> dict[int, np.ndarray]:
         """Link -> (n,) [rad/s], the frame included."""
         bodies = self.linkage.bodies
-        return {n: bodies[body_name(n)].angle[1] * self.omega for n in sorted(self.design.linkage.by_number)}
+        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.linkage.by_number)}
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""

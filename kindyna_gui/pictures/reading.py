@@ -108,7 +108,7 @@ class Reading:
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
-            name: Body(name, pose.z[0] * MM, np.rad2deg(pose.angle[0]), {k: p * MM for k, p in pose.points.items()})
+            name: Body(name, pose.origin[0] * MM, np.rad2deg(pose.turn[0]), {k: p * MM for k, p in pose.points.items()})
             for name, pose in self.train.bodies.items()
         }
         self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.train.pairs.items())

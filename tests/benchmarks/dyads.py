@@ -29,9 +29,9 @@ def _on_rocker(turned: np.ndarray, speed: Any, gain: Any) -> Channels:
 
 
 def ours(there: Any, setting: None) -> Channels:
-    """Poses of all links, with third derivatives."""
+    """Joint B of the rocker, as any view asks for it."""
     pose = there.course.solve(there.q).poses[4]
-    return _on_rocker(pose.unit, pose.angle[1], pose.angle[2])
+    return _on_rocker(pose.unit, pose.turn[1], pose.turn[2])
 
 
 def _rates(theta: np.ndarray, phi: np.ndarray, psi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -29,10 +29,10 @@ START = np.array([PHI0, BETA0])
 
 
 def ours(there: Any, setting: None) -> Channels:
-    """With third derivatives, which the cam's curvature asks for, and the angles of arm and rod."""
+    """Third derivatives, which only the cam's curvature asks for, are not made."""
     train = train_of(there.follower, there.reach, there.motion)
     rod = train.bodies["rod"]
-    return [*rod.z[:3], *train.follower.z[:3], rod.unit]
+    return [*(pose.origin[order] for pose in (rod, train.follower) for order in range(3)), rod.unit]
 
 
 def _carried(phi: np.ndarray, beta: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:

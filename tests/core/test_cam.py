@@ -24,6 +24,7 @@ from references import EPS, MP, Series, Shape, Solved, cam_shape, off, placed, r
 from scipy.optimize import minimize_scalar
 
 from core.cam import centre_residual, envelope, relative_motion, tangency_residual
+from core.derivatives import Derivatives
 from core.design import SingleCam
 from core.errors import NoCam
 from core.findings import ERROR, WARNING
@@ -56,7 +57,7 @@ NAMES = ("pitch", "profile", "normal", "pressure_angle", "pitch_curvature", "pit
 def check_shape(design: SingleCam, theta: float) -> None:
     study = Study(design).at_theta(np.array([theta]))
     exact, size = sensitivity(figures, design, theta, study.motion.y[:, 0])
-    t, w, x = (float(abs(c[0])) for c in relative_motion(study.linkage, design.shaft.sense))
+    t, w, x = (float(abs(c[0])) for c in relative_motion(study.linkage, study.design.shaft.sense).all[1:])
     # a pressure angle near 0 is as good as the normal; curvatures are sums of products of t, w, x
     floors = {"pressure_angle": 1.0, "pitch_curvature": w / t**2, "pitch_curvature_slope": x / t**2 + 3.0 * w**2 / t**3}
     for name, reference, reach in zip(NAMES, exact, size, strict=True):
@@ -89,7 +90,7 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
         return [pitch.derivative(k) * MP.expj(sense_of(design) * there.theta) for k in (1, 2, 3)]
 
     exact, size = sensitivity(turned_back, design, theta, study.motion.y[:, 0])
-    for got, reference, reach in zip(relative_motion(study.linkage, study.design.shaft.sense), exact, size, strict=True):
+    for got, reference, reach in zip(relative_motion(study.linkage, study.design.shaft.sense).all[1:], exact, size, strict=True):
         assert off(complex(got[0]), reference) <= ROUNDINGS * EPS * (reach + float(abs(reference)))
 
 
@@ -175,13 +176,13 @@ def test_a_follower_that_turns_as_fast_as_the_cam_has_its_centre_at_infinity(rot
     design = with_shaft(LIFT, rotation=rotation)
     study = Study(design, 72)
     d, train = design.shaft.sense, study.linkage
-    angle = train.follower.angle.copy()
+    angle = np.array(train.follower.angle)
     angle[1] = d
     pivot, arm = train.bodies["arm"].z, train.follower.z - train.bodies["arm"].z
-    z = train.follower.z.copy()
+    z = np.array(train.follower.z)
     z[1] = 1j * d * arm[0]
-    bodies = {**train.bodies, "roller": Pose(z, angle, train.follower.points),
-              "arm": Pose(pivot, angle, train.bodies["arm"].points)}  # fmt: skip
+    bodies = {**train.bodies, "roller": Pose.of(z, angle, train.follower.points),
+              "arm": Pose.of(pivot, angle, train.bodies["arm"].points)}  # fmt: skip
     fast = replace(train, bodies=bodies)
     centre = cam_follower_centre(fast, d)
     assert (centre.weight == 0.0).all()
@@ -375,9 +376,9 @@ def test_a_roller_that_covers_the_cam_centre_is_told_with_the_cam_angles() -> No
 def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
     study = Study(LIFT, 8)
     train: Train = study.linkage
-    z = train.follower.z.copy()
+    z = np.array(train.follower.z)
     z[1, 5] = 1j * z[0, 5]
-    cusp = replace(train, bodies={**train.bodies, "roller": replace(train.follower, z=z)})
+    cusp = replace(train, bodies={**train.bodies, "roller": replace(train.follower, origin=Derivatives.of(z))})
     with pytest.raises(NoCam, match="cusp") as caught:
         envelope(cusp, LIFT.drive.cam, 1.0)
     assert caught.value.cam_angles == ((pytest.approx(225.0), pytest.approx(225.0)),)

@@ -1,6 +1,7 @@
 """core.keeping: results that others share are read-only, and what nobody asks for is not made."""
 
 import ctypes
+import gc
 import resource
 import sys
 from collections.abc import Callable
@@ -8,11 +9,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
+from assembled import case
+from linkages import KINDS, four_bar
 from mechanisms import LIFT, PUSHER
 
 from core import keeping
 from core.keeping import WhenAsked, keep_freed_memory, locked
+from core.mechanism import at_driver, course_of
 from core.study import Study
+
+CASES = [case((kind,), 0) for kind in KINDS]
 
 
 @dataclass(frozen=True)
@@ -79,14 +85,49 @@ def test_what_is_made_late_cannot_be_spoilt_either(design: object) -> None:
 
 
 def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
-    train, shape = Study(LIFT, 24).linkage, Study(LIFT, 24).cam
-    assert not isinstance(vars(train.bodies["rod"])["z"], np.ndarray)
+    study = Study(LIFT, 24)
+    train, shape = study.linkage, study.cam
+    assert train.bodies["rod"].origin.made == train.bodies["rod"].turn.made == ()
     assert not isinstance(vars(train)["residual"], np.ndarray)
     _ = shape.flank.profile
     assert isinstance(vars(shape.flank)["profile"], np.ndarray)
     assert not isinstance(vars(shape.flank)["pitch_curvature"], np.ndarray)
+    assert train.follower.origin.made == (0, 1)
+    assert train.follower.turn.made == ()
     _ = shape.flank.profile_curvature
     assert isinstance(vars(shape.flank)["profile_curvature"], np.ndarray)
+    assert train.follower.origin.made == (0, 1, 2)
+    _ = shape.flank.pitch_curvature_slope
+    assert train.follower.origin.made == (0, 1, 2, 3)
+
+
+def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:
+    """Of a general linkage, too: where the links are, then velocities, then accelerations."""
+    course = course_of(four_bar(100.0, 30.0, 90.0, 70.0).linkage)
+    rocker = course.solve(at_driver(np.linspace(0.1, 6.0, 24))).poses[4]
+    assert rocker.turn.made == ()
+    for order in range(3):
+        _ = rocker.derivative(0.07, order)
+        assert rocker.turn.made == tuple(range(1, order + 1)), "the angle itself is not needed"
+
+
+@pytest.mark.parametrize("make", [
+    lambda theta: Study(LIFT, 24).linkage.follower.z,
+    lambda theta: Study(LIFT, 24).cam.flank.pitch_curvature_slope,
+    *(lambda theta, case=case: case.course.solve(at_driver(theta * 0.0 + case.q)).poses[3].z for case in CASES),
+], ids=["linkage", "cam", *(case.name for case in CASES)])  # fmt: skip
+def test_what_nobody_holds_any_more_is_freed_at_once(make: Callable[[np.ndarray], np.ndarray]) -> None:
+    """Results in a circle with the functions that make them would stay in memory until Python looks for circles."""
+    theta = np.linspace(0.1, 6.0, 24)
+    make(theta)
+    gc.collect()
+    gc.disable()
+    try:
+        _ = make(theta)
+        del _
+        assert gc.collect() == 0
+    finally:
+        gc.enable()
 
 
 def test_a_study_fetches_no_memory_anew() -> None:

@@ -287,7 +287,8 @@ def test_area_and_angle_keep_their_digits_in_a_needle(a: float, b: float, c: flo
     x, y, z = map(MP.mpf, (a, b, c))
     area = MP.sqrt((x + y + z) * (-x + y + z) * (x - y + z) * (x + y - z))
     assert off(area4_of(a, b, c), area) <= 8 * EPS * float(area)
-    assert area4(np.array([a, a]), b, c).tolist() == [area4_of(a, b, c)] * 2
+    for got in area4(np.array([a, a]), b, c).tolist():
+        assert off(got, area) <= 8 * EPS * float(area)
     cosine = (x * x + y * y - z * z) / (2 * x * y)
     angle = MP.acos(cosine)
     # atan2 of the area and 2ab cos, the latter of three products: its error counts as far as it turns the angle
@@ -362,7 +363,7 @@ def test_angles_hold_down_to_dead_centres(
     k = float(got.area[0])
     s = slider**2 + height**2 + l1**2 + l2**2
     half_an_ulp = EPS * 0.5 * math.pi  # of an angle that a whole turn was added to
-    for row, at in ((got.phi, 0), (got.beta, 4)):
+    for row, at in ((got.phi.all, 0), (got.beta.all, 4)):
         error = apart(row[0, 0], exact[at])
         assert error <= 1.3 * EPS * (1.0 + s / k) + half_an_ulp
         # sin(φ-β) = K/2 L1 L2 is as good as r, whose rounding it feels by (S/K)²; each further order divides by it

@@ -26,6 +26,7 @@ from linkages import (
 )
 from references import EPS, MP
 
+from core.derivatives import Derivatives
 from core.design import CRANK, Driver, Linkage, LinkageDesign, Slider, put
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
@@ -121,7 +122,7 @@ def test_velocities_are_complex_step_derivatives(kind: str) -> None:
 def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
     """To 50 digits, for a driver that does not run evenly."""
     for case in cases(kind)[1::4]:
-        solved = case.course.solve(np.array([[case.q], [1.3], [-0.7], [0.4]]))
+        solved = case.course.solve(Derivatives.of(np.array([[case.q], [1.3], [-0.7], [0.4]])))
         expected = in_series(case.design, case.q, case.x, (1.3, -0.7, 0.4))
         for i, n in enumerate(sorted(n for n in solved.poses if n != 1)):
             pose = solved.poses[n]

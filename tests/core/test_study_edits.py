@@ -2,30 +2,55 @@
 
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from core.design import Entry, SingleCam, edited, entries, faults, get
+from core.design import Design, Entry, LinkageDesign, SingleCam, edited, entries, faults, get
 from core.project import load
 from core.study import Study, evaluations
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
-DESIGNS = {name: load(EXAMPLES / f"{name}.toml") for name in ("transfer_lift", "card_picker")}
-STAGES = ("motion", "linkage", "cam", "dynamics")
+NAMES = ("transfer_lift", "card_picker", "kim_1990", "four_bar_coupler_cam", "slider_crank")
+DESIGNS = {name: load(EXAMPLES / f"{name}.toml") for name in NAMES}
+CAM, LINKAGE = "cam", "linkage"
+SECTIONS = {CAM: ("motion", "follower", "cam", "shaft", "loads"), LINKAGE: ("motion", "linkage", "cam", "loads")}
+ALL = ("motion", "linkage", "cam", "dynamics", "stability")
 
 # path, or the beginning of it: the stages that depend on what stands there; the longest that fits counts
-DEPENDS: dict[str, tuple[str, ...]] = {
-    "name": (),
-    "motion": STAGES,
-    "follower": ("linkage", "cam", "dynamics"),
-    "cam": ("linkage", "cam", "dynamics"),  # a radius moves the base position
-    "shaft.rotation": ("cam", "dynamics"),
-    "shaft.speed_rpm": ("dynamics",),
-    "shaft.flywheel_inertia_kg_m2": (),
-    "shaft.speed_fluctuation": (),
-    "shaft.motor_slope_nm_s_per_rad": (),
-    "loads": ("dynamics",),
+DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
+    CAM: {
+        "name": (),
+        "motion": ALL,
+        "follower": ("linkage", "cam", "dynamics", "stability"),
+        "cam": ("linkage", "cam", "dynamics", "stability"),  # a radius moves the base position
+        "shaft": ("stability",),
+        "shaft.rotation": ("cam", "dynamics", "stability"),
+        "shaft.speed_rpm": ("dynamics", "stability"),
+        "shaft.flywheel_inertia_kg_m2": (),
+        "shaft.speed_fluctuation": (),
+        "shaft.motor_slope_nm_s_per_rad": (),
+        "loads": ("dynamics", "stability"),
+    },
+    LINKAGE: {
+        "name": (),
+        "motion": ALL,
+        "linkage": ("linkage", "cam", "dynamics"),
+        "linkage.driver.speed_rpm": ("dynamics",),
+        "cam": ("cam", "dynamics"),  # the linkage has its size by itself
+        "loads": ("dynamics",),
+    },
 }
+
+
+def kind(design: Design) -> str:
+    return LINKAGE if isinstance(design, LinkageDesign) else CAM
+
+
+def stages(design: Design) -> tuple[str, ...]:
+    """Those that this design has something to compute for."""
+    rigid = isinstance(design, SingleCam) and design.shaft.elastic is None
+    return tuple(stage for stage in Study(design).stages if not (rigid and stage == "stability"))
 
 
 def other_value(entry: Entry) -> object:
@@ -33,61 +58,92 @@ def other_value(entry: Entry) -> object:
     info, value = entry.info, entry.value
     if info.choices:
         return next((choice for choice in info.choices if choice != value), None)
+    if isinstance(value, int):  # the number of a link
+        return None
     tried = [value * 1.001, value + 0.01, value - 0.01]
     return next(t for t in tried if t != value and info.admits(t))
 
 
-def edits() -> list[object]:
+def edits() -> list[Any]:
     """Example, path, and the design with another value there; what a field alone cannot change is left out."""
     found = []
     for name, design in DESIGNS.items():
-        for section in ("motion", "follower", "cam", "shaft", "loads"):
+        for section in SECTIONS[kind(design)]:
             for entry in entries(design, section):
                 value = other_value(entry)
                 if value is None:
                     continue
                 changed = edited(design, entry.path, value)
                 if faults(changed):
-                    # a dwell neither rises nor turns, and a law for rises keeps its sign
-                    assert entry.path.startswith("motion.segments"), entry.path
+                    # a dwell neither rises nor turns, a law for rises keeps its sign, and no crank has a motion
+                    assert entry.path.startswith(("motion.segments", "linkage.driver.kind")), entry.path
                     continue
                 found.append(pytest.param(design, changed, entry.path, id=f"{name}: {entry.path}"))
     return found
 
 
-def needed(path: str) -> tuple[str, ...]:
-    return DEPENDS[max((key for key in DEPENDS if path == key or path.startswith(f"{key}.")), key=len)]
+def needed(design: Design, path: str) -> tuple[str, ...]:
+    rows = DEPENDS[kind(design)]
+    row = rows[max((key for key in rows if path == key or path.startswith(f"{key}.")), key=len)]
+    return tuple(stage for stage in stages(design) if stage in row)
 
 
-def asked(design: SingleCam) -> dict[str, int]:
+def asked(design: Design) -> dict[str, int]:
     before = Counter(evaluations)
     study = Study(design, 72)
-    for stage in STAGES:
+    for stage in study.stages:
         getattr(study, stage)
     return dict(Counter(evaluations) - before)
 
 
 @pytest.mark.parametrize(("design", "changed", "path"), edits())
-def test_a_fields_edit_computes_its_stages_again_and_going_back_none(design: SingleCam, changed: SingleCam, path: str) -> None:
+def test_a_fields_edit_computes_its_stages_again_and_going_back_none(design: Design, changed: Design, path: str) -> None:
     assert get(design, path) != get(changed, path)
-    assert asked(design) == dict.fromkeys(STAGES, 1)
-    assert asked(changed) == dict.fromkeys(needed(path), 1)
+    assert asked(design) == dict.fromkeys(stages(design), 1)
+    assert asked(changed) == dict.fromkeys(needed(design, path), 1)
     assert asked(design) == {}, "back to the design from before"
     assert asked(changed) == {}, "and forth again"
 
 
 def test_no_field_is_without_a_row_and_no_row_without_a_field() -> None:
-    paths = {e.path for design in DESIGNS.values() for s in ("motion", "follower", "cam", "shaft", "loads") for e in entries(design, s)}
-    assert all(needed(path) is not None for path in paths)
-    for key in DEPENDS:
-        assert key == "name" or any(path == key or path.startswith(f"{key}.") for path in paths), key
-    tried = {parameter.values[2] for parameter in edits()}
-    left_out = {path for path in paths - tried if not path.startswith("motion.segments")}
-    assert left_out == {"cam.form", "follower.face"}, "of which there is one choice"
-    assert {"motion.segments[1].span_deg", "motion.segments[1].rise_mm", "motion.segments[1].crossover", "motion.start_mm"} <= tried
+    tried = {(parameter.values[0], parameter.values[2]) for parameter in edits()}
+    for of in (CAM, LINKAGE):
+        designs = [design for design in DESIGNS.values() if kind(design) == of]
+        there = {e.path: e.value for design in designs for s in SECTIONS[of] for e in entries(design, s)}
+        for key in DEPENDS[of]:
+            assert key == "name" or any(path == key or path.startswith(f"{key}.") for path in there), key
+        numbers = {path for path, value in there.items() if not isinstance(value, int)}
+        left_out = {path for path in numbers - {path for design, path in tried if design in designs} if "segments" not in path}
+        assert left_out == {CAM: {"cam.form", "follower.face"}, LINKAGE: {"cam.form", "linkage.driver.kind"}}[of]
+    paths = {path for _, path in tried}
+    assert {"motion.segments[1].span_deg", "motion.segments[1].rise_mm", "motion.segments[1].crossover", "motion.start_mm"} <= paths
 
 
-def test_another_name_computes_nothing() -> None:
-    for design in DESIGNS.values():
-        asked(design)
-        assert asked(edited(design, "name", "Another")) == {}
+@pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
+def test_another_name_computes_nothing(design: Design) -> None:
+    """Nor do its findings and its certificate."""
+
+    def all_of(design: Design) -> dict[str, int]:
+        told = asked(design)
+        study = Study(design, 72)
+        _ = study.findings(), study.certificate()
+        return told
+
+    all_of(design)
+    before = Counter(evaluations)
+    all_of(edited(design, "name", "Another"))
+    assert Counter(evaluations) - before == {}
+
+
+LOADS = {"transfer_lift": "loads.arm_mass_kg", "kim_1990": "loads.preload_n", "four_bar_coupler_cam": "loads.forces[0].y_n"}
+
+
+@pytest.mark.parametrize("name", LOADS)
+def test_other_loads_leave_the_extremes_of_what_moves_as_they_are(name: str) -> None:
+    design = DESIGNS[name]
+    heavier = edited(design, LOADS[name], get(design, LOADS[name]) * 1.01)
+    for stage in ("motion", "linkage", "cam"):
+        _ = Study(design, 72).extremes(stage), Study(design, 72).findings((stage,))
+        before = Counter(evaluations)
+        _ = Study(heavier, 72).extremes(stage), Study(heavier, 72).findings((stage,))
+        assert Counter(evaluations) - before == {}, stage

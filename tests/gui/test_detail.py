@@ -12,9 +12,10 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPathStroker, QTransf
 from PySide6.QtWidgets import QWidget
 
 from core.channels import channels
-from core.design import SingleCam
+from core.design import SingleCam, edited
 from core.study import Study
 from kindyna_gui.live_plot import LivePlot, LivePolar
+from kindyna_gui.pictures import plot_lines
 from kindyna_gui.pictures.detail import UNSEEN, level, needed
 from kindyna_gui.pictures.files import PICTURES, Sheet
 from kindyna_gui.pictures.items import Loop, Silhouette
@@ -150,6 +151,24 @@ def test_a_curve_of_few_points_looks_like_the_whole(
     assert np.median(drawn) <= 0.35 * SAMPLES
 
 
+def test_a_curve_is_thinned_once_for_a_size_and_a_design(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither a cursor that moves nor a layout that changes nothing looks at its points again."""
+    thinned: list[int] = []
+    monkeypatch.setattr(plot_lines, "needed", lambda points, unseen: thinned.append(1) or needed(points, unseen))
+    plot = LivePlot()
+    plot.resize(300, 178)
+    plot.grab()
+    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "jerk"])
+    assert thinned
+    thinned.clear()
+    plot.set_angle(1.0)
+    plot.resize(300, 178)
+    plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "jerk"])
+    plot._lay()
+    plot.grab()
+    assert thinned == []
+
+
 def test_a_larger_plot_gets_more_points() -> None:
     plot = LivePlot()
     counts = []
@@ -225,6 +244,33 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
     assert apart.max() <= HAIR
     assert loops(full) >= 2 * SAMPLES
     assert loops(thin) < {1.0: 0.3, 7.0: 0.6, 60.0: 1.01}[zoom] * loops(full)
+
+
+@pytest.mark.parametrize("zoom", [1.0, 7.0, 60.0])
+def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[MechanismScene, MechanismScene], zoom: float) -> None:
+    scene = scenes[0]
+    visible, scale = scene.fit(600, 500)
+    scene.look_at(visible, scale * zoom)
+    for part in scene.parts.values():
+        if isinstance(part.item, Loop):
+            path, whole = part.item.path(), part.item._points
+            drawn = {complex(e.x, e.y) for e in map(path.elementAt, range(path.elementCount()))}
+            kept = np.flatnonzero([complex(point) in drawn for point in whole])
+            assert off(whole, kept) * scale * zoom <= UNSEEN * 2.0**0.5
+
+
+def test_a_design_edited_under_the_glass_has_all_its_points_there(scenes: tuple[MechanismScene, MechanismScene]) -> None:
+    scene = scenes[0]
+    assert scene.reading is not None
+    visible, scale = scene.fit(600, 500)
+    scene.look_at(visible, scale * 400.0)
+    near = loops(scene)
+    larger = edited(scene.reading.study.design, "cam.base_radius_mm", scene.reading.study.design.drive.cam.base_radius_mm + 0.5)
+    for keep in (True, False):
+        scene.update_study(Study(larger if keep else scene.reading.study.design, SAMPLES), keep_labels=keep)
+        assert loops(scene) == pytest.approx(near, rel=0.02)
+    scene.look_at(visible, scale)
+    assert loops(scene) < 0.3 * near
 
 
 def test_zooming_brings_points_back_and_leaves_them_again(scenes: tuple[MechanismScene, MechanismScene]) -> None:

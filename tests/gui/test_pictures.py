@@ -537,7 +537,7 @@ class Quick:
     def _pose(self, z: np.ndarray | complex, angle: np.ndarray, points: dict[str, complex]) -> Pose:
         where, turn = np.zeros((4, SAMPLES), dtype=complex), np.zeros((4, SAMPLES))
         where[0], turn[0] = z, angle
-        return Pose(where, turn, points)
+        return Pose.of(where, turn, points)
 
 
 def test_a_slide_on_a_moving_body_moves_with_it() -> None:

@@ -5,6 +5,7 @@ from PySide6.QtCore import QEvent, QObject
 from PySide6.QtWidgets import QApplication, QWidget
 from window_user import Open, User, settle, wait_for
 
+from core.design import Design
 from core.project import load
 from core.study import Study, clear_caches, evaluations, stages
 from kindyna_gui.docks import VIEWS
@@ -13,8 +14,10 @@ from kindyna_gui.graph_view import GraphView
 from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.places import example
+from kindyna_gui.plots_view import PlotView
 from kindyna_gui.reads import READS
 from kindyna_gui.shown import stages_of
+from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 
 NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
@@ -97,22 +100,53 @@ def test_the_table_is_what_the_views_say(user: User) -> None:
     assert set().union(*READS.values()) <= set(Study.stages)
 
 
+def opened_alone(user: User, name: str, design: Design) -> View:
+    """A view that alone is on the screen, asked for everything it can be asked without an edit: shown, and the cam turned."""
+    empty(user)
+    if is_linkage(design):  # of one a graph is never empty
+        user.window.show_view("laws")
+        settle()
+    clear_caches()
+    user.session.start(design)
+    settle()
+    assert computed() == set(), "neither laws nor an empty graph read anything"
+    view = user.window.show_view(name)
+    if name == "graph" and not is_linkage(design):
+        view._ticked("phi", True)  # type: ignore[attr-defined]
+    wait_for(lambda: view.up_to_date)
+    user.window.player.step(1.0)
+    settle()
+    assert view.on_screen()
+    return view
+
+
 def test_each_view_alone_computes_its_stages_and_no_others(alone: User) -> None:
+    design = load(example("transfer_lift"))
     for name in VIEWS:
-        empty(alone)
-        clear_caches()
-        alone.window.session.start(load(example("transfer_lift")))
-        settle()
-        assert computed() == set(), "an empty graph reads nothing"
-        view = alone.window.show_view(name)
-        if name == "graph":
-            view._ticked("phi", True)  # type: ignore[attr-defined]
-        wait_for(lambda view=view: view.up_to_date)
-        alone.window.player.step(1.0)
-        settle()
-        assert view.on_screen()
+        view = opened_alone(alone, name, design)
         # a cam has no linkage of its own for those that show linkages
         assert computed() == (set() if view.not_here else closure(view.stages)), name
+
+
+LINKAGE_VIEWS = ("mechanism", "graph", "motion", "centres", "circle", "polygon", "torque")
+
+
+def test_each_view_alone_computes_no_more_of_a_linkage(alone: User) -> None:
+    """Of one that a cam drives, which has every stage but that of the shaft."""
+    design = load(example("four_bar_coupler_cam"))
+    for name in LINKAGE_VIEWS:
+        view = opened_alone(alone, name, design)
+        assert not view.not_here
+        # the circle diagram is of centres alone, which are those of the linkage at any speed
+        wanted = {"motion"} if name == "circle" else closure(view.stages)
+        assert computed() == wanted | ({"centres"} if name in ("circle", "centres") else set()), name
+
+
+def test_a_flexible_shaft_is_computed_for_its_own_view_alone(alone: User) -> None:
+    design = load(example("kim_1990"))
+    for name in ("mechanism", "torque", "parameters", "stability"):
+        view = opened_alone(alone, name, design)
+        assert computed() == ({"stability"} if name == "stability" else closure(view.stages)), name
 
 
 def test_an_empty_graph_computes_what_is_ticked(alone: User) -> None:
@@ -172,6 +206,13 @@ def test_an_edit_recomputes_only_what_depends_on_it(user: User) -> None:
         user.session.end_gesture()
 
 
+def test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it(user: User) -> None:
+    before = evaluations.copy()
+    user.window.player.step(1.0)
+    settle()
+    assert dict(evaluations - before) == {"motion": 1, "linkage": 1, "cam": 1, "dynamics": 1}
+
+
 # -- what is hidden rests -----------------------------------------------------------------------------------
 
 
@@ -197,19 +238,41 @@ def test_what_cannot_be_seen_neither_computes_nor_draws(alone: User, monkeypatch
     assert painted.widgets == []
 
 
-def test_a_dock_behind_another_does_not_paint(user: User) -> None:
+def test_who_cannot_be_seen_does_not_follow_the_cam_though_nothing_else_is_new(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = views(alone)
+    for view in shown.values():
+        view.pull()
+    empty(alone)
+    followed: list[str] = []
+    for name, view in shown.items():
+        monkeypatch.setattr(view, "follow", lambda theta, name=name: followed.append(name))
+    clear_caches()
+    alone.window.player.step(5.0)
+    settle()
+    assert followed == ["graph"]
+    assert computed() == set()
+
+
+def test_a_dock_behind_another_neither_computes_nor_paints(user: User) -> None:
     user.window.show_view("velocity")
     settle()
     user.window.show_view("displacement")
     settle()
     behind, painted = user.window.view("velocity"), Painted()
-    assert behind is not None
+    assert isinstance(behind, PlotView)
+    assert behind.up_to_date
+    assert behind.isVisible(), "says Qt"
+    angle = behind.plot.angle
+    user.window.player.step(5.0)
+    settle()
+    assert behind.plot.angle == angle
     for widget in [behind, *behind.findChildren(QWidget)]:
         widget.installEventFilter(painted)
     user.session.edit("motion.stroke", 160.0, "a")
     user.window.player.step(5.0)
     settle()
     assert painted.widgets == []
+    assert not behind.up_to_date
 
 
 class Painted(QObject):

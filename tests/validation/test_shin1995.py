@@ -224,10 +224,10 @@ def test_the_tangent_substitution_divides_by_zero_where_the_rod_lies_level() -> 
         base = BasePosition(-1.345, float(phi), 0.0, float(beta), -float(side))
         ours = rod_and_arm(g, base, np.zeros((4, 1)))
         bound = 1.3 * EPS * (1.0 + s / float(ours.area[0])) + EPS * math.pi
-        assert apart(ours.phi[0, 0], phi) <= bound
-        assert apart(ours.beta[0, 0], beta) <= bound
-    level = math.degrees(rod_and_arm(g, BasePosition(-1.345, 1.9656, 0.0, math.pi, 1.0), np.zeros((4, 1))).beta[0, 0])
-    other = math.degrees(rod_and_arm(g, BasePosition(-1.345, 2.8, 0.0, 1.2, -1.0), np.zeros((4, 1))).beta[0, 0])
+        assert apart(ours.phi[0][0], phi) <= bound
+        assert apart(ours.beta[0][0], beta) <= bound
+    level = math.degrees(rod_and_arm(g, BasePosition(-1.345, 1.9656, 0.0, math.pi, 1.0), np.zeros((4, 1))).beta[0][0])
+    other = math.degrees(rod_and_arm(g, BasePosition(-1.345, 2.8, 0.0, 1.2, -1.0), np.zeros((4, 1))).beta[0][0])
     told = sorted(abs(x) for x in (level, other))
     assert told[1] == pytest.approx(180.0, abs=1e-12)
     assert told[0] < 170.0

@@ -1,0 +1,140 @@
+"""Quantities with their derivatives, each order made when it is first read: few scenes need all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from core.vectors import turned
+
+ORDERS = 4  # the value and three derivatives
+BINOMIAL = ((1.0,), (1.0, 1.0), (1.0, 2.0, 1.0), (1.0, 3.0, 3.0, 1.0))
+
+
+class Derivatives:
+    """A quantity at n positions: d[k] is its derivative of order k, 0 ... 3, by cam angle, (n,) and read-only; (1,) where
+    it is the same everywhere.
+
+    make   order -> its row, asked for once; it may read lower orders, also of quantities that are made with it
+    still  it never changes: all derivatives are 0, and whoever adds them need not ask
+    """
+
+    __slots__ = ("_all", "_make", "_rows", "still")
+
+    def __init__(self, make: Callable[[int], np.ndarray], still: bool = False) -> None:
+        self._make = make
+        self.still = still
+        self._rows: list[np.ndarray | None] = [None] * ORDERS
+        self._all: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, rows: np.ndarray | Sequence[np.ndarray]) -> Derivatives:
+        """Of what is known: (4, n), or four rows."""
+        made = cls(rows.__getitem__)
+        if isinstance(rows, np.ndarray):
+            made._all = rows.view()
+            made._all.flags.writeable = False
+        return made
+
+    def __getitem__(self, order: int) -> np.ndarray:
+        row = self._rows[order]
+        if row is None:
+            row = self._make(order).view()
+            row.flags.writeable = False
+            self._rows[order] = row
+        return row
+
+    @property
+    def made(self) -> tuple[int, ...]:
+        """The orders that somebody has read."""
+        return tuple(order for order, row in enumerate(self._rows) if row is not None)
+
+    @property
+    def all(self) -> np.ndarray:
+        """(4, n)."""
+        if self._all is None:
+            self._all = np.array(np.broadcast_arrays(*(self[order] for order in range(ORDERS))))
+            self._all.flags.writeable = False
+        return self._all
+
+    def spread(self, n: int) -> Derivatives:
+        """The same with n values in every row, which take no memory."""
+        return Derivatives(lambda order: np.broadcast_to(self[order], n), self.still)
+
+    def quiet(self) -> Derivatives:
+        """The same where derivatives may be infinite, as at a dead centre: none of its rows warns of that."""
+        return Derivatives(np.errstate(divide="ignore", invalid="ignore", over="ignore")(self.__getitem__))
+
+
+class Chain:
+    """Quantities whose derivatives follow from the lower ones of all of them: c[k] is their row (m, n) of order k.
+
+    follow  order, chain -> the row of this order, asked for once. The chain is handed over: a function that held it would
+            be in a circle with it, and all its rows in memory until Python comes to look for circles.
+    """
+
+    __slots__ = ("_follow", "_rows")
+
+    def __init__(self, follow: Callable[[int, Chain], np.ndarray]) -> None:
+        self._follow = follow
+        self._rows: dict[int, np.ndarray] = {}
+
+    def __getitem__(self, order: int) -> np.ndarray:
+        if order not in self._rows:
+            self._rows[order] = self._follow(order, self)
+        return self._rows[order]
+
+    def part(self, index: int, first: Callable[[], np.ndarray] | None = None) -> Derivatives:
+        """One of them; its value from elsewhere where the chain has derivatives only."""
+        return Derivatives(lambda order: self[order][index] if order or first is None else first())
+
+
+def standing(value: complex | np.ndarray) -> Derivatives:
+    """What never changes; the same everywhere where it is a number."""
+    first = value if isinstance(value, np.ndarray) else np.array([value])
+    return Derivatives(lambda order: np.zeros(1, first.dtype) if order else first, still=True)
+
+
+def sum_of(a: Derivatives, b: Derivatives) -> Derivatives:
+    """a + b."""
+    return _joined(a, b, np.add, np.positive)
+
+
+def difference(a: Derivatives, b: Derivatives) -> Derivatives:
+    """a - b."""
+    return _joined(a, b, np.subtract, np.negative)
+
+
+def scaled(a: Derivatives, by: complex) -> Derivatives:
+    """A fixed multiple."""
+    return Derivatives(lambda order: a[order] * by, a.still)
+
+
+def _joined(a: Derivatives, b: Derivatives, both: np.ufunc, second: np.ufunc) -> Derivatives:
+    def row(order: int) -> np.ndarray:
+        if order and b.still:
+            return a[order]
+        return np.asarray(second(b[order]) if order and a.still else both(a[order], b[order]))
+
+    return Derivatives(row, a.still and b.still)
+
+
+def turning(u: np.ndarray, angle: Derivatives) -> Derivatives:
+    """A vector u (n,) fixed in a body that turns so."""
+    return standing(u) if angle.still else Derivatives(lambda order: turned(u, angle, order))
+
+
+def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
+    """The derivative of s t in this order, 1 ... 3, without its term in s's highest derivative (Leibniz)."""
+    return np.asarray(sum(c * s[k] * t[order - k] for k, c in enumerate(BINOMIAL[order][:-1])))
+
+
+def product(s: Derivatives, t: Derivatives) -> Derivatives:
+    """s t."""
+
+    def row(order: int) -> np.ndarray:
+        highest = s[order] * t[0]
+        return highest if t.still or not order else highest + earlier(s, t, order)
+
+    return Derivatives(row)
