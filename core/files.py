@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import secrets
 import shutil
 import stat
 from collections.abc import Iterator, Mapping
@@ -133,7 +132,7 @@ def _permissions(path: Path, target: Path) -> int | None:
 
 def _other_name(target: Path, leftovers: ExitStack) -> Path:
     """A free name beside the target, noted to be swept up."""
-    other = target.with_name(f".{secrets.token_hex(8)}.tmp")
+    other = target.with_name(f".{os.urandom(8).hex()}.tmp")
     leftovers.callback(_remove, other)
     return other
 

@@ -12,6 +12,7 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING, NoReturn
 
 from core.errors import KindynaError
@@ -101,16 +102,22 @@ def without_window(path: Path, why: str) -> int:
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
 
 
+def window_module() -> ModuleType:
+    """``kindyna_gui.main_window``, imported in the quickest order. Raises ImportError where the system lacks a library."""
+    # before Qt, which looks into the source of all that is imported after it
+    from core import project, study  # noqa: F401
+    from kindyna_gui import main_window
+
+    return main_window
+
+
 def window(path: Path | None) -> int:
     """Open the window; returns the exit code when it is closed. Without the libraries it needs, what works without."""
     trouble = ""
-    # before Qt, which looks into the source of all that is imported after it
-    from core import project, study  # noqa: F401
-
     try:
         trouble = lacking()
         if not trouble:
-            from kindyna_gui import main_window
+            main_window = window_module()
     except ImportError as error:
         if not _of_qt(error):
             raise

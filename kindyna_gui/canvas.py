@@ -6,7 +6,6 @@ from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
-from core.mechanism import joints_of
 from kindyna_gui.pictures.mechanism import MechanismScene
 
 NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
@@ -19,6 +18,8 @@ _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 
 def joints_now(scene: MechanismScene) -> dict[str, complex]:
     """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
+    from core.mechanism import joints_of  # which takes longer to load than the picture to draw
+
     reading = scene.reading
     if reading is None:
         return {}

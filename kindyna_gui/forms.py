@@ -14,11 +14,12 @@ from core.design import FOLLOWER_KINDS, Design, Entry, SingleCam, entries, kind_
 from core.design.paths import section as section_of
 from core.findings import ERROR
 from core.project import to_table
-from core.study import LinkageStudy, Study
+from core.study import Study
 from kindyna_gui.fields import COLUMNS, Field, NameField, Spec
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
+from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.wording import SECTION_NAMES, entry_label, heading_of
 
@@ -127,7 +128,7 @@ class Form(QScrollArea):
 
 def kind_label(study: Study) -> str:
     """What kind of mechanism a design is, in a few words."""
-    if isinstance(study, LinkageStudy):
+    if is_linkage(study.design):
         links = len(study.design.linkage.links)
         return f"Linkage of {links} links{' and a cam' if study.design.cam is not None else ''}"
     return FOLLOWER_KINDS[kind_of(study.design.drive.follower)].label
@@ -167,8 +168,9 @@ class ParametersView(View):
         self.name.refresh(design)
         self.kind.setText(kind_label(study))
         for section, form in self.forms.items():
-            there = _part(design, section) is not None
-            self.tabs.setTabVisible(self.tabs.indexOf(form), there)
+            there, tab = _part(design, section) is not None, self.tabs.indexOf(form)
+            if there != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
+                self.tabs.setTabVisible(tab, there)
             if not there:
                 continue
             before = form.widget()

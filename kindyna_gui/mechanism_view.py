@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QLabel, QVBoxLayout
 
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
-from core.mechanism import joints_of, move_joint
 from core.study import Study
 from kindyna_gui.canvas import Canvas
 from kindyna_gui.look import WRONG, coloured
@@ -73,7 +72,7 @@ class MechanismView(View):
         self._take_layers()
         self._say_what_lacks(study)
         self.scene.show_step(self.session.step if is_linkage(study.design) else None, draw=False)
-        self.scene.update_study(study, keep_labels=True)
+        self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
         self.canvas.rest.start()
         if self._fit_wanted:
             self.canvas.fit()
@@ -109,6 +108,8 @@ class MechanismView(View):
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
+        from core.mechanism import joints_of, move_joint
+
         design, joint = self.session.design, joints_of(self.session.design)[name]
         train = self.session.at(self.player.theta).linkage
         decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
@@ -120,6 +121,8 @@ class MechanismView(View):
             self.session.put(moved, f"Move {joint.label}", joint.field)
 
     def _drop_joint(self, name: str) -> None:
+        from core.mechanism import joints_of
+
         self.session.end_gesture()
         self.session.withdraw(joints_of(self.session.design)[name].field)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar
 
-from kindyna_gui import linkage_menus, submenus
+from kindyna_gui import submenus
 from kindyna_gui.look import icon
 
 if TYPE_CHECKING:
@@ -47,6 +48,15 @@ class Submenu:
     text: str
     fill: Callable[[MainWindow, QMenu], None]
     name: str = ""
+
+
+def _later(module: str, name: str) -> Callable[[MainWindow, QMenu], None]:
+    """Fills a menu from a module that is imported when it is first opened."""
+
+    def fill(window: MainWindow, menu: QMenu) -> None:
+        getattr(import_module(f"kindyna_gui.{module}"), name)(window, menu)
+
+    return fill
 
 
 def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "") -> Item:
@@ -118,8 +128,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),
             Submenu("&Layout", submenus.fill_layouts, "layouts"),
-            Submenu("Driv&er", linkage_menus.fill_drivers, "drivers"),
-            Submenu("Cam &roller", linkage_menus.fill_rollers, "rollers"),
+            Submenu("Driv&er", _later("linkage_menus", "fill_drivers"), "drivers"),
+            Submenu("Cam &roller", _later("linkage_menus", "fill_rollers"), "rollers"),
             _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
             SEPARATOR,
             _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),

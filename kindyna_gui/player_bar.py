@@ -58,8 +58,10 @@ class AngleSlider(QAbstractSlider):
 
     def show_joins(self, degrees_of: tuple[float, ...]) -> None:
         """The cam angles where segments meet, 0 or 360 included [deg]."""
-        self._joins = tuple(sorted({0.0, 360.0, *degrees_of}))
-        self.update()
+        joins = tuple(sorted({0.0, 360.0, *degrees_of}))
+        if joins != self._joins:
+            self._joins = joins
+            self.update()
 
     def sizeHint(self) -> QSize:
         return QSize(240, 30)
@@ -216,7 +218,8 @@ class PlayerBar(View):
         angle = degrees(theta)
         with QSignalBlocker(self.slider), QSignalBlocker(self.angle):
             self.slider.setSliderPosition(round(angle * FINE))
-            self.angle.setValue(angle)
+            if self.angle.value() != round(angle, self.angle.decimals()):  # it would be painted all the same
+                self.angle.setValue(angle)
 
     def _show_playing(self, playing: bool) -> None:
         self.play.setIcon(icon("pause" if playing else "play"))

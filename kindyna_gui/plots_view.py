@@ -75,7 +75,7 @@ class PlotView(View):
         drawn, told = split(study, rows_of(study, self.quantities))
         self.rows = tuple(drawn)
         if drawn:
-            self.plot.set_curves(study, drawn)
+            self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
             self.plot.show_message("\n".join(told) or self._missing(study))
         self.note.setText("; ".join(told))

@@ -27,6 +27,8 @@ _SEGMENT: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segme
 LONGEST = 7  # characters of a number that are all shown
 _RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+_SHOWN = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+_EDITED = _SHOWN | Qt.ItemFlag.ItemIsEditable
 STILL = Motion(0.0, (Segment(360.0, 0.0),))
 """What stands in the place of a motion where a kind of design has none."""
 
@@ -171,14 +173,16 @@ class SegmentsModel(QAbstractTableModel):
 
     def flags(self, index: Index) -> Qt.ItemFlag:
         row, column = index.row(), index.column()
-        base = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
-        fixed = (
+        return _SHOWN if self.fixed(row, column) else _EDITED
+
+    def fixed(self, row: int, column: int) -> bool:
+        """A cell that follows from others, or says nothing that could be another."""
+        return (
             column == JOIN
             or (column == FROM and row == 0)
             or (column == TO and row == self.rowCount() - 1)
             or (column == RISE and self.still(row))
         )
-        return base if fixed else base | Qt.ItemFlag.ItemIsEditable
 
     def still(self, row: int) -> bool:
         law = find_law(self._motion.segments[row].curve.law)
@@ -237,8 +241,7 @@ class SegmentsModel(QAbstractTableModel):
             rows = wordings(marks(self._joins[row], self._motion)) if self._joins else ()
             return Look(value, QUIET, False, words=rows)
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
-        editable = bool(self.flags(self.index(row, column)) & Qt.ItemFlag.ItemIsEditable)
-        colour = WRONG if refused else ASSUMED if assumed else None if editable else QUIET
+        colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
         return Look(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
 
     def _tip(self, row: int, column: int) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from core.channels import Channel, channels, existing
 from core.errors import KindynaError
 from core.study import Study, quantity
-from kindyna_gui.pictures.files import different
+from kindyna_gui.pictures.plot_curves import different
 from kindyna_gui.wording import reason, sentence
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from core.design import Design, LinkageDesign, Motion, SingleCam, motion_of
 from core.errors import KindynaError
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 NO_MOTION = (
     "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
@@ -40,18 +40,18 @@ def motion_shown(design: Design) -> Motion:
 
 def has_cam(study: Study) -> bool:
     """Whether a cam belongs to the design."""
-    return not isinstance(study, LinkageStudy) or "cam" in study.stages
+    return not is_linkage(study.design) or "cam" in study.stages
 
 
 def sense_of(study: Study) -> float:
     """+1 where the cam, or the crank, turns counter-clockwise, -1 clockwise."""
-    sense: float = study.sense if isinstance(study, LinkageStudy) else study.design.shaft.sense
+    sense: float = study.sense if is_linkage(study.design) else study.design.shaft.sense
     return sense
 
 
 def size_of(study: Study) -> float:
     """A length that tells the size of the mechanism [m]."""
-    size: float = study.course.plan.size if isinstance(study, LinkageStudy) else study.reach
+    size: float = study.course.plan.size if is_linkage(study.design) else study.reach
     return size
 
 
@@ -60,7 +60,7 @@ def ranges_of(study: Study) -> tuple[tuple[float, float], ...]:
 
     Raises NoAnswer where the linkage stands nowhere.
     """
-    if not isinstance(study, LinkageStudy) or not study.by_crank:
+    if not is_linkage(study.design) or not study.by_crank:
         return ()
     ranges = study.course.ranges
     return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)

@@ -14,7 +14,6 @@ from types import MappingProxyType
 import numpy as np
 
 from core.derivatives import standing
-from core.mechanism import body_name
 from core.train import FRAME, SLIDING, Pair, Pose, Train
 from core.vectors import dot
 
@@ -78,6 +77,8 @@ def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
 
 def _sliding(train: Train, pair: Pair) -> Difference:
     """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
+    from core.mechanism import body_name  # which cams do without
+
     first = train.bodies.get(pair.on) or _still(train.bodies[pair.body])
     axis = pair.axis * first.unit
     swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on

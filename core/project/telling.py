@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import re
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
@@ -91,8 +90,10 @@ def did_you_mean(word: str, words: Iterable[str]) -> str:
 @lru_cache(maxsize=256)  # the same slip is often made many times
 def nearest(word: str, words: tuple[str, ...]) -> str | None:
     """The word most like this one, None where none is."""
+    from difflib import get_close_matches  # only a file with a fault needs it
+
     by_plain = {_plain(w): w for w in words}
-    close = difflib.get_close_matches(_plain(word), by_plain, n=1)
+    close = get_close_matches(_plain(word), by_plain, n=1)
     return by_plain[close[0]] if close else None
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
 
-from core.design import Design
+from core.design import Design, LinkageDesign, SingleCam
 from core.errors import NoAnswer, NoSuchStage, at_angles
 from core.extremes import Range, find_extremes
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -19,6 +21,8 @@ from core.study.stages import memory
 
 SAMPLES = 3600
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
+_MODULES: Mapping[type, str] = MappingProxyType({SingleCam: "core.study.study", LinkageDesign: "core.study.linkage"})
+"""What studies each kind of design: a cam does without the mechanics of linkages, which are loaded with the first one."""
 
 
 class Study:
@@ -37,7 +41,10 @@ class Study:
         Study._kinds[of] = cls
 
     def __new__(cls, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> Study:
-        return object.__new__(Study._kinds[type(design)])
+        kind = type(design)
+        if kind not in Study._kinds:
+            import_module(_MODULES[kind])
+        return object.__new__(Study._kinds[kind])
 
     def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
         keep_freed_memory()

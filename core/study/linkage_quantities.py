@@ -12,7 +12,6 @@ import numpy as np
 
 from core.design import CRANK, FRAME_LINK, LinkageDesign
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
-from core.mechanism import pair_names, plan_of
 from core.study.quantities import QUANTITIES, Quantity
 from core.train import SLIDING, Train
 
@@ -120,6 +119,8 @@ def names_of(design: LinkageDesign) -> tuple[str, ...]:
 
 
 def _forces(design: LinkageDesign) -> list[str]:
+    from core.mechanism import pair_names, plan_of  # not before there is a linkage
+
     pair = driver_pair(design.linkage)
     if design.cam is not None:
         names = ["roller_force", "camshaft_torque"]

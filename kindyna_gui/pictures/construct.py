@@ -21,9 +21,6 @@ from kindyna_gui.pictures.room import Room
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import Theme
 
-OF_STEP = ("centres", "kennedy")
-"""Layers that a step of the circle diagram needs."""
-
 
 class Construct:
     """The layers of one reading; ``begin`` before each move, ``show_step`` for the circle diagram.

@@ -21,6 +21,7 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.pictures.plot_curves import different
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.shown_kinds import has_cam, is_linkage
 
@@ -160,15 +161,6 @@ def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) ->
     if ending == ".svg":
         return svg(PlotStack(study, rows, LIGHT), study.design.name)
     return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))
-
-
-def different(study: Study, rows: Sequence[Channel]) -> list[Channel]:
-    """Those channels that no other before them equals, such as the motor's torque without a flywheel."""
-    kept: list[Channel] = []
-    for row in rows:
-        if not any(np.array_equal(row.values(study), other.values(study)) for other in kept):
-            kept.append(row)
-    return kept
 
 
 PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(

@@ -232,6 +232,7 @@ def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
 
 
 @lru_cache(maxsize=1024)
+@lru_cache(maxsize=1024)
 def text_size(text: str, pixels: int = SMALL) -> tuple[float, float]:
     """Width and height of a text in pixels."""
     metrics = QFontMetricsF(font(pixels))

@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from core.mechanism import ROLLER
 from core.train import REVOLUTE, SLIDING
 from kindyna_gui.pictures.cam_parts import sense_arc
 from kindyna_gui.pictures.items import Move, Part, Tag, pinned
@@ -109,9 +108,13 @@ def names(reading: Reading) -> Iterator[Label]:
 
 
 def _free_points(reading: Reading) -> Iterator[Label]:
-    """The points of links that no pair is at, such as coupler points."""
+    """The points of links that no pair is at, such as coupler points; only a linkage has any."""
+    if not reading.linkage:
+        return
+    from core.mechanism import ROLLER
+
     pinned_points = {joint.pair.point for joint in reading.joints}
-    for body in reading.moving.values() if reading.linkage else ():
+    for body in reading.moving.values():
         for name, place in body.points.items():
             if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
                 yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * reading.unit, "linkage")

@@ -47,6 +47,9 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
 )
 """What the drawing of a general linkage can show besides."""
 
+OF_STEP = ("centres", "kennedy")
+"""Layers that a step of the circle diagram needs."""
+
 _OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre")
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
 

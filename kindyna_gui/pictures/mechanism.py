@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from math import degrees
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
@@ -12,15 +13,17 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.study import Study
 from kindyna_gui.pictures import cam_parts, framing, parts, vectors
-from kindyna_gui.pictures.construct import OF_STEP, Construct
 from kindyna_gui.pictures.framing import MARGIN_UNITS
 from kindyna_gui.pictures.items import Loop, Part
 from kindyna_gui.pictures.labels import Labels
-from kindyna_gui.pictures.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, Layer, layers_of
+from kindyna_gui.pictures.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
 from kindyna_gui.pictures.overlay import Overlay, Scale
 from kindyna_gui.pictures.reading import Reading
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from kindyna_gui.pictures.construct import Construct
 
 USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
 
@@ -71,11 +74,11 @@ class MechanismScene(QGraphicsScene):
 
     # -- what is drawn --------------------------------------------------------------------------------------
 
-    def update_study(self, study: Study, keep_labels: bool = False) -> None:
+    def update_study(self, study: Study, keep_labels: bool = False, lay: bool = True) -> None:
         """Draw another study; cam angle, layers and what is visible stay as they are.
 
         keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones,
-        and so does the first ``look_at``.
+        and so does the first ``look_at``. lay: False where ``look_at`` follows at once, so that nothing is laid twice.
         """
         reading = Reading(study)
         before, self.reading = self.reading, reading
@@ -89,6 +92,8 @@ class MechanismScene(QGraphicsScene):
         if not stands:
             self._rebuild(reading)
         if reading.linkage:
+            from kindyna_gui.pictures.construct import Construct
+
             self.construct = Construct(reading, self.theme, self.sight, self._texts, self._step)
         for layer in FIELDS:
             self._need(layer)
@@ -97,7 +102,7 @@ class MechanismScene(QGraphicsScene):
         if self._fields or drew:
             self._make_room()
         self._show()
-        if self._look is None and keep_labels:
+        if not lay or (self._look is None and keep_labels):
             self._move(self.index, None)  # nothing can be laid yet
         elif not stands or self._fields or drew or not keep_labels:
             self._look_at(*(self._look or self.fit(*USUAL_SIZE)), sides)

@@ -108,10 +108,13 @@ class CurvePlot(pg.PlotWidget):
 
     # -- what is drawn --------------------------------------------------------------------------------------
 
-    def set_curves(self, study: Study, channels: Sequence[Channel], reference: Study | None = None) -> None:
+    def set_curves(
+        self, study: Study, channels: Sequence[Channel], reference: Study | None = None, read: bool = True
+    ) -> None:
         """Draw these channels of the study; reference: a second study, dashed. Raises NoAnswer where one has none.
 
-        Where all would be drawn as it is nothing is touched, and so nothing painted.
+        Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
+        follows at once, so that no value is written twice.
         """
         curves = read_curves(study, channels, self._theme)
         others = [] if reference is None else read_curves(reference, channels, self._theme)
@@ -148,7 +151,9 @@ class CurvePlot(pg.PlotWidget):
         for line, (value, words, brief) in zip(self._limits, shown, strict=True):
             line.tell(value, words.format(with_unit(short(value, 4), self.rung.symbol)), brief)
         self._legend(reference is not None)
-        self._lay()
+        self._lay_out()
+        if read:
+            self._write()
 
     def _name_angle(self, study: Study) -> None:
         if self._with_angles:
@@ -248,6 +253,10 @@ class CurvePlot(pg.PlotWidget):
         return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0))
 
     def _lay(self, *_: object) -> None:
+        self._lay_out()
+        self._write()
+
+    def _lay_out(self) -> None:
         frame = self.frame()
         unseen = self.unseen / self.devicePixelRatioF()
         for curve in self._drawn:
@@ -260,7 +269,6 @@ class CurvePlot(pg.PlotWidget):
         if paper != self._laid:
             self._laid = paper
             self._lay_paper(frame)
-        self._write()
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and asks for another
 
     def _lay_paper(self, frame: Frame) -> None:

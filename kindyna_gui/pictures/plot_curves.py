@@ -56,3 +56,12 @@ def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, st
 
 def drawn_alike(curves: Sequence[Curve], others: Sequence[Curve]) -> bool:
     return len(curves) == len(others) and all(a.is_drawn_as(b) for a, b in zip(curves, others, strict=True))
+
+
+def different(study: Study, rows: Sequence[Channel]) -> list[Channel]:
+    """Those channels that no other before them equals, such as the motor's torque without a flywheel."""
+    kept: list[Channel] = []
+    for row in rows:
+        if not any(np.array_equal(row.values(study), other.values(study)) for other in kept):
+            kept.append(row)
+    return kept

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import pyqtgraph as pg
-from PySide6.QtCore import QRectF, Qt
+from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
 from core.design import CURVES, Motion
 from core.laws import find_law
 from core.laws.table import short_name
 from kindyna_gui.pictures.items import Outline, text_size
+from kindyna_gui.pictures.plot_axis import Axis
 from kindyna_gui.pictures.plot_frame import (
     BOTTOM_HEIGHT,
     LEFT_WIDTH,
@@ -27,7 +26,7 @@ from kindyna_gui.pictures.plot_frame import (
     Z_ZERO,
 )
 from kindyna_gui.pictures.plot_lines import LimitLine
-from kindyna_gui.pictures.style import SMALL, TEXT, THIN, Theme, brush, font
+from kindyna_gui.pictures.style import THIN, Theme, brush
 from kindyna_gui.pictures.units import decimals_of, number, ticks
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
@@ -55,43 +54,6 @@ def spans(motion: Motion | None) -> list[Span]:
         made.append(Span(at, at + segment.span_deg, name, short_name(slug)))
         at += segment.span_deg
     return made
-
-
-class Axis(pg.AxisItem):
-    """An axis that shows the ticks it is given, in the quiet colour of the paper."""
-
-    def __init__(self, orientation: str, theme: Theme, line: bool = True) -> None:
-        super().__init__(orientation, pen=theme.pen(theme.quiet), textPen=theme.pen(theme.ink), maxTickLength=-4)
-        self._title = ("", "")
-        self._rows: list[tuple[float, str]] | None = None
-        self.enableAutoSIPrefix(False)
-        self.setStyle(tickFont=font(SMALL), autoExpandTextSpace=False, hideOverlappingLabels=False, tickTextOffset=4)
-        if not line:
-            self.setStyle(tickLength=0, tickTextOffset=1)
-            self.setPen(theme.pen(theme.faint))
-            hidden = theme.pen(theme.faint)
-            hidden.setCapStyle(Qt.PenCapStyle.FlatCap)  # a tick without length leaves no dot
-            self.setTickPen(hidden)
-            self.setTextPen(theme.pen(theme.quiet))
-
-    def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
-        if list(rows) != self._rows:  # pyqtgraph would draw the axis anew
-            self._rows = list(rows)
-            self.setTicks([self._rows])
-
-    def show_title(self, text: str, colour: str) -> None:
-        """The axis' name; put in the middle anew, which setLabel alone does not do."""
-        style = {"color": colour, "font-size": f"{TEXT}px"}
-        if (text, colour) != self._title:
-            self._title = (text, colour)
-            self.setLabel(re.sub(r"_(\w+)", r"<sub>\1</sub>", escape(text)), **style)
-            self.resizeEvent()
-
-    def wheelEvent(self, event: object) -> None:
-        """Left to the view around."""
-
-    def mouseDragEvent(self, event: object) -> None:
-        """Left to the view around."""
 
 
 def angle_step(width: float) -> int:

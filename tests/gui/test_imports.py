@@ -38,19 +38,22 @@ PACKAGES = {
 QT = {"QtCore", "QtGui", "QtWidgets", "QtSvg", "QtOpenGL", "QtOpenGLWidgets", "QtTest", "support"}  # OpenGL, QtTest: pyqtgraph's
 NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec", "emath"}
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
-# of our own: views behind tabs or not open, what works headless, what a menu asks for later
+# of our own: views behind tabs or not open, what works headless, what a menu asks for later, what only linkages have
 LATER = {
-    "core.__main__", "core.blend", "core.commands", "core.making", "core.measured", "core.stability",
-    "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice", "kindyna_gui.graph_panel",
-    "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.help_view", "kindyna_gui.screenshots", "kindyna_gui.selftest",
-    "kindyna_gui.stability_view",
+    "core.__main__", "core.blend", "core.commands", "core.making", "core.measured", "core.mechanism", "core.stability",
+    "core.study.linkage", "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice",
+    "kindyna_gui.graph_panel", "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.help_view",
+    "kindyna_gui.linkage_menus", "kindyna_gui.pictures.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
+    "kindyna_gui.selftest", "kindyna_gui.stability_view",
 }  # fmt: skip
+STANDARD_NOT = {"difflib", "hmac", "secrets", "unittest"}
 
 
 @pytest.fixture(scope="module")
-def loaded() -> set[str]:
-    """Modules of a process that has opened the window with the lift and drawn it."""
-    env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT)}
+def loaded(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Modules of a process that has opened the window with the lift and drawn it, in the layout that it has at first."""
+    settings = str(tmp_path_factory.mktemp("settings"))
+    env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": settings}
     done = subprocess.run(
         [sys.executable, "-c", OPEN], cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False
     )
@@ -80,6 +83,10 @@ def test_of_qt_numpy_and_pyqtgraph_only_what_draws_is_loaded(loaded: set[str]) -
     assert parts_of(loaded, "PySide6") - QT == set()
     assert parts_of(loaded, "numpy") & NUMPY_NOT == set()
     assert parts_of(loaded, "pyqtgraph") & PYQTGRAPH_NOT == set()
+
+
+def test_of_the_standard_library_nothing_is_loaded_for_a_rare_need(loaded: set[str]) -> None:
+    assert STANDARD_NOT & loaded == set()
 
 
 def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: set[str]) -> None:

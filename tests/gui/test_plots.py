@@ -514,7 +514,7 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 
 
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
-    from kindyna_gui.pictures.files import different
+    from kindyna_gui.pictures.plot_curves import different
 
     rows = [channel("cam-slider", slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
     assert different(Study(LIFT, SAMPLES), rows) == rows[:1]

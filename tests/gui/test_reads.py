@@ -2,7 +2,7 @@
 
 import pytest
 from PySide6.QtCore import QEvent, QObject
-from PySide6.QtWidgets import QWidget
+from PySide6.QtWidgets import QApplication, QWidget
 from window_user import Open, User, settle, wait_for
 
 from core.design import Design
@@ -61,6 +61,32 @@ def alone(open_user: Open) -> User:
 
 def views(user: User) -> dict[str, View]:
     return {name: user.window.show_view(name) for name in VIEWS}
+
+
+class Heard(QObject):
+    """What reaches the widgets of the application: (kind of event, class of the widget), but for what is inside one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.events: set[tuple[str, str]] = set()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() in (QEvent.Type.Paint, QEvent.Type.LayoutRequest):
+            self.events.add((event.type().name, type(watched).__name__))
+        return False
+
+
+def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, app: QApplication) -> None:
+    assert user.session.edit("follower.rod_mm", 846.0, "Change rod")
+    settle()
+    heard = Heard()
+    app.installEventFilter(heard)
+    assert user.session.edit("follower.rod_mm", 847.0, "Change rod")
+    settle()
+    app.removeEventFilter(heard)
+    assert ("Paint", "NumberBox") in heard.events, "the field of the value"
+    assert {name for kind, name in heard.events if kind == "LayoutRequest"} == set()
+    assert not {"MainWindow", "Centre", "PlayerBar", "AngleSlider", "QTabBar", "ParametersView"} & {n for _, n in heard.events}
 
 
 def test_the_table_is_what_the_views_say(user: User) -> None:

@@ -38,12 +38,18 @@ LATE = ("pyqtgraph", "kindyna_gui.plots_view", "kindyna_gui.forms", "core.__main
 NEVER = (
     "scipy",
     "PIL",
+    "difflib",
+    "secrets",
     "core.blend",
+    "core.mechanism",
+    "core.study.linkage",
     "core.export",
     "core.report",
     "importlib.metadata",
     "kindyna_gui.export_dialogs",
     "kindyna_gui.graph_view",
+    "kindyna_gui.linkage_menus",
+    "kindyna_gui.pictures.construct",
     "kindyna_gui.pictures.film",
 )
 
