@@ -100,8 +100,6 @@ class AnswerPanel(QFrame):
         column.addWidget(self.figures)
         column.addWidget(self.table)
         for plot in self.plots:
-            plot.setFrameShape(QFrame.Shape.NoFrame)
-            plot.setFocusPolicy(Qt.FocusPolicy.NoFocus)
             plot.setMinimumHeight(84)
             plot.show_cursor(False)
             column.addWidget(plot, 1)

@@ -10,6 +10,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
+from core.study import Study
 from kindyna_gui.live_plot import LivePlot, LivePolar
 from kindyna_gui.look import CHOSEN, icon
 from kindyna_gui.pictures.files import curves_file
@@ -63,6 +64,17 @@ class Panel(QWidget):
         self.close_button.setAccessibleName("Take this plot away")
         self.close_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.close_button.clicked.connect(take_away)
+
+    def offer_close(self, on: bool) -> None:
+        """Whether the button is there; the names of the curves stay clear of it."""
+        self.close_button.setVisible(on)
+        if isinstance(self.plot, LivePlot):  # a polar one always does
+            self.plot.keep_corner(float(self.close_button.sizeHint().width()) if on else 0.0)
+
+    def name_angle(self, study: Study) -> None:
+        """Cam angle or driver angle, also where no curve is drawn."""
+        if isinstance(self.plot, LivePlot):
+            self.plot.name_angle(study)
 
     def set_active(self, on: bool) -> None:
         self.active = on

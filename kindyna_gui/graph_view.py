@@ -136,6 +136,7 @@ class GraphView(View):
         self._rebuild()
         for panel, names in zip(self.panels, self.choice.plots, strict=True):
             there = [self._rows[name] for name in names if name not in self._lacking]
+            panel.name_angle(study)
             if there:
                 panel.plot.set_curves(study, there)
             else:
@@ -170,7 +171,7 @@ class GraphView(View):
     def _panel(self, index: int, count: int) -> Panel:
         plot = FORMS[self.form].make(index, count)
         panel = Panel(plot, partial(self.remove_plot, index))
-        panel.close_button.setVisible(count > 1)
+        panel.offer_close(count > 1)
         plot.angle_moved.connect(self._turn)
         plot.installEventFilter(self)
         (plot.viewport() if isinstance(plot, LivePlot) else plot).installEventFilter(self)

@@ -9,12 +9,13 @@ from functools import cache
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent, QWheelEvent
-from PySide6.QtWidgets import QFrame, QSizePolicy, QWidget
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
 
 from core.laws import Law
+from kindyna_gui.pictures.fixed_plot import RIGHT_MARGIN, FixedPlot
 from kindyna_gui.pictures.items import text_size
-from kindyna_gui.pictures.plot_parts import BOTTOM_HEIGHT, LEFT_WIDTH, Axis, Paper, value_ticks
+from kindyna_gui.pictures.plot_parts import LEFT_WIDTH, value_ticks
 from kindyna_gui.pictures.ranges import shown_range
 from kindyna_gui.pictures.style import (
     BLACK,
@@ -33,7 +34,6 @@ from kindyna_gui.pictures.style import (
 
 WIDE = 360.0  # u = 1 stands where the other plots have 360°, so that paper and grid are theirs
 POINTS = 241  # of a piece of a law
-RIGHT_MARGIN = 16  # pixels
 QUANTITIES = (
     ("Displacement", "s", "displacement"),
     ("Velocity", "v", "velocity"),
@@ -70,37 +70,17 @@ def _samples(law: Law) -> tuple[np.ndarray, np.ndarray]:
     return u, law(u)
 
 
-class LawPlot(pg.PlotWidget):
+class LawPlot(FixedPlot):
     """One of ``QUANTITIES`` of several laws."""
 
     def __init__(self, order: int, theme: Theme = LIGHT) -> None:
-        self._theme, self._order = theme, order
-        axes = {side: Axis(side, theme) for side in ("left", "bottom")}
-        super().__init__(background=theme.paper, axisItems=axes, enableMenu=False)
-        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._axes = axes
-        plot = self.getPlotItem()
-        self._view: pg.ViewBox = plot.getViewBox()
-        plot.hideButtons()
-        plot.layout.setContentsMargins(2, 6, RIGHT_MARGIN, 2)
-        self._view.setMouseEnabled(False, False)
-        self._view.disableAutoRange()
-        self._view.setDefaultPadding(0.0)
-        self._view.setRange(xRange=(0.0, WIDE), yRange=(0.0, 1.0), padding=0.0)
-        axes["left"].setWidth(LEFT_WIDTH)
-        self._paper = Paper(self._view, theme)
+        super().__init__(theme=theme)
+        self._order = order
         self.curves: dict[str, pg.PlotCurveItem] = {}
-        self._view.sigResized.connect(self._lay)
         self.show_numbers(True)
 
-    def show_numbers(self, on: bool) -> None:
-        """Of plots one below the other only the last has the numbers of u below it."""
-        axis = self._axes["bottom"]
-        axis.setHeight(BOTTOM_HEIGHT if on else 6)
-        axis.setStyle(showValues=on)
-        axis.show_title("u, share of the span" if on else "", self._theme.ink)
+    def show_numbers(self, on: bool, title: str = "u, share of the span") -> None:
+        super().show_numbers(on, title)
 
     def show_laws(self, laws: Sequence[tuple[Law, Stroke]]) -> None:
         """Draw these laws and no others."""
@@ -114,31 +94,19 @@ class LawPlot(pg.PlotWidget):
             item = pg.PlotCurveItem()
             pen = self._theme.pen(stroke.colour, THIN, stroke.dash)
             item.setData(WIDE * u, values[self._order], pen=pen, antialias=True, skipFiniteCheck=True)
-            self._view.addItem(item, ignoreBounds=True)
+            self._include(item)
             self.curves[law.slug] = item
         low, high = shown_range(rows, {QUANTITIES[self._order][2]}, ()) if rows else (0.0, 1.0)
         self._view.setRange(yRange=(low, high), padding=0.0)
         self._lay()
 
-    def frame_now(self) -> tuple[float, float]:
-        """Lowest and highest value that are shown."""
-        low, high = self._view.viewRange()[1]
-        return float(low), float(high)
-
     def _lay(self, *_: object) -> None:
-        low, high = self.frame_now()
-        height = max(self._view.height(), 1.0)
-        step = 0.1 if self._view.width() > 420.0 else 0.2
+        frame = self.frame()
+        step = 0.1 if frame.width > 420.0 else 0.2
         places = [(WIDE * step * i, f"{step * i:.1f}") for i in range(round(1.0 / step) + 1)]
-        values = value_ticks(low, high, height) if self.curves else []
-        self._paper.draw([], [at for at, _ in places], [value for value, _ in values], low, high)
-        self._axes["bottom"].show_ticks(places)
-        self._axes["left"].show_ticks(values)
+        self._rule(frame, places, value_ticks(frame.low, frame.high, frame.height) if self.curves else [])
         name, letter, _ = QUANTITIES[self._order]
-        self._axes["left"].show_title(name if text_size(name)[0] + 10.0 <= height else letter, self._theme.ink)
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        event.ignore()
+        self._axes["left"].show_title(name if text_size(name)[0] + 10.0 <= frame.height else letter, self._theme.ink)
 
 
 class Legend(QWidget):

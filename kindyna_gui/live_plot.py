@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import radians
 
 from PySide6.QtCore import QPointF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent, QWheelEvent
-from PySide6.QtWidgets import QFrame, QWidget
+from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtWidgets import QWidget
 
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.plot import CurvePlot
@@ -26,7 +26,6 @@ class LivePlot(CurvePlot):
 
     def __init__(self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True) -> None:
         super().__init__(parent, names=names, angles=angles)
-        self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setToolTip(TIP)
         self.keep_axes()
@@ -60,9 +59,6 @@ class LivePlot(CurvePlot):
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         event.accept()
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        event.ignore()  # the axes are fixed; what is around may want to scroll
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         event.ignore()  # the keys belong to the player

@@ -6,29 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QWheelEvent
-from PySide6.QtWidgets import QFrame
 
 from core.measured import Fit
 from kindyna_gui.measured_asked import symbol
-from kindyna_gui.pictures.items import Tag, text_size, wrapped
-from kindyna_gui.pictures.plot_parts import (
-    BOTTOM_HEIGHT,
-    LEFT_WIDTH,
-    Z_CURSOR,
-    Z_CURVE,
-    Axis,
-    LimitLine,
-    Paper,
-    angle_ticks,
-    value_ticks,
-)
+from kindyna_gui.pictures.fixed_plot import FixedPlot
+from kindyna_gui.pictures.items import text_size
+from kindyna_gui.pictures.plot_parts import Z_CURSOR, Z_CURVE, LimitLine, angle_ticks, value_ticks
 from kindyna_gui.pictures.ranges import shown_range
 from kindyna_gui.pictures.style import LIGHT, TEXT, THIN, Theme, brush, no_pen
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-RIGHT_MARGIN = 16  # pixels
 SMOOTH = np.linspace(0.0, 360.0, 1441)  # where the curve is drawn
 MOST_DOTS = 4000  # of a table; of a longer one every so many rows are shown
 DOT, SMALL_DOT, BAD_DOT = 4.0, 2.5, 7.0  # pixels
@@ -36,48 +23,24 @@ MANY = 400  # rows, from which on the small ones are drawn
 ROOM = 1.15  # of the residuals' range, shown around it
 
 
-class MeasuredPlot(pg.PlotWidget):
+class MeasuredPlot(FixedPlot):
     """Dots and, where there is one, a curve over one turn. angles: whether the cam angle's numbers stand below."""
 
     def __init__(self, angles: bool, theme: Theme = LIGHT) -> None:
-        self._theme = theme
-        axes = {side: Axis(side, theme) for side in ("left", "bottom")}
-        super().__init__(background=theme.paper, axisItems=axes, enableMenu=False)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._axes = axes
-        plot = self.getPlotItem()
-        self._view: pg.ViewBox = plot.getViewBox()
-        plot.hideButtons()
-        plot.layout.setContentsMargins(2, 6, RIGHT_MARGIN, 2)
-        self._view.setMouseEnabled(False, False)
-        self._view.disableAutoRange()
-        self._view.setDefaultPadding(0.0)
-        self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
-        axes["left"].setWidth(LEFT_WIDTH)
-        axes["bottom"].setHeight(BOTTOM_HEIGHT if angles else 6)
-        axes["bottom"].setStyle(showValues=angles)
-        if angles:
-            axes["bottom"].show_title("Cam angle, °", theme.ink)
-        self._paper = Paper(self._view, theme)
+        super().__init__(theme=theme)
+        self.show_numbers(angles, "Cam angle, °")
         self.dots, self.bad = (self._scatter(DOT, theme.quiet), self._scatter(BAD_DOT, theme.limit))
         self.line = pg.PlotCurveItem()
-        self.line.setZValue(Z_CURVE)
         self.cursor = pg.InfiniteLine(0.0, 90.0, theme.pen(theme.quiet))
-        self.cursor.setZValue(Z_CURSOR)
         self.cursor.hide()
-        self._message = Tag("", theme.quiet, theme, TEXT)
-        self._message.setPos(180.0, 0.5)
-        for item in (self.line, self.cursor, self._message):
-            self._view.addItem(item, ignoreBounds=True)
+        self._include(self.line, Z_CURVE)
+        self._include(self.cursor, Z_CURSOR)
         self.limits: list[LimitLine] = []
-        self._title, self._colour, self._words = "", theme.ink, ""
-        self._view.sigResized.connect(self._lay)
+        self._title, self._colour = "", theme.ink
 
     def _scatter(self, size: float, colour: str) -> pg.ScatterPlotItem:
         item = pg.ScatterPlotItem(size=size, pen=no_pen(), brush=brush(colour), antialias=True)
-        item.setZValue(Z_CURVE - 1.0)
-        self._view.addItem(item, ignoreBounds=True)
+        self._include(item, Z_CURVE - 1.0)
         return item
 
     # -- what is drawn --------------------------------------------------------------------------------------
@@ -147,18 +110,10 @@ class MeasuredPlot(pg.PlotWidget):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay(self, *_: object) -> None:
-        low, high = self._view.viewRange()[1]
-        width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
-        angles = angle_ticks(width)
-        values = value_ticks(low, high, height) if self._title else []
-        self._paper.draw([], [a for a, _ in angles], [v for v, _ in values], low, high)
-        self._axes["bottom"].show_ticks(angles)
-        self._axes["left"].show_ticks(values)
-        unit = self._title.rpartition(", ")[2]
-        self._axes["left"].show_title(self._title if text_size(self._title, TEXT)[0] <= height else unit, self._colour)
-        self._message.set_text(wrapped(self._words, width - 16.0, TEXT))
+        frame = self.frame()
+        values = value_ticks(frame.low, frame.high, frame.height) if self._title else []
+        self._rule(frame, angle_ticks(frame.width), values)
+        fits = text_size(self._title, TEXT)[0] <= frame.height
+        self._axes["left"].show_title(self._title if fits else self._title.rpartition(", ")[2], self._colour)
         for limit in self.limits:
-            limit.lay(low, high, height)
-
-    def wheelEvent(self, event: QWheelEvent) -> None:
-        event.ignore()
+            limit.lay(frame.low, frame.high, frame.height)

@@ -10,7 +10,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
-from PySide6.QtWidgets import QFrame, QWidget
+from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
 from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
@@ -56,7 +56,6 @@ class MotionDiagram(CurvePlot):
         super().__init__(parent)
         self._axes["bottom"].show_title("", self._theme.ink)  # the room is wanted for the curve
         self._axes["bottom"].setHeight(ANGLES)
-        self.setFrameShape(QFrame.Shape.NoFrame)
         self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
         self.chosen = 0
         self.over: Grip | None = None

@@ -74,6 +74,7 @@ class PlotView(View):
             _ = study.linkage  # where it stands nowhere, that is the reason
         drawn, told = split(study, rows_of(study, self.quantities))
         self.rows = tuple(drawn)
+        self.plot.name_angle(study)
         if drawn:
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from html import escape
 from types import MappingProxyType
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
-from PySide6.QtWidgets import QFrame, QWidget
+from PySide6.QtWidgets import QWidget
 
 from core.stability import APPROXIMATE, EXACT, Chart, Machine
+from kindyna_gui.pictures.fixed_plot import FixedPlot
 from kindyna_gui.pictures.items import Outline, Tag, text_size
-from kindyna_gui.pictures.plot_parts import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis
-from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, SMALL, THIN, VERMILION, Theme, brush
-from kindyna_gui.pictures.units import decimals_of, number, short, ticks
+from kindyna_gui.pictures.legend import Entry
+from kindyna_gui.pictures.plot_parts import LEAST_ACROSS, value_ticks
+from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, SMALL, VERMILION, Theme, brush
+from kindyna_gui.pictures.units import short
 
-LEAST_X, LEAST_Y = 46.0, 26.0  # pixels between ticks
-RIGHT_MARGIN, LEGEND_HEIGHT = 16, 18
 LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
 TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own speed
-Z_GRID, Z_TONGUE, Z_PATH, Z_POINT = -80.0, 0.0, 10.0, 20.0
+Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
+NAMES = (
+    Entry(VERMILION, "unstable by (21), exact"),
+    Entry(BLUE, "edges of (22), Kim1990's approximation", "– –"),
+)
 
 
 @dataclass(frozen=True)
@@ -56,31 +58,14 @@ UPWARDS: Mapping[str, Measure] = MappingProxyType(
 )
 
 
-class ChartPlot(pg.PlotWidget):
+class ChartPlot(FixedPlot):
     """A chart of tongues. Pixels in, (η, Q) out: ``place`` and ``point_at`` know the axes."""
 
     def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
-        self._theme = theme
-        axes = {side: Axis(side, theme, line=side != "top") for side in ("left", "bottom", "top")}
-        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
-        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
-        self.setFrameShape(QFrame.Shape.NoFrame)
+        super().__init__(parent, theme, top=True)
         self.setAntialiasing(True)
-        self._axes = axes
-        plot = self.getPlotItem()
-        self._view: pg.ViewBox = plot.getViewBox()
-        plot.hideButtons()
-        plot.layout.setContentsMargins(2, 2, RIGHT_MARGIN, 2)
-        plot.showAxis("top")
-        self._view.setMouseEnabled(False, False)
-        self._view.disableAutoRange()
-        self._view.setDefaultPadding(0.0)
-        axes["left"].setWidth(LEFT_WIDTH)
-        axes["bottom"].setHeight(BOTTOM_HEIGHT)
-        axes["top"].setHeight(TOP_HEIGHT)
         self._chart: Chart | None = None
         self._across, self._upwards = "eta", "q"
-        self._grid = self._outline(theme.faint, Z_GRID)
         self._hull = self._outline(VERMILION, Z_TONGUE - 1.0, fill=brush(VERMILION, 0.12))
         self._exact = self._outline(VERMILION, Z_TONGUE, fill=brush(VERMILION, 0.22))
         self._approximate = self._outline(BLUE, Z_TONGUE - 0.5, DASHED)
@@ -93,32 +78,15 @@ class ChartPlot(pg.PlotWidget):
         self.own = self._dot(dot, theme.ink, Z_POINT)
         self.looked = self._dot(ring, "", Z_POINT + 1.0)
         self._tag = Tag("", theme.ink, theme, SMALL, (0.0, 1.0), backing=True)
-        self._tag.setZValue(Z_POINT)
-        self._view.addItem(self._tag, ignoreBounds=True)
-        self._view.sigResized.connect(self._lay)
+        self._include(self._tag, Z_POINT)
         self.looked.hide()
         self.own.hide()
-        self._legend()
-
-    def _legend(self) -> None:
-        rows = ((VERMILION, "—", "unstable by (21), exact"), (BLUE, "– –", "edges of (22), Kim1990's approximation"))
-        told = "&nbsp;&nbsp; ".join(f'<span style="color:{c}">{mark}</span> {escape(name)}' for c, mark, name in rows)
-        plot = self.getPlotItem()
-        plot.setTitle(told, size=f"{SMALL}px", color=self._theme.ink, justify="left")
-        plot.titleLabel.setMaximumHeight(LEGEND_HEIGHT)
-        plot.layout.setRowFixedHeight(0, LEGEND_HEIGHT)
-
-    def _outline(self, colour: str, z: float, dash: tuple[float, ...] = (), fill: object = None) -> Outline:
-        item = Outline(QPainterPath(), self._theme.pen(colour, THIN, dash), fill)  # type: ignore[arg-type]
-        item.setZValue(z)
-        self._view.addItem(item, ignoreBounds=True)
-        return item
+        self._name(NAMES)
 
     def _dot(self, path: QPainterPath, colour: str, z: float) -> Outline:
         item = Outline(path, self._theme.pen(self._theme.ink, 1.5), brush(colour) if colour else None)
         item.setFlag(item.GraphicsItemFlag.ItemIgnoresTransformations)
-        item.setZValue(z)
-        self._view.addItem(item, ignoreBounds=True)
+        self._include(item, z)
         return item
 
     # -- what is drawn --------------------------------------------------------------------------------------
@@ -254,23 +222,12 @@ class ChartPlot(pg.PlotWidget):
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay(self, *_: object) -> None:
-        (low, high), (bottom, top) = self._view.viewRange()
-        width, height = max(self._view.width(), 1.0), max(self._view.height(), 1.0)
-        across, step_x = ticks(low, high, max(2, int(width / LEAST_X)))
-        upwards, step_y = ticks(bottom, top, max(2, int(height / LEAST_Y)))
-        grid = QPainterPath()
-        for x in across:
-            grid.moveTo(x, bottom)
-            grid.lineTo(x, top)
-        for y in upwards:
-            grid.moveTo(low, y)
-            grid.lineTo(high, y)
-        self._grid.redraw(grid)
-        self._axes["bottom"].show_ticks([(x, number(x, decimals_of(step_x))) for x in across])
-        self._axes["left"].show_ticks([(y, number(y, decimals_of(step_y))) for y in upwards])
+        frame = self.frame()
+        across = value_ticks(frame.first, frame.last, frame.width, LEAST_ACROSS)
+        self._rule(frame, across, value_ticks(frame.low, frame.high, frame.height))
         self._axes["bottom"].show_title(ACROSS[self._across].title, self._theme.ink)
         self._axes["left"].show_title(UPWARDS[self._upwards].title, self._theme.ink)
-        self._axes["top"].show_ticks(self._numbers(low, high, width))
+        self._axes["top"].show_ticks(self._numbers(frame.first, frame.last, frame.width))
         if self._chart is not None:
             self._place_machine(self._chart.machine)
 

@@ -75,7 +75,6 @@ class PlotStack(QWidget):
         self.plots: list[CurvePlot] = []
         for number, row in enumerate(rows):
             plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
-            plot.setFrameShape(QFrame.Shape.NoFrame)
             plot.unseen = unseen
             plot.set_curves(study, row)
             plot.show_cursor(False)

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from html import escape
 from math import degrees
 from typing import Any
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
 
 from core.channels import Channel
 from core.design import motion_of
 from core.study import Study
-from kindyna_gui.pictures.items import Tag, text_size, wrapped
+from kindyna_gui.pictures.fixed_plot import FixedPlot
+from kindyna_gui.pictures.items import text_size
+from kindyna_gui.pictures.legend import Entry
 from kindyna_gui.pictures.plot_curves import Curve, drawn_alike, limits_of, read_curves
 from kindyna_gui.pictures.plot_frame import Frame
 from kindyna_gui.pictures.plot_lines import Cursor, CurveLine, LimitLine
 from kindyna_gui.pictures.plot_parts import (
-    BOTTOM_HEIGHT,
-    LEFT_WIDTH,
     TOP_HEIGHT,
     Z_CURVE,
     Z_REFERENCE,
-    Axis,
-    Paper,
     Span,
     angle_ticks,
     name_ticks,
@@ -35,15 +31,15 @@ from kindyna_gui.pictures.plot_parts import (
 )
 from kindyna_gui.pictures.ranges import room_for, usual_range
 from kindyna_gui.pictures.readouts import Readout, place_readouts
-from kindyna_gui.pictures.style import DASHED, LIGHT, SMALL, TEXT, THIN, Theme
+from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import Line, line_of, nearest
 from kindyna_gui.pictures.units import Rung, legible, readable, short, with_unit
 
-LEGEND_HEIGHT, RIGHT_MARGIN = 18, 16  # pixels
+UNNAMED = 4  # height of the axis above where no names stand there, pixels
 WILD = 50.0  # values next to infinity are cut at so many times the rest's range
 
 
-class CurvePlot(pg.PlotWidget):
+class CurvePlot(FixedPlot):
     """One or several channels of one unit against the cam angle, 0 ... 360 deg, with a cursor.
 
     names, angles   whether the segments' names stand along the top, and the cam angle's numbers along the bottom:
@@ -56,34 +52,12 @@ class CurvePlot(pg.PlotWidget):
     def __init__(
         self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = LIGHT
     ) -> None:
-        self._theme = theme
-        axes = {side: Axis(side, theme, line=side != "top") for side in ("left", "bottom", "top")}
-        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
-        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
-        self._axes = axes
-        plot = self.getPlotItem()
-        self._view: pg.ViewBox = plot.getViewBox()
-        plot.hideButtons()
-        plot.layout.setContentsMargins(2, 2, RIGHT_MARGIN, 2)
-        self._view.setMouseEnabled(False, False)
-        self._view.disableAutoRange()
-        self._view.setDefaultPadding(0.0)
-        self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
-        plot.showAxis("top")
-        plot.getAxis("right").unlinkFromView()  # never shown, it would still be laid out at each change
-        axes["left"].setWidth(LEFT_WIDTH)
-        axes["bottom"].setHeight(BOTTOM_HEIGHT if angles else 6)
-        axes["top"].setHeight(TOP_HEIGHT if names else 4)
-        axes["bottom"].setStyle(showValues=angles)
-        axes["top"].setStyle(showValues=names)
-        if angles:
-            axes["bottom"].show_title("Cam angle, °", theme.ink)
+        super().__init__(parent, theme, top=True)
+        self._axes["top"].setHeight(TOP_HEIGHT if names else UNNAMED)
+        self._axes["top"].setStyle(showValues=names)
+        self.show_numbers(angles, angle_title(Study.angle_name))
         self._with_angles = angles
-        self._paper = Paper(self._view, theme)
         self._cursor = Cursor(self._view, theme)
-        self._message = Tag("", theme.quiet, theme, TEXT)
-        self._view.addItem(self._message, ignoreBounds=True)
-        self._words = ""
         self._angle, self._with_cursor, self._named = 0.0, True, names
         self._spans: list[Span] = []
         self._line: Line | None = None
@@ -94,10 +68,8 @@ class CurvePlot(pg.PlotWidget):
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
         self._told: tuple[object, ...] = ()
-        self._named_curves = ""
         self._laid: tuple[object, ...] = ()
         self.rung = Rung("", 1.0, 0.0)
-        self._view.sigResized.connect(self._lay)
         self.show_message("")
 
     def keep_axes(self) -> None:
@@ -116,6 +88,7 @@ class CurvePlot(pg.PlotWidget):
         Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
         follows at once, so that no value is written twice.
         """
+        self.name_angle(study)
         curves = read_curves(study, channels, self._theme)
         others = [] if reference is None else read_curves(reference, channels, self._theme)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
@@ -126,7 +99,6 @@ class CurvePlot(pg.PlotWidget):
         self._told = told if not others else ()
         self._curves, self._spans, self._words, self._there = curves, segments, "", None
         self._line, self._theta = line, study.theta
-        self._name_angle(study)
         sides = [usual_range(curve.values) for curve in curves + others]
         self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
         size = self.rung.size
@@ -150,14 +122,15 @@ class CurvePlot(pg.PlotWidget):
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
         for line, (value, words, brief) in zip(self._limits, shown, strict=True):
             line.tell(value, words.format(with_unit(short(value, 4), self.rung.symbol)), brief)
-        self._legend(reference is not None)
+        self._name_curves(reference is not None)
         self._lay_out()
         if read:
             self._write()
 
-    def _name_angle(self, study: Study) -> None:
+    def name_angle(self, study: Study) -> None:
+        """The angle below is the one that this study turns by, be there curves of it or only a message."""
         if self._with_angles:
-            self._axes["bottom"].show_title(f"{study.angle_name.capitalize()}, °", self._theme.ink)
+            self._axes["bottom"].show_title(angle_title(study.angle_name), self._theme.ink)
 
     def show_message(self, text: str) -> None:
         """Nothing but a text in the middle: what is missing, or what would fill this plot."""
@@ -165,11 +138,10 @@ class CurvePlot(pg.PlotWidget):
             self._grown(pool, 0, _nothing)
         self._drawn, self._readings, self._limits = [], [], []
         self._curves, self._spans, self._told, self._there = [], [], (), None
-        self._legend(False)
+        self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
         self._words = text
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
-        self._message.setPos(180.0, 0.5)
         self._lay()
 
     def _draw(self, item: CurveLine, curve: Curve, along: Line, z: float, pen: QPen) -> None:
@@ -190,20 +162,13 @@ class CurvePlot(pg.PlotWidget):
                 item.remove(self._view)
         return pool[:count] + [make() for _ in range(count - len(pool))]
 
-    def _legend(self, reference: bool) -> None:
+    def _name_curves(self, reference: bool) -> None:
         """Names of the curves above the plot, where there is more than one to tell apart."""
-        plot, rows = self.getPlotItem(), []
+        rows: list[Entry] = []
         if len(self._curves) > 1 or reference:
-            rows = [(curve.colour, "—", curve.channel.label) for curve in self._curves]
-            rows += [(self._theme.quiet, "– –", "reference")] if reference else []
-        told = "&nbsp;&nbsp; ".join(f'<span style="color:{c}">{mark}</span> {escape(name)}' for c, mark, name in rows)
-        if told == self._named_curves:
-            return
-        self._named_curves = told
-        plot.setTitle(told or None, size=f"{SMALL}px", color=self._theme.ink, justify="left")
-        if told:
-            plot.titleLabel.setMaximumHeight(LEGEND_HEIGHT)
-            plot.layout.setRowFixedHeight(0, LEGEND_HEIGHT)
+            rows = [Entry(curve.colour, curve.channel.label) for curve in self._curves]
+            rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
+        self._name(rows)
 
     # -- cursor ---------------------------------------------------------------------------------------------
 
@@ -247,11 +212,6 @@ class CurvePlot(pg.PlotWidget):
 
     # -- layout ---------------------------------------------------------------------------------------------
 
-    def frame(self) -> Frame:
-        """What is shown at which size."""
-        low, high = self._view.viewRange()[1]
-        return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0))
-
     def _lay(self, *_: object) -> None:
         self._lay_out()
         self._write()
@@ -272,13 +232,9 @@ class CurvePlot(pg.PlotWidget):
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and asks for another
 
     def _lay_paper(self, frame: Frame) -> None:
-        angles = angle_ticks(frame.width)
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
-        self._paper.draw(self._spans, [a for a, _ in angles], [v for v, _ in values], frame.low, frame.high)
+        self._rule(frame, angle_ticks(frame.width), values, self._spans)
         self._cursor.span(frame.low, frame.high)
-        self._axes["bottom"].show_ticks(angles)
-        self._axes["left"].show_ticks(values)
-        self._message.set_text(wrapped(self._words, frame.width - 16.0, TEXT))
         self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
 
     def _names(self, width: float) -> list[tuple[float, str]]:
@@ -300,6 +256,11 @@ class CurvePlot(pg.PlotWidget):
 
     def _title_colour(self) -> str:
         return self._theme.letters(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink
+
+
+def angle_title(name: str) -> str:
+    """Of the axis along the bottom."""
+    return f"{name.capitalize()}, °"
 
 
 def _nothing() -> None:

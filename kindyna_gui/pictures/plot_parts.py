@@ -24,13 +24,14 @@ from kindyna_gui.pictures.plot_frame import (
     Z_GRID,
     Z_REFERENCE,
     Z_ZERO,
+    Frame,
 )
 from kindyna_gui.pictures.plot_lines import LimitLine
 from kindyna_gui.pictures.style import THIN, Theme, brush
 from kindyna_gui.pictures.units import decimals_of, number, ticks
 
 ANGLE_STEPS = (30, 60, 90, 180)  # between ticks of the cam angle, deg
-LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS = 38.0, 26.0  # between ticks
+LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # between ticks; of numbers along the bottom
 NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
 
 
@@ -65,8 +66,9 @@ def angle_ticks(width: float) -> list[tuple[float, str]]:
     return [(float(d), str(d)) for d in range(0, 361, angle_step(width))]
 
 
-def value_ticks(low: float, high: float, height: float) -> list[tuple[float, str]]:
-    values, step = ticks(low, high, max(2, int(height / LEAST_VALUE_PIXELS)))
+def value_ticks(low: float, high: float, pixels: float, least: float = LEAST_VALUE_PIXELS) -> list[tuple[float, str]]:
+    """Round numbers, at least so many pixels from each other where two have room."""
+    values, step = ticks(low, high, max(2, int(pixels / least)))
     return [(value, number(value, decimals_of(step))) for value in values]
 
 
@@ -93,26 +95,26 @@ class Paper:
             item.setZValue(z)
             view.addItem(item, ignoreBounds=True)
 
-    def draw(
-        self, segments: Sequence[Span], angles: Sequence[float], values: Sequence[float], low: float, high: float
-    ) -> None:
-        """low, high: what the value axis shows."""
+    def draw(self, segments: Sequence[Span], across: Sequence[float], values: Sequence[float], frame: Frame) -> None:
+        """frame: what the axes show."""
+        low, high = frame.low, frame.high
         bands, grid, zero = QPainterPath(), QPainterPath(), QPainterPath()
         for span in segments[1::2]:
             bands.addRect(QRectF(span.start, low, span.end - span.start, high - low))
-        for angle in angles:
-            grid.moveTo(angle, low)
-            grid.lineTo(angle, high)
+        for place in across:
+            grid.moveTo(place, low)
+            grid.lineTo(place, high)
         for value in values:
-            path = zero if value == 0.0 else grid
-            path.moveTo(0.0, value)
-            path.lineTo(360.0, value)
+            path = zero if value == 0.0 and frame.low < 0.0 else grid  # at the edge the axis itself stands
+            path.moveTo(frame.first, value)
+            path.lineTo(frame.last, value)
         for item, path in ((self._bands, bands), (self._grid, grid), (self._zero, zero)):
             item.redraw(path)
 
 
 __all__ = [
     "BOTTOM_HEIGHT",
+    "LEAST_ACROSS",
     "LEFT_WIDTH",
     "TOP_HEIGHT",
     "Z_CURSOR",

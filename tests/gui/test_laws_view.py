@@ -172,7 +172,7 @@ def test_a_curve_is_the_law(laws: LawsView) -> None:
         u, values = plot.curves["3-4-5"].getData()
         assert (u[0], u[-1]) == (0.0, WIDE)
         assert values == pytest.approx(LAWS["3-4-5"](u / WIDE)[k], abs=1e-12)
-        low, high = plot.frame_now()
+        low, high = plot.frame().low, plot.frame().high
         assert low <= values.min()
         assert values.max() <= high
 

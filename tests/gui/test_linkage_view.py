@@ -161,6 +161,24 @@ def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
     assert "point.D_vx" in [row.quantity for row in graph.drawn]  # type: ignore[attr-defined]
 
 
+def test_empty_plots_name_the_angle_too(open_user: Open) -> None:
+    """A crank has no curvature: the plot says so over the driver's angle; back at a cam, over the cam's."""
+    user = open_user(example("four_bar"))
+    for name, told in (("four_bar", "Driver angle, °"), ("transfer_lift", "Cam angle, °"), ("slider_crank", "Driver angle, °")):
+        user.session.start(load(example(name)))
+        settle()
+        for dock in ("curvature", "jerk", "velocity"):
+            view = user.window.show_view(dock)
+            wait_for(lambda view=view: view.up_to_date and view.on_screen())  # type: ignore[misc]
+            assert view.plot.getAxis("bottom").labelText == told, dock  # type: ignore[attr-defined]
+    graph = user.window.show_view("graph")
+    wait_for(lambda: graph.up_to_date and graph.on_screen())
+    graph.add_plot()  # type: ignore[attr-defined]
+    settle()
+    assert not graph.panels[-1].plot.readings()  # type: ignore[attr-defined]
+    assert graph.panels[-1].plot.getAxis("bottom").labelText == "Driver angle, °"  # type: ignore[attr-defined]
+
+
 def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
     """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
     user = open_user(example("four_bar"))

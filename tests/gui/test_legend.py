@@ -1,0 +1,157 @@
+"""kindyna_gui.pictures.legend, fixed_plot: names above a plot, however narrow it is."""
+
+from collections.abc import Iterator
+
+import pytest
+from mechanisms import LIFT, PUSHER
+from PySide6.QtCore import QRectF
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication
+from window_user import settle
+
+from core.channels import channel, channels
+from core.design import SingleCam
+from core.project import load
+from core.study import Study
+from kindyna_gui.graph_choice import Choice
+from kindyna_gui.graph_view import GraphView
+from kindyna_gui.live_plot import LivePlot
+from kindyna_gui.pictures.fixed_plot import RIGHT_MARGIN
+from kindyna_gui.pictures.legend import CUT, Entry, cut, rows_of
+from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.pictures.plot_parts import LEFT_WIDTH
+from kindyna_gui.pictures.polar_title import BUTTON, EDGE, told_in
+from kindyna_gui.pictures.xy import Line, XYPlot
+from kindyna_gui.places import example
+from kindyna_gui.player import Player
+from kindyna_gui.session import Session
+
+pytestmark = pytest.mark.usefixtures("app")
+
+CURVATURE = ("pitch_curvature_per_mm", "profile_curvature_per_mm")
+FORCES = ("bearing_x_n", "bearing_y_n", "contact_force_n", "guide_force_n")
+
+
+def plot_of(design: SingleCam, slugs: tuple[str, ...]) -> CurvePlot:
+    study = Study(design, samples=90)
+    plot = CurvePlot()
+    plot.set_curves(study, [channel(study.kind, slug) for slug in slugs])
+    return plot
+
+
+def lay(plot: CurvePlot | XYPlot, width: int, height: int) -> tuple[QRectF, QRectF]:
+    """Where names and curves stand in the widget [pixels]."""
+    plot.resize(width, height)
+    plot.grab()
+    return plot.legend.sceneBoundingRect(), plot.getViewBox().sceneBoundingRect()
+
+
+@pytest.mark.parametrize(("design", "slugs"), [(LIFT, CURVATURE), (PUSHER, FORCES)])
+def test_names_never_push_the_plot_out_of_sight(design: SingleCam, slugs: tuple[str, ...]) -> None:
+    """Made wider and narrower again: the curves end where the paper does, the names stand above them."""
+    plot = plot_of(design, slugs)
+    for width in (700, 260, 240, 420, 300):
+        for height in (120, 178, 400):
+            names, curves = lay(plot, width, height)
+            assert curves.right() == pytest.approx(width - RIGHT_MARGIN, abs=1.0)
+            assert curves.left() == pytest.approx(LEFT_WIDTH, abs=4.0)
+            assert names.left() >= LEFT_WIDTH
+            assert names.right() <= width - RIGHT_MARGIN
+            assert names.top() >= 0.0
+            assert names.bottom() <= curves.top()
+            assert curves.height() >= 24.0
+
+
+def test_two_names_that_do_not_fit_beside_each_other_stand_on_two_lines() -> None:
+    plot = plot_of(LIFT, CURVATURE)
+    _, wide = lay(plot, 420, 170)
+    assert plot.legend.told.split() == ["—", "Pitch", "curvature", "—", "Profile", "curvature"]
+    assert "\n" not in plot.legend.told
+    _, narrow = lay(plot, 260, 170)
+    assert plot.legend.told == "— Pitch curvature\n— Profile curvature"
+    assert narrow.top() > wide.top() + 8.0
+    assert narrow.bottom() == wide.bottom()
+    _, again = lay(plot, 420, 170)
+    assert again == wide
+    study = Study(LIFT, samples=90)
+    plot.set_curves(study, [channel(study.kind, CURVATURE[0])])
+    _, alone = lay(plot, 421, 170)
+    assert plot.legend.told == ""
+    assert alone.top() < wide.top() - 8.0, "no room is lost where nothing has a name"
+
+
+def test_what_is_too_long_for_its_lines_is_cut() -> None:
+    """Four names in a plot too low for more than two lines; a high one has room for all of them."""
+    plot = plot_of(PUSHER, FORCES)
+    lay(plot, 260, 120)
+    assert plot.legend.told.count("\n") == 1
+    assert plot.legend.told.count(CUT) >= 2
+    assert plot.legend.told.count("—") == len(FORCES), "each curve keeps its mark"
+    lay(plot, 260, 400)
+    assert CUT not in plot.legend.told
+    assert plot.legend.told.count("\n") == 3
+
+
+def test_a_note_stands_behind_the_names_only_where_all_is_on_one_line() -> None:
+    plot = XYPlot("Time, s", "Wind-up, °")
+    rows = Study(LIFT, samples=90).theta
+    plot.show_lines([Line(rows, rows, "#0072B2", "one of them"), Line(rows, -rows, "#D55E00", "the other")], note="a note")
+    for width, noted in ((600, True), (250, False)):
+        names, curves = lay(plot, width, 220)
+        assert ("a note" in plot.legend.told) is noted
+        assert names.center().x() == pytest.approx(curves.center().x(), abs=1.0)
+        assert names.bottom() <= curves.top() + 4.0
+
+
+def test_lines_are_filled_one_after_the_other() -> None:
+    assert rows_of([30.0, 40.0, 50.0], 10.0, 90.0, 3) == [[0, 1], [2]]
+    assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 3) == [[0], [1], [2]]
+    assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 2) == [[0, 1], [2]], "then they are cut"
+    assert rows_of([], 10.0, 79.0, 2) == []
+    assert cut("Contact force", 9.0, len) == "Contact" + CUT
+    assert cut("Contact", 7.0, len) == "Contact"
+    assert cut("Contact", 0.0, len) == "C" + CUT
+    assert Entry("#000000", "a").mark == "—"
+
+
+def test_names_of_a_polar_plot_leave_the_corner_free() -> None:
+    names = [("Link 3, acceleration", "#111111"), ("Link 4, acceleration", "#222222")]
+    for room in (30.0, 50.0, 200.0):
+        told = told_in(names, "m/s²", "#333333", len, room)
+        assert sum(len(text) for text, _ in told) <= room
+        assert [colour for _, colour in told] == ["#111111", "#222222", "#333333"]
+        assert told[-1][0] == "m/s²"
+        assert (CUT in told[0][0]) is (room < 50.0)
+    assert BUTTON > EDGE
+
+
+@pytest.fixture
+def narrow(app: QApplication) -> Iterator[GraphView]:
+    """The graph of a linkage with three plots in a narrow window."""
+    view = GraphView(Session(load(example("lecture_six_bar"))), Player())
+    view.resize(520, 520)
+    view.show()
+    assert QTest.qWaitForWindowExposed(view)
+    settle()
+    yield view
+    view.close()
+    view.deleteLater()
+
+
+def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView) -> None:
+    assert len(narrow.panels) == 3
+    for panel in narrow.panels:
+        plot = panel.plot
+        assert isinstance(plot, LivePlot)
+        assert panel.close_button.isVisible()
+        told = plot.legend.sceneBoundingRect().translated(plot.mapTo(panel, plot.rect().topLeft()))
+        assert plot.legend.told
+        assert told.right() <= panel.close_button.geometry().left()
+    names = [row.quantity for row in channels(narrow.session.design) if row.quantity.endswith("_velocity")]
+    narrow.choice = Choice([names])
+    narrow.invalidate()
+    settle()
+    (alone,) = narrow.panels
+    assert not alone.close_button.isVisible()
+    assert isinstance(alone.plot, LivePlot)
+    assert alone.plot.corner == 0.0
