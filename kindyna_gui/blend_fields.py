@@ -13,6 +13,7 @@ from core.design import UNITS, Info, Unit
 from kindyna_gui.blend_asked import POINT, Setting
 from kindyna_gui.blend_words import UNASKED, begin_of, range_text
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.note import Words
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.wording import parsed
 
@@ -77,22 +78,6 @@ def quiet(text: str = "") -> QLabel:
     coloured(label, QUIET)
     label.setForegroundRole(QPalette.ColorRole.WindowText)
     return label
-
-
-class Words(QLabel):
-    """A text that wraps, shown only where there is one."""
-
-    def __init__(self, colour: str) -> None:
-        super().__init__(wordWrap=True)
-        coloured(self, colour)
-        self.setForegroundRole(QPalette.ColorRole.WindowText)
-        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.hide()
-
-    def tell(self, text: str) -> None:
-        if text != self.text() or self.isHidden() == bool(text):
-            self.setText(text)
-            self.setVisible(bool(text))
 
 
 class Ranged(QObject):
@@ -245,4 +230,4 @@ class PointRow(Ranged):
         return first, self.at, second, self.level, third, self.range, self.close
 
 
-__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "Ranged", "SettingRow", "Words", "quiet"]
+__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "Ranged", "SettingRow", "quiet"]

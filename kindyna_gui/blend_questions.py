@@ -28,11 +28,12 @@ from kindyna_gui.blend_asked import (
     open_candidates,
     plan,
 )
-from kindyna_gui.blend_fields import LiveBox, Words, quiet
+from kindyna_gui.blend_fields import LiveBox, quiet
 from kindyna_gui.blend_kind import KindChoice, heading
 from kindyna_gui.blend_settings import SettingsArea
 from kindyna_gui.blend_words import reason
 from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.note import Words
 from kindyna_gui.number_box import WordBox
 from kindyna_gui.pictures.units import nice_below
 

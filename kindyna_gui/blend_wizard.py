@@ -6,11 +6,9 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 
-from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtCore import QSize, QTimer
 from PySide6.QtWidgets import (
     QButtonGroup,
-    QDialog,
-    QDialogButtonBox,
     QHBoxLayout,
     QRadioButton,
     QVBoxLayout,
@@ -23,14 +21,14 @@ from core.errors import KindynaError
 from core.making import in_place, over_the_turn
 from kindyna_gui.blend_answer import AnswerPanel
 from kindyna_gui.blend_asked import Asked, has_both, plan, ranged
-from kindyna_gui.blend_fields import PointRow, Ranged, Words
+from kindyna_gui.blend_fields import PointRow, Ranged
 from kindyna_gui.blend_first import first_asked
 from kindyna_gui.blend_kind import heading
 from kindyna_gui.blend_questions import Questions
 from kindyna_gui.blend_words import effect, reason
 from kindyna_gui.blend_worker import Job, Lane, best_answer
-from kindyna_gui.look import QUIET, WRONG, coloured
-from kindyna_gui.session import Refusal, Session
+from kindyna_gui.put_dialog import PutDialog
+from kindyna_gui.session import Session
 from kindyna_gui.wording import name_of, sentence, shortest
 
 PAUSE_MS = 250  # of typing, before the best is searched for
@@ -40,16 +38,14 @@ QUESTIONS_WIDTH, USUAL, LEAST = 500, QSize(1180, 740), QSize(1040, 560)
 PLACES: Mapping[str, Callable[[Design, Blended], Design]] = MappingProxyType({"turn": over_the_turn, "here": in_place})
 
 
-class BlendDialog(QDialog):
+class BlendDialog(PutDialog):
     """Asks for a blended motion and puts it into the design as one step.
 
     What is typed is answered at once; while it cannot be answered the last good answer stays, veiled.
     """
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Blend a motion")
-        self._session = session
+        super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)
         self.blended: Blended | None = None  # of what is asked now
         self.design: Design | None = None  # with it
@@ -76,31 +72,10 @@ class BlendDialog(QDialog):
     # -- building -------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        left = QVBoxLayout()
-        left.setSpacing(6)
-        left.addWidget(self.questions, 1)
-        left.addLayout(self._places())
-        asked = QWidget()
-        asked.setLayout(left)
-        left.setContentsMargins(0, 0, 0, 0)
-        asked.setFixedWidth(QUESTIONS_WIDTH)
-        middle = QHBoxLayout()
-        middle.setSpacing(10)
-        middle.addWidget(asked)
-        middle.addWidget(self.panel, 1)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.put_button.setText("&Put into the design")
-        foot = QHBoxLayout()
-        foot.addWidget(self.effect, 1)
-        foot.addWidget(self.buttons)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(12, 10, 12, 10)
-        column.addLayout(middle, 1)
-        column.addLayout(foot)
-        self.setMinimumSize(LEAST)
-        room = self.screen().availableGeometry().size()
-        self.resize(USUAL.boundedTo(room - QSize(40, 60)))
+        asked = QVBoxLayout()
+        asked.addWidget(self.questions, 1)
+        asked.addLayout(self._places())
+        self.frame(asked, QUESTIONS_WIDTH, self.panel, USUAL, LEAST)
 
     def _places(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -115,7 +90,6 @@ class BlendDialog(QDialog):
             row.addWidget(button)
             button.clicked.connect(self._place)
         row.addStretch(1)
-        self.effect = Words(QUIET)
         return row
 
     def _connect(self) -> None:
@@ -125,8 +99,6 @@ class BlendDialog(QDialog):
         self._slow.timeout.connect(self._is_slow)
         self.answers.answered.connect(self._answered)
         self.ranges.answered.connect(self._ranged)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
 
     # -- asking ---------------------------------------------------------------------------------------------
 
@@ -212,7 +184,7 @@ class BlendDialog(QDialog):
             self.questions.general.tell(reason(found))
 
     def _veil(self, text: str) -> None:
-        self._tell("")
+        self.tell("")
         self.panel.veil.draw(text)
 
     def _place(self, *_: object) -> None:
@@ -222,7 +194,7 @@ class BlendDialog(QDialog):
             try:
                 design = PLACES[self._where](self._session.design, self.blended)
             except KindynaError as error:
-                self._tell(sentence(str(error)), wrong=True)
+                self.tell(sentence(str(error)), wrong=True)
                 self.panel.show_answer(self.blended, None, self._session.study)
             else:
                 self._show(design, self.blended)
@@ -231,7 +203,7 @@ class BlendDialog(QDialog):
     def _show(self, design: Design, blended: Blended) -> None:
         before = require_motion(self._session.design)
         wrong = [f"{name_of(design, fault.path)}: {fault.problem}" for fault in faults(design)]
-        self._tell("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
+        self.tell("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
         self.panel.show_answer(blended, design, self._session.study)
         self.design = None if wrong else design
 
@@ -246,31 +218,12 @@ class BlendDialog(QDialog):
         if not self.places["turn"].isEnabled():
             self.places["here"].setChecked(True)
 
-    def _tell(self, text: str, wrong: bool = False) -> None:
-        coloured(self.effect, WRONG if wrong else QUIET)
-        self.effect.tell(text)
-
     # -- the end --------------------------------------------------------------------------------------------
 
     def accept(self) -> None:
-        """Put the motion into the design as one step; where the session refuses it, say why and stay."""
-        if self.design is None or self.blended is None:
-            return
-        told: list[str] = []
-
-        def listen(refusal: Refusal) -> None:
-            told.extend(f"{name}: {text}" for _, name, text in refusal.told)
-
-        self._session.refused.connect(listen)
-        self._session.end_gesture()
-        done = self._session.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
-        self._session.refused.disconnect(listen)
-        self._session.end_gesture()
-        if done:
-            super().accept()
-        else:
-            self._session.withdraw("")
-            self._tell(sentence("; ".join(told)), wrong=True)
+        """Put the motion into the design, where there is one."""
+        if self.design is not None and self.blended is not None:
+            self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
 
     def done(self, result: int) -> None:
         self.stop()
@@ -282,8 +235,7 @@ class BlendDialog(QDialog):
 def open_blend(session: Session, parent: QWidget) -> BlendDialog:
     """Open the wizard over a window; it is gone once it is closed."""
     dialog = BlendDialog(session, parent)
-    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    dialog.open()
+    dialog.open_once()
     return dialog
 
 

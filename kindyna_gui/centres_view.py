@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget, QVBoxLayout
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
 from core.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
@@ -136,13 +136,7 @@ class CentresView(View):
         foot = QHBoxLayout()
         foot.setContentsMargins(8, 0, 8, 4)
         foot.addWidget(self.transmission)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(3)
-        column.addWidget(self.tabs, 1)
-        column.addLayout(row)
-        column.addLayout(foot)
-        self.set_content_layout(column)
+        self.set_column(self.tabs, row, foot, grows=self.tabs, spacing=3)
 
     def _chooser(self, name: str) -> QComboBox:
         box = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)

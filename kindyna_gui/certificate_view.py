@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from PySide6.QtWidgets import QVBoxLayout
-
 from core.findings import ERROR, Residual
 from core.study import Study
 from kindyna_gui.look import WRONG, sign
@@ -87,10 +85,7 @@ class CertificateView(View):
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
         self.table.setWordWrap(False)
-        layout = QVBoxLayout()
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.table)
-        self.set_content_layout(layout)
+        self.set_column(self.table, grows=self.table)
 
     def refresh(self, study: Study) -> None:
         self.table.show_rows([certificate_row(name, residual) for name, residual in study.certificate().items()])

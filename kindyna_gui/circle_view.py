@@ -7,7 +7,7 @@ import math
 
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
 from core.instant_centres import Construction, Wanted
 from core.mechanism import link_number
@@ -139,13 +139,7 @@ class CircleView(View):
         row.setContentsMargins(8, 0, 8, 6)
         for widget in (self.back, self.count, self.next, self.end):
             row.addWidget(widget, 1 if widget is self.count else 0)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(4)
-        column.addWidget(self.diagram, 1)
-        column.addWidget(self.text)
-        column.addLayout(row)
-        self.set_content_layout(column)
+        self.set_column(self.diagram, self.text, row, grows=self.diagram, spacing=4)
         session.step_changed.connect(self._redraw)
 
     def _plan(self) -> tuple[tuple[str, ...], Construction]:

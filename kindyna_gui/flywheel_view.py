@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QVBoxLayout
-
 from core.study import Study
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
@@ -34,10 +32,7 @@ class FlywheelView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.table = RowsTable(HEADINGS)
-        layout = QVBoxLayout()
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.table)
-        self.set_content_layout(layout)
+        self.set_column(self.table, grows=self.table)
 
     def refresh(self, study: Study) -> None:
         design = only_cams(study.design, "A flywheel is sized for a cam and its follower; a linkage has none here.")

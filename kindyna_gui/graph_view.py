@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QScrollArea,
     QSplitter,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -64,12 +63,7 @@ class GraphView(View):
         parted.addWidget(self.tree)
         parted.addWidget(self.area)
         parted.setStretchFactor(1, 1)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addLayout(self._tools())
-        column.addWidget(parted, 1)
-        self.set_content_layout(column)
+        self.set_column(self._tools(), parted, grows=parted)
         self._in_sight = QTimer(self, singleShot=True, interval=0)
         self._in_sight.timeout.connect(self._show_active)
         self.tree.ticked.connect(self._ticked)

@@ -18,7 +18,6 @@ from PySide6.QtWidgets import (
     QStackedLayout,
     QTableView,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -122,12 +121,7 @@ class LawsView(View):
         parted.addWidget(self.table)
         parted.addWidget(self._drawing())
         parted.setStretchFactor(1, 1)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addLayout(self._tools())
-        column.addWidget(parted, 1)
-        self.set_content_layout(column)
+        self.set_column(self._tools(), parted, grows=parted)
         for slug in FIRST:
             self.model.tick(slug, True)
         self.model.ticked.connect(self._draw)

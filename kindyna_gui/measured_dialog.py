@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QModelIndex, QSize, Qt
+from PySide6.QtCore import QModelIndex, QSize
 from PySide6.QtWidgets import (
     QCheckBox,
-    QDialog,
-    QDialogButtonBox,
     QFileDialog,
     QFormLayout,
     QGridLayout,
@@ -26,13 +24,13 @@ from core.errors import KindynaError
 from core.files import read_bytes
 from core.measured import Fit, figures, into_design
 from kindyna_gui import dialogs
-from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.measured_asked import Answer, Asked, Reader, spelled, symbol
 from kindyna_gui.measured_form import ReadingForm
 from kindyna_gui.measured_found import FoundTable, counted, found_in, found_wrong
 from kindyna_gui.measured_plot import MeasuredPlot
 from kindyna_gui.number_box import NumberBox
-from kindyna_gui.session import Refusal, Session
+from kindyna_gui.put_dialog import PutDialog
+from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
 from kindyna_gui.wording import sentence
 
@@ -41,13 +39,12 @@ LEFT_WIDTH, USUAL, LEAST = 330, QSize(1080, 720), QSize(900, 560)
 ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=0.0)
 
 
-class MeasuredDialog(QDialog):
+class MeasuredDialog(PutDialog):
     """Shows what a table holds and what motion comes of it, and puts that into the design as one step."""
 
     def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Import measured motion")
-        self._session, self._path = session, path
+        super().__init__(session, "Import measured motion", parent)
+        self._path = path
         motion = require_motion(session.design)
         self._unit = motion.unit
         self._reader = self._read(data)
@@ -70,7 +67,6 @@ class MeasuredDialog(QDialog):
 
     def _lay_out(self) -> None:
         left = QVBoxLayout()
-        left.setSpacing(6)
         left.addLayout(self._head())
         left.addWidget(self.form)
         left.addSpacing(8)
@@ -84,33 +80,12 @@ class MeasuredDialog(QDialog):
         self._figures: dict[str, QLabel] = {}
         left.addLayout(self.figures)
         left.addStretch(1)
-        narrow = QWidget()
-        left.setContentsMargins(0, 0, 0, 0)
-        narrow.setLayout(left)
-        narrow.setFixedWidth(LEFT_WIDTH)
         right = QVBoxLayout()
         right.setSpacing(2)
         right.addWidget(self.rows_plot, 5)
         right.addWidget(self.residual_plot, 3)
         right.addWidget(self.found, 3)
-        middle = QHBoxLayout()
-        middle.setSpacing(12)
-        middle.addWidget(narrow)
-        middle.addLayout(right, 1)
-        self.told = QLabel(wordWrap=True)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.put_button.setText("&Put into the design")
-        foot = QHBoxLayout()
-        foot.addWidget(self.told, 1)
-        foot.addWidget(self.buttons)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(12, 10, 12, 10)
-        column.addLayout(middle, 1)
-        column.addLayout(foot)
-        self.setMinimumSize(LEAST)
-        room = self.screen().availableGeometry().size()
-        self.resize(USUAL.boundedTo(room - QSize(40, 60)))
+        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
 
     def _head(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -156,8 +131,6 @@ class MeasuredDialog(QDialog):
         self.again.clicked.connect(self._read_again)
         self.found.clicked.connect(self._point_out)
         self.found.activated.connect(self._point_out)
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
 
     # -- asking ---------------------------------------------------------------------------------------------
 
@@ -174,7 +147,7 @@ class MeasuredDialog(QDialog):
             self._show_fit(answer.fit)
         elif answer.refused:  # the last curve stays
             self.error.set_refused(True)
-            self._tell(sentence(answer.faults[0][1]), wrong=True)
+            self.tell(sentence(answer.faults[0][1]), wrong=True)
         else:
             self._show_faults()
 
@@ -187,7 +160,7 @@ class MeasuredDialog(QDialog):
             self._ask(error=value)
         else:
             self.error.set_refused(True)
-            self._tell("Measuring error: allowed: 0 or more", wrong=True)
+            self.tell("Measuring error: allowed: 0 or more", wrong=True)
 
     def _read_otherwise(self) -> None:
         """In other units, or another column: neither error nor level mean what they meant."""
@@ -211,7 +184,7 @@ class MeasuredDialog(QDialog):
         self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._rest.lowest is None else fit.lowest)
         self._show_figures(figures(fit))
         self.found.show_found(found_in(fit))
-        self._tell("The motion of the design is replaced; Undo brings it back.")
+        self.tell("The motion of the design is replaced; Undo brings it back.")
 
     def _show_faults(self) -> None:
         faults = self.answer.faults
@@ -219,7 +192,7 @@ class MeasuredDialog(QDialog):
         self._show_figures([])
         self.rows_plot.show_message("Nothing can be drawn before the table can be read")
         self.residual_plot.show_message("")
-        self._tell(counted(faults), wrong=True)
+        self.tell(counted(faults), wrong=True)
 
     def _show_figures(self, rows: list[tuple[str, str]]) -> None:
         """What the fit came to; what stands beside it already is left out."""
@@ -235,32 +208,12 @@ class MeasuredDialog(QDialog):
         for plot in (self.rows_plot, self.residual_plot):
             plot.point_out(self.found.angle(index.row()))
 
-    def _tell(self, text: str, wrong: bool = False) -> None:
-        coloured(self.told, WRONG if wrong else QUIET)
-        self.told.setText(text)
-
     # -- the end --------------------------------------------------------------------------------------------
 
     def accept(self) -> None:
-        """Put the motion into the design as one step; where the session refuses it, say why and stay."""
-        if self.answer.fit is None:
-            return
-        told: list[str] = []
-
-        def listen(refusal: Refusal) -> None:
-            told.extend(f"{name}: {text}" for _, name, text in refusal.told)
-
-        session = self._session
-        session.refused.connect(listen)
-        session.end_gesture()
-        done = session.put(into_design(session.design, self.answer.fit), f"Import {self._path.name}")
-        session.refused.disconnect(listen)
-        session.end_gesture()
-        if done:
-            super().accept()
-        else:
-            session.withdraw("")
-            self._tell(sentence("; ".join(told)), wrong=True)
+        """Put the motion into the design, where the table gives one."""
+        if self.answer.fit is not None:
+            self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 
 def _bold(text: str) -> QLabel:
@@ -292,8 +245,7 @@ def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
         return None
     Settings().folder = path.parent
     dialog = MeasuredDialog(session, path, data, parent)
-    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-    dialog.open()
+    dialog.open_once()
     return dialog
 
 

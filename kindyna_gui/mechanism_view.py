@@ -8,13 +8,12 @@ from math import ceil, log10
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent
-from PySide6.QtWidgets import QLabel, QVBoxLayout
 
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.study import Study
 from kindyna_gui.canvas import Canvas
-from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.note import Note
 from kindyna_gui.pictures.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.reading import MM
 from kindyna_gui.pictures.style import LIGHT
@@ -34,16 +33,8 @@ class MechanismView(View):
         self.scene = MechanismScene()
         self.canvas = Canvas(self.scene)
         super().__init__(session, player)
-        self.note = QLabel(wordWrap=True, margin=6)
-        self.note.setMinimumSize(1, 1)
-        self.note.hide()
-        coloured(self.note, WRONG)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.canvas, 1)
-        column.addWidget(self.note)
-        self.set_content_layout(column)
+        self.note = Note()
+        self.set_column(self.canvas, self.note, grows=self.canvas)
         self.setFocusProxy(self.canvas)
         self._fit_wanted = True
         self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
@@ -87,8 +78,7 @@ class MechanismView(View):
             _ = study.cam if has_cam(study) else None
         except NoAnswer as error:
             told = f"No cam: {reason(study.design, error)}"
-        self.note.setText(told)
-        self.note.setVisible(bool(told))
+        self.note.tell(told)
 
     def follow(self, theta: float) -> None:
         self._take_layers()

@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
-from PySide6.QtWidgets import QLabel, QVBoxLayout
 
 from core.channels import Channel
 from core.study import Study
 from kindyna_gui.exports import save_numbers, save_picture
 from kindyna_gui.linkage_plots import lacking, quantities_for
 from kindyna_gui.live_plot import LivePlot
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import QUIET
+from kindyna_gui.note import Note
 from kindyna_gui.player import Player
 from kindyna_gui.player_keys import obey
 from kindyna_gui.session import Session
@@ -32,21 +32,10 @@ class PlotView(View):
         self.usual = tuple(quantities)
         self.plot = LivePlot()
         self.plot.setMinimumWidth(LEAST_WIDTH)
-        self.note = QLabel()
-        self.note.setMargin(3)
+        self.note = Note(QUIET, margin=3)
         self.note.setIndent(6)
-        self.note.setWordWrap(True)
-        self.note.setMinimumSize(1, 1)
-        self.note.hide()
-        coloured(self.note, QUIET)
-        self.note.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
         self.rows: tuple[Channel, ...] = ()
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.plot, 1)
-        column.addWidget(self.note)
-        self.set_content_layout(column)
+        self.set_column(self.plot, self.note, grows=self.plot)
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
         self.plot.angle_moved.connect(self._turn)
@@ -79,8 +68,7 @@ class PlotView(View):
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
             self.plot.show_message("\n".join(told) or self._missing(study))
-        self.note.setText("; ".join(told))
-        self.note.setVisible(bool(drawn and told))
+        self.note.tell("; ".join(told) if drawn else "")
 
     def _missing(self, study: Study) -> str:
         return lacking(study, self.usual) if is_linkage(study.design) else missing(self.usual)

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 
-from PySide6.QtWidgets import QLabel, QVBoxLayout
-
 from core.errors import KindynaError
 from core.instant_centres import velocity_polygon
 from core.study import LinkageStudy, Study
-from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.note import Note
 from kindyna_gui.pictures.polygon import PolygonSheet
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
@@ -28,16 +26,8 @@ class PolygonView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.sheet = PolygonSheet()
-        self.note = QLabel(wordWrap=True, margin=6)
-        self.note.setMinimumSize(1, 1)
-        self.note.hide()
-        coloured(self.note, WRONG)
-        column = QVBoxLayout()
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
-        column.addWidget(self.sheet, 1)
-        column.addWidget(self.note)
-        self.set_content_layout(column)
+        self.note = Note()
+        self.set_column(self.sheet, self.note, grows=self.sheet)
 
     def refresh(self, study: Study) -> None:
         if not isinstance(study, LinkageStudy):
@@ -52,10 +42,9 @@ class PolygonView(View):
             there = self.session.at(theta)
             polygon = velocity_polygon(there.linkage)
         except KindynaError as error:
-            self.note.setText(sentence(str(error)))
-            self.note.show()
+            self.note.tell(sentence(str(error)))
             return
-        self.note.hide()
+        self.note.tell("")
         name = study.angle_name.capitalize()
         self.sheet.show_polygon(polygon, study.omega, f"{name} {math.degrees(theta):.1f}°")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
-from PySide6.QtWidgets import QLabel, QLayout, QStackedLayout, QWidget
+from PySide6.QtWidgets import QLabel, QLayout, QStackedLayout, QVBoxLayout, QWidget
 
 from core.errors import KindynaError
 from core.study import Study
@@ -73,6 +73,18 @@ class View(QWidget):
 
     def set_content_layout(self, layout: QLayout) -> None:
         self._content.setLayout(layout)
+
+    def set_column(self, *rows: QWidget | QLayout, grows: QWidget, spacing: int = 0) -> None:
+        """The content: these one below the other up to its edges; ``grows`` gets the height that the others leave."""
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(spacing)
+        for row in rows:
+            if isinstance(row, QLayout):
+                column.addLayout(row)
+            else:
+                column.addWidget(row, 1 if row is grows else 0)
+        self.set_content_layout(column)
 
     # -- for subclasses -----------------------------------------------------------------------------------
 

@@ -796,7 +796,7 @@ def test_a_rise_takes_the_place_of_the_chosen_one(ask: Ask) -> None:
     assert dialog.places["here"].isChecked()
     assert not dialog.places["turn"].isEnabled(), "a rise alone is no whole motion"
     assert dialog.places["here"].text() == "283.5° … 325° only, the rest stays"
-    assert dialog.effect.text() == "The rest of the motion stays."
+    assert dialog.told.text() == "The rest of the motion stays."
     motion = wizard.put()
     assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
     assert motion.segments[:3] == LIFT.drive.motion.segments[:3]
@@ -810,7 +810,7 @@ def test_what_else_will_move_otherwise_is_told(ask: Ask) -> None:
     wizard.type(wizard.questions.stroke, "120")
     wizard.answered()
     told = "The rest stays, but segment 2, Modified sine, then rises by −120 mm to come back."
-    assert wizard.dialog.effect.text() == told
+    assert wizard.dialog.told.text() == told
     assert [s.rise for s in wizard.put().segments] == [0.0, -120.0, 0.0, 120.0, 0.0]
 
 
@@ -820,7 +820,7 @@ def test_a_rise_into_a_standing_motion_comes_back(ask: Ask) -> None:
     wizard.type(wizard.questions.end, "120")
     wizard.answered()
     assert (
-        wizard.dialog.effect.text()
+        wizard.dialog.told.text()
         == "Nothing else moves yet, so the same curves run backwards bring the follower back."
     )
     motion = wizard.put()
@@ -832,7 +832,7 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
-    assert "moves, and would be cut" in wizard.dialog.effect.text()
+    assert "moves, and would be cut" in wizard.dialog.told.text()
     assert not wizard.can_put
     assert wizard.table, "the curves are shown all the same"
     wizard.type(wizard.questions.start, "250")
@@ -846,7 +846,7 @@ def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
     wizard.click(wizard.questions.kind.types["DRD-return"])
     wizard.answered()
     assert wizard.curves == "C6"
-    assert wizard.dialog.effect.text() == "Segment 2, rise: c6 is a return"
+    assert wizard.dialog.told.text() == "Segment 2, rise: c6 is a return"
     assert not wizard.can_put
     wizard.click(wizard.questions.kind.types["DRD"])
     wizard.answered()
@@ -859,11 +859,11 @@ def test_the_whole_turn_or_only_a_part(ask: Ask) -> None:
     wizard.type(wizard.questions.start, "100")
     wizard.type(wizard.questions.end, "200")
     wizard.answered()
-    assert wizard.dialog.effect.text() == "The rest of the motion stays."
+    assert wizard.dialog.told.text() == "The rest of the motion stays."
     assert wizard.dialog.design is not None
     assert len(wizard.dialog.design.drive.motion.segments) == 8
     wizard.click(wizard.dialog.places["turn"], QPoint(8, 8))
-    assert wizard.dialog.effect.text() == "These curves and the dwells about them make the whole turn."
+    assert wizard.dialog.told.text() == "These curves and the dwells about them make the whole turn."
     assert [s.curve.law for s in wizard.put().segments] == ["dwell", "p1", "p2", "dwell"]
 
 
@@ -894,7 +894,7 @@ def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     assert wizard.can_put
     wizard.click(dialog.put_button)
     assert dialog.isVisible()
-    assert "Rod" in dialog.effect.text()
+    assert "Rod" in dialog.told.text()
     assert user.design == before
     dialog.reject()
     settle()

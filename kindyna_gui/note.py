@@ -1,0 +1,37 @@
+"""Lines of words that are there only where there is something to say."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QPalette
+from PySide6.QtWidgets import QLabel
+
+from kindyna_gui.look import WRONG, coloured
+
+
+class Words(QLabel):
+    """A text that wraps, shown only where there is one."""
+
+    def __init__(self, colour: str) -> None:
+        super().__init__(wordWrap=True)
+        coloured(self, colour)
+        self.setForegroundRole(QPalette.ColorRole.WindowText)  # on paper it would be that of texts
+        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.hide()
+
+    def tell(self, text: str) -> None:
+        if text != self.text() or self.isHidden() == bool(text):
+            self.setText(text)
+            self.setVisible(bool(text))
+
+
+class Note(Words):
+    """The line below a picture that says what it does not show, and why; it never widens what it stands in."""
+
+    def __init__(self, colour: str = WRONG, margin: int = 6) -> None:
+        super().__init__(colour)
+        self.setMargin(margin)
+        self.setMinimumSize(1, 1)
+
+
+__all__ = ["Note", "Words"]
