@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from math import radians
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pytest
 from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt
@@ -14,6 +15,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
 
 from core.design import Design
+from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.canvas import Canvas
 from kindyna_gui.dialogs import Answer
@@ -24,6 +26,7 @@ from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.segments_view import SegmentsView
 from kindyna_gui.session import Session
+from kindyna_gui.view import View
 
 PATIENCE_MS = 5000
 
@@ -49,6 +52,11 @@ def settle() -> None:
 
 Open = Callable[..., "User"]
 """Opens a window: the file, and the size."""
+
+
+Shown = TypeVar("Shown", bound=QWidget)
+Alone = Callable[..., Any]
+"""Shows a view in a window of its own: the view, width and height; gives it back."""
 
 
 def _not_foreseen(question: str, *_: Any) -> None:
@@ -184,6 +192,18 @@ class User:
         view = self.window.view("mechanism")
         assert isinstance(view, MechanismView)
         view.pull()
+        return view
+
+    def turn(self, degrees: float) -> Study:
+        """The cam, or the driver, at another angle; the study there."""
+        self.window.player.set_theta(radians(degrees))
+        settle()
+        return self.session.at(self.window.player.theta)
+
+    def see(self, name: str) -> View:
+        """A view, brought before the reader and up to date."""
+        view = self.window.show_view(name)
+        wait_for(lambda: view.up_to_date and view.on_screen())
         return view
 
     def drag(self, start: complex, end: complex) -> None:

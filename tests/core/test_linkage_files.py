@@ -2,7 +2,6 @@
 
 import copy
 import math
-import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import pytest
 import strategies
 import tomli_w
+from damage import GONE, changed, damage, told, told_or_sound
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -34,39 +34,11 @@ from core.design import (
     with_assumed,
 )
 from core.design.linkage_paths import LINKAGE_SECTIONS, paths, place_of
-from core.errors import DesignError
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 NAMES = ("lecture_six_bar", "four_bar_coupler_cam", "slider_crank", "inverted_slider_crank", "cam_slider_linkage")
 TABLES = {name: project.to_table(project.load(EXAMPLES / f"{name}.toml")) for name in NAMES}
-GONE = object()
 SIX, CAM, CRANK, INVERTED, LIFT = NAMES
-
-
-def changed(edits: dict[str, Any], example: str = SIX) -> dict[str, Any]:
-    """The tables of an example with entries replaced, or taken away."""
-    table = copy.deepcopy(TABLES[example])
-    for path, value in edits.items():
-        *way, last = (int(n) if n else key for key, n in re.findall(r"([^.\[\]]+)|\[(\d+)\]", path))
-        at: Any = table
-        for step in way:
-            at = at[step]
-        if value is GONE:
-            del at[last]
-        elif isinstance(at, list) and last == len(at):
-            at.append(value)
-        else:
-            at[last] = value
-    return table
-
-
-def told(table: dict[str, Any]) -> dict[str, str]:
-    with pytest.raises(DesignError) as caught:
-        project.loads(tomli_w.dumps(table))
-    lines = {fault.path: str(fault) for fault in caught.value.faults}
-    assert len(lines) == len(caught.value.faults), "one fault for each path"
-    assert str(caught.value).splitlines() == list(lines.values())
-    return lines
 
 
 # -- what is right ----------------------------------------------------------------------------------------
@@ -175,7 +147,7 @@ def test_points_driver_and_branch_stand_on_one_line_each() -> None:
 
 
 def test_a_motion_driver_need_not_say_its_speed() -> None:
-    table = changed({"linkage.driver": {"link": 4, "kind": "motion"}}, CAM)
+    table = changed(TABLES[CAM], {"linkage.driver": {"link": 4, "kind": "motion"}})
     design = project.loads(tomli_w.dumps(table))
     assert isinstance(design, LinkageDesign)
     assert design.linkage.driver.speed_rpm == 60.0
@@ -275,7 +247,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
 )  # fmt: skip
 def test_faults(example: str, edits: dict[str, Any], expected: dict[str, str]) -> None:
     """These and no others; each line holds its phrase."""
-    lines = told(changed(edits, example))
+    lines = told(changed(TABLES[example], edits))
     # what loses its table may be assumed
     lines = {path: line for path, line in lines.items() if not path.startswith("assumed") or "assumed" in edits}
     assert set(lines) == set(expected), lines
@@ -286,6 +258,7 @@ def test_faults(example: str, edits: dict[str, Any], expected: dict[str, str]) -
 def test_many_faults_are_told_at_once() -> None:
     lines = told(
         changed(
+            TABLES[SIX],
             {
                 "linkage.links[2].points.B": [1.0],
                 "linkage.links[3].numbr": 4,
@@ -294,7 +267,7 @@ def test_many_faults_are_told_at_once() -> None:
                 "linkage.branch.B": 5,
                 "loads": {"gravity_m_s2": -1.0},
                 "nmae": "x",
-            }
+            },
         )
     )
     assert set(lines) == {
@@ -319,43 +292,13 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     assert "linkage.links[4].points" in told_faults or "linkage" in told_faults
 
 
-def outcome(table: dict[str, Any]) -> tuple[Any, DesignError]:
-    try:
-        return project.from_table(table), DesignError([])
-    except DesignError as error:
-        return None, error
-
-
-BAD = [GONE, math.nan, math.inf, -1.0, 0, 10**400, True, "", "x", [], {}, [1], {"a": 1}]
-
-
 @settings(max_examples=200, derandomize=True, database=None)
 @given(st.data())
 def test_any_damage_is_told(data: st.DataObject) -> None:
     table = copy.deepcopy(TABLES[data.draw(st.sampled_from(NAMES))])
     for _ in range(data.draw(st.integers(1, 4))):
-        at: Any = table
-        while True:
-            keys = list(at) if isinstance(at, dict) else list(range(len(at)))
-            if not keys:
-                break
-            key = data.draw(st.sampled_from(keys))
-            if isinstance(at[key], dict | list) and data.draw(st.booleans()):
-                at = at[key]
-                continue
-            value = data.draw(st.sampled_from([*BAD, at[key]]))
-            if value is GONE:
-                del at[key]
-            else:
-                at[key] = copy.deepcopy(value)
-            break
-    design, error = outcome(table)
-    if design is None:
-        assert error.faults
-        assert len(str(error).splitlines()) == len(error.faults)
-    else:
-        assert faults(design) == []
-        assert project.loads(project.dumps(design)) == design
+        damage(table, data)
+    told_or_sound(table)
 
 
 # -- values by path ---------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 """core.project: a design file is read with all its faults told at once, and comes back as it was typed."""
 
-import copy
 import math
 import re
 import time
@@ -11,6 +10,7 @@ from typing import Any
 import pytest
 import strategies
 import tomli_w
+from damage import GONE, changed, damage, told, told_or_sound
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,32 +22,11 @@ from core.laws import LAWS
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LIFT, PICKER = (EXAMPLES / f"{name}.toml" for name in ("transfer_lift", "card_picker"))
 TABLES = {path.stem: project.to_table(project.load(path)) for path in (LIFT, PICKER)}
-GONE = object()
 
 
 def edited(edits: dict[str, Any], example: str = "transfer_lift") -> dict[str, Any]:
-    """The tables of an example with the entries at some paths replaced, or taken away (GONE)."""
-    table = copy.deepcopy(TABLES[example])
-    for path, value in edits.items():
-        *way, last = (int(n) if n else key for key, n in re.findall(r"([^.\[\]]+)|\[(\d+)\]", path))
-        at: Any = table
-        for step in way:
-            at = at[step]
-        if value is GONE:
-            del at[last]
-        else:
-            at[last] = value
-    return table
-
-
-def told(source: dict[str, Any] | str) -> dict[str, str]:
-    """The faults of tables or of a text: path -> line."""
-    with pytest.raises(DesignError) as caught:
-        project.loads(source if isinstance(source, str) else tomli_w.dumps(source))
-    lines = {fault.path: str(fault) for fault in caught.value.faults}
-    assert len(lines) == len(caught.value.faults), "one fault for each path"
-    assert str(caught.value).splitlines() == list(lines.values()), "one line for each fault"
-    return lines
+    """The tables of an example with entries replaced, or taken away."""
+    return changed(TABLES[example], edits)
 
 
 def check(edits: dict[str, Any], expected: dict[str, str], example: str = "transfer_lift") -> None:
@@ -522,43 +501,13 @@ def test_translating() -> None:
     )
 
 
-def outcome(table: dict[str, Any]) -> tuple[Design | None, DesignError]:
-    try:
-        return project.from_table(table), DesignError([])
-    except DesignError as error:
-        return None, error
-
-
-BAD = [GONE, math.nan, math.inf, -1.0, 0, 10**400, True, "", "x", [], {}, [1], {"a": 1}]
-
-
 @given(st.data())
 def test_any_damage_is_told(data: st.DataObject) -> None:
     """Whatever is put wherever: a design without faults, or one line for each fault."""
     table = edited({}, data.draw(st.sampled_from(sorted(TABLES))))
     for _ in range(data.draw(st.integers(1, 5))):
-        at: Any = table
-        while True:
-            keys = list(at) if isinstance(at, dict) else list(range(len(at)))
-            if not keys:
-                break
-            key = data.draw(st.sampled_from(keys))
-            if isinstance(at[key], dict | list) and data.draw(st.booleans()):
-                at = at[key]
-                continue
-            value = data.draw(st.sampled_from([*BAD, at[key]]))
-            if value is GONE:
-                del at[key]
-            else:
-                at[key] = copy.deepcopy(value)
-            break
-    design, error = outcome(table)
-    if design is None:
-        assert error.faults
-        assert len(str(error).splitlines()) == len(error.faults)
-    else:
-        assert faults(design) == []
-        assert project.loads(project.dumps(design)) == design
+        damage(table, data)
+    told_or_sound(table)
 
 
 # -- values that are hard to show --------------------------------------------------------------------------

@@ -9,13 +9,14 @@ from types import TracebackType
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QMessageLogContext, QSettings, QtMsgType, qInstallMessageHandler
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QMenu
-from window_user import Open, User, settle
+from PySide6.QtWidgets import QApplication, QMenu, QWidget
+from window_user import Alone, Open, Shown, User, settle
 
 from kindyna_gui.docks import RIGHT, VIEWS
 from kindyna_gui.look import dress
 from kindyna_gui.main_window import open_window
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.places import example
 
 PLOTS = tuple(name for name, row in VIEWS.items() if row.area == RIGHT)
 HARMLESS = (
@@ -98,6 +99,33 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
 def user(open_user: Open) -> User:
     """A user at a window that shows the lift example."""
     return open_user()
+
+
+@pytest.fixture
+def six_bar(open_user: Open) -> User:
+    """A user at the lecture's six-bar, its crank at 45 degrees."""
+    user: User = open_user(example("lecture_six_bar"), plots=False)
+    user.turn(45.0)
+    return user
+
+
+@pytest.fixture
+def alone(app: QApplication) -> Iterator[Alone]:
+    """Shows views in windows of their own; at the end each is closed and gone."""
+    shown: list[QWidget] = []
+
+    def show(view: Shown, width: int, height: int) -> Shown:
+        shown.append(view)
+        view.resize(width, height)
+        view.show()
+        assert QTest.qWaitForWindowExposed(view)
+        settle()
+        return view
+
+    yield show
+    for view in shown:
+        view.close()
+        view.deleteLater()
 
 
 @pytest.fixture(scope="session", autouse=True)

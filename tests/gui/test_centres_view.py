@@ -9,35 +9,20 @@ from window_user import Open, User, settle, wait_for
 from core.study import LinkageStudy
 from kindyna_gui.centres_view import CentresView
 from kindyna_gui.circle_view import CircleView
-from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.pictures.centre_parts import CentreMarks, KennedyLines
 from kindyna_gui.places import example
 
 
 def centres(user: User) -> CentresView:
-    view = user.window.show_view("centres")
+    view = user.see("centres")
     assert isinstance(view, CentresView)
-    wait_for(lambda: view.up_to_date and view.on_screen())
     return view
 
 
 def circle(user: User) -> CircleView:
-    view = user.window.show_view("circle")
+    view = user.see("circle")
     assert isinstance(view, CircleView)
-    wait_for(lambda: view.up_to_date and view.on_screen())
     return view
-
-
-def drawing(user: User) -> MechanismView:
-    view = user.window.view("mechanism")
-    assert isinstance(view, MechanismView)
-    view.pull()
-    return view
-
-
-def at(user: User, degrees: float) -> None:
-    user.window.player.set_theta(math.radians(degrees))
-    settle()
 
 
 def number(text: str) -> float:
@@ -54,14 +39,6 @@ def distance(view: CentresView, one: str, other: str) -> float:
         box.setCurrentIndex(box.findText(text))
         box.activated.emit(box.currentIndex())
     return number(view.distance.text())
-
-
-@pytest.fixture
-def six_bar(open_user: Open) -> User:
-    """A user at the lecture's six-bar, its crank at 45 degrees."""
-    user: User = open_user(example("lecture_six_bar"), plots=False)
-    at(user, 45.0)
-    return user
 
 
 def test_the_six_bars_numbers_stand_on_the_screen(six_bar: User) -> None:
@@ -107,9 +84,9 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
 )
 def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: Open) -> None:
     user = open_user(example(name), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     user.action("View", "Layers of the drawing", "Instant centres of all links").trigger()
-    at(user, 40.0)
+    user.turn(40.0)
     marks: CentreMarks = view.scene.construct.marks  # type: ignore[assignment]
     assert len(marks.marks) == count
     table = user.session.study.centres
@@ -126,9 +103,9 @@ def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: 
 
 def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
     user = open_user(example("slider_crank"), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     view.show_layer("centres", True)
-    at(user, 40.0)
+    user.turn(40.0)
     assert view.scene.construct is not None
     assert view.scene.construct.marks is not None
     mark = next(m for m in view.scene.construct.marks.marks if m.name == "14")
@@ -139,7 +116,7 @@ def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
 
 
 def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
-    view = drawing(six_bar)
+    view = six_bar.drawing()
     six_bar.action("View", "Layers of the drawing", "Kennedy's construction").trigger()
     settle()
     lines: KennedyLines = view.scene.construct.kennedy  # type: ignore[assignment]
@@ -158,7 +135,7 @@ def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
 
 def test_layers_of_linkages_go_on_and_off(open_user: Open) -> None:
     user = open_user(example("four_bar"), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     assert "Cam" not in user.entries("View", "Layers of the drawing")
     for text, key in (("Coupler curves", "coupler.C"), ("Velocities", "velocities.link3.C")):
         user.choose("View", "Layers of the drawing", text)
@@ -183,7 +160,7 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> N
         for triangle in wanted.triangles[:2]:
             assert triangle.first in view.diagram.solid
             assert triangle.second in view.diagram.solid
-        scene = drawing(six_bar).scene
+        scene = six_bar.drawing().scene
         assert scene.construct is not None
         assert scene.construct.kennedy is not None
         assert {row[0].key for row in scene.construct.kennedy.rows if row[2].isVisible()} <= {wanted.key}
@@ -193,7 +170,7 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> N
     assert six_bar.session.step == 7
     view.end.click()
     settle()
-    assert not drawing(six_bar).scene.layer_shown("kennedy")
+    assert not six_bar.drawing().scene.layer_shown("kennedy")
 
 
 def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(open_user: Open) -> None:

@@ -1,6 +1,5 @@
 """kindyna_gui.graph_view, graph_choice, pictures.polar: any channels in any plots, straight and polar."""
 
-from collections.abc import Iterator
 from io import BytesIO
 from math import degrees, hypot, pi, radians
 from pathlib import Path
@@ -12,7 +11,7 @@ from PIL import Image
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import User, settle
+from window_user import Alone, User, settle
 
 from core.channels import channels
 from core.export import csv
@@ -33,15 +32,8 @@ UNITS = {row.quantity: row.unit.symbol for row in channels(LIFT)}
 
 
 @pytest.fixture
-def graph(app: QApplication) -> Iterator[GraphView]:
-    view = GraphView(Session(LIFT), Player())
-    view.resize(900, 620)
-    view.show()
-    assert QTest.qWaitForWindowExposed(view)
-    settle()
-    yield view
-    view.close()
-    view.deleteLater()
+def graph(alone: Alone) -> GraphView:
+    return alone(GraphView(Session(LIFT), Player()), 900, 620)
 
 
 def tick(view: GraphView, *quantities: str) -> None:

@@ -1,6 +1,5 @@
 """kindyna_gui.laws_view, laws_model, laws_plot: every law with what it costs, drawn over each other, and used."""
 
-from collections.abc import Iterator
 from io import BytesIO
 from itertools import pairwise
 
@@ -12,7 +11,7 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QColor
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QStyle, QStyleOptionViewItem
-from window_user import Open, User, settle
+from window_user import Alone, Open, User, settle
 
 from core.laws import LAWS, peaks
 from core.study import evaluations
@@ -24,15 +23,8 @@ from kindyna_gui.session import Session
 
 
 @pytest.fixture
-def laws(app: QApplication) -> Iterator[LawsView]:
-    view = LawsView(Session(LIFT), Player())
-    view.resize(1000, 640)
-    view.show()
-    assert QTest.qWaitForWindowExposed(view)
-    settle()
-    yield view
-    view.close()
-    view.deleteLater()
+def laws(alone: Alone) -> LawsView:
+    return alone(LawsView(Session(LIFT), Player()), 1000, 640)
 
 
 def text(view: LawsView, slug: str, column: int) -> str:

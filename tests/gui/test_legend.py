@@ -1,13 +1,10 @@
 """kindyna_gui.pictures.legend, fixed_plot: names above a plot, however narrow it is."""
 
-from collections.abc import Iterator
 
 import pytest
 from mechanisms import LIFT, PUSHER
 from PySide6.QtCore import QRectF
-from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication
-from window_user import settle
+from window_user import Alone, settle
 
 from core.channels import channel, channels
 from core.design import SingleCam
@@ -126,16 +123,9 @@ def test_names_of_a_polar_plot_leave_the_corner_free() -> None:
 
 
 @pytest.fixture
-def narrow(app: QApplication) -> Iterator[GraphView]:
+def narrow(alone: Alone) -> GraphView:
     """The graph of a linkage with three plots in a narrow window."""
-    view = GraphView(Session(load(example("lecture_six_bar"))), Player())
-    view.resize(520, 520)
-    view.show()
-    assert QTest.qWaitForWindowExposed(view)
-    settle()
-    yield view
-    view.close()
-    view.deleteLater()
+    return alone(GraphView(Session(load(example("lecture_six_bar"))), Player()), 520, 520)
 
 
 def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView) -> None:

@@ -33,11 +33,6 @@ def place(user: User, point: str) -> complex:
     return complex(there(user).points()[point][0][0]) * 1e3
 
 
-def turn(user: User, degrees: float) -> None:
-    user.window.player.set_theta(math.radians(degrees))
-    settle()
-
-
 # -- opened and drawn -------------------------------------------------------------------------------------
 
 
@@ -48,7 +43,7 @@ def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     view = user.drawing()
     assert not view.in_trouble
     for step in range(10):
-        turn(user, 36.0 * step)
+        user.turn(36.0 * step)
         assert view.scene.reading is not None
         study, index = user.session.study, view.scene.index
         for body, pose in study.linkage.bodies.items():
@@ -62,7 +57,7 @@ def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
 
 def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> None:
     user = open_user(example("inverted_slider_crank"), plots=False)
-    turn(user, 70.0)
+    user.turn(70.0)
     block = user.drawing().scene.item("block.3")
     at = block.mapToScene(block.boundingRect().center())
     assert complex(at.x(), at.y()) == pytest.approx(place(user, "A"), abs=0.2)
@@ -75,7 +70,7 @@ def test_the_coupler_cam_is_drawn_and_exported(
     view = user.drawing()
     for key in ("cam", "pitch", "roller", "normal", "centre"):
         assert view.scene.item(key).isVisible(), key
-    turn(user, 130.0)
+    user.turn(130.0)
     roller = view.scene.item("roller").pos()
     assert complex(roller.x(), roller.y()) == pytest.approx(place(user, "C"), abs=0.05)
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path, 3600))
@@ -149,7 +144,7 @@ def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
 
 def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
     user = open_user(example("lecture_six_bar"))
-    turn(user, 45.0)
+    user.turn(45.0)
     view = user.window.show_view("velocity")
     wait_for(lambda: view.up_to_date and view.on_screen())
     assert [row.quantity for row in view.rows] == ["link.3_velocity", "link.4_velocity", "link.5_velocity"]  # type: ignore[attr-defined]
@@ -218,7 +213,7 @@ def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
 ) -> None:
     user = open_user(example(name), plots=False)
     view = user.drawing()
-    turn(user, 60.0)
+    user.turn(60.0)
     before, start = user.design, place(user, point)
     user.drag(start, start + way)
     assert place(user, point) == pytest.approx(start + way, abs=1.5 / view.canvas.scale_now)
@@ -230,7 +225,7 @@ def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
 
 def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
     user = open_user(example("four_bar"), plots=False)
-    turn(user, 90.0)
+    user.turn(90.0)
     user.drag(place(user, "A"), place(user, "A") + 6.0 + 10.0j)
     assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
     assert user.design.linkage.by_number[2].places["A"].imag == 0.0
@@ -284,7 +279,7 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
         user.window.show_view("graph")
         settle()
         user.window.show_view("mechanism")
-        turn(user, 50.0)
+        user.turn(50.0)
         path = "linkage.driver.speed_rpm" if isinstance(user.design, LinkageDesign) else "shaft.speed_rpm"
         assert user.session.edit(path, 31.0, "Change speed"), (before, name)
         settle()
@@ -300,7 +295,7 @@ def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
     view = user.drawing()
     tag, scale = view.scene.item("label.link2"), view.canvas.scale_now
     for step in range(24):
-        turn(user, 15.0 * step)
+        user.turn(15.0 * step)
         shown = tag.pixel_box()  # type: ignore[attr-defined]
         corners = [
             complex(tag.pos().x() + x / scale, tag.pos().y() - y / scale)
@@ -336,5 +331,5 @@ def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -
     user.session.edit("linkage.links[0].points.O4.y_mm", math.sqrt((longest - 1e-7) ** 2 - 100.0**2), "Far away")
     settle()
     assert user.design == before
-    turn(user, 200.0)
+    user.turn(200.0)
     assert not user.drawing().in_trouble

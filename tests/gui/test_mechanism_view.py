@@ -1,6 +1,6 @@
 """kindyna_gui.mechanism_view: the drawing follows the cam, keeps what is looked at, and computes only what it draws."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from io import BytesIO
 from math import degrees, radians
 
@@ -12,7 +12,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from window_user import Open, User, plain, settle, wait_for
+from window_user import Alone, Open, User, plain, settle, wait_for
 
 from core.design import SingleCam
 from core.study import evaluations
@@ -26,23 +26,13 @@ Show = Callable[..., MechanismView]
 
 
 @pytest.fixture
-def show(app: QApplication) -> Iterator[Show]:
+def show(alone: Alone) -> Show:
     """Shows the drawing of a design in a window of its own."""
-    shown: list[MechanismView] = []
 
     def make(design: SingleCam = LIFT) -> MechanismView:
-        view = MechanismView(Session(design), Player())
-        shown.append(view)
-        view.resize(640, 520)
-        view.show()
-        assert QTest.qWaitForWindowExposed(view)
-        settle()
-        return view
+        return alone(MechanismView(Session(design), Player()), 640, 520)
 
-    yield make
-    for view in shown:
-        view.close()
-        view.deleteLater()
+    return make
 
 
 def wheel(view: MechanismView, at: QPointF, notches: float) -> None:

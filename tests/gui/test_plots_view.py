@@ -1,6 +1,6 @@
 """kindyna_gui.plots_view, live_plot, shown: curves in docks, and the cam angle set by the mouse."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from io import BytesIO
 from math import degrees, radians
 from pathlib import Path
@@ -11,8 +11,8 @@ from mechanisms import LIFT, PUSHER, with_follower, with_loads, with_shaft
 from PIL import Image
 from PySide6.QtCore import QBuffer, QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QWidget
-from window_user import User, settle
+from PySide6.QtWidgets import QWidget
+from window_user import Alone, User, settle
 
 from core.channels import channel
 from core.design import SingleCam
@@ -30,23 +30,13 @@ JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
 
 
 @pytest.fixture
-def show(app: QApplication) -> Iterator[Show]:
+def show(alone: Alone) -> Show:
     """Shows a plot in a window of its own."""
-    shown: list[PlotView] = []
 
     def make(*quantities: str, design: SingleCam = LIFT) -> PlotView:
-        view = PlotView(Session(design), Player(), quantities)
-        shown.append(view)
-        view.resize(520, 280)
-        view.show()
-        assert QTest.qWaitForWindowExposed(view)
-        settle()
-        return view
+        return alone(PlotView(Session(design), Player(), quantities), 520, 280)
 
-    yield make
-    for view in shown:
-        view.close()
-        view.deleteLater()
+    return make
 
 
 def pixel(view: PlotView, angle: float) -> QPoint:

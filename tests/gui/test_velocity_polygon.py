@@ -15,10 +15,8 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QImage
 from window_user import Open, User, settle, wait_for
 
-from core.study import LinkageStudy
 from kindyna_gui import polygon_view
 from kindyna_gui.__main__ import main
-from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.pictures.labels import ink
 from kindyna_gui.pictures.polygon_places import Placing, Text
 from kindyna_gui.places import example
@@ -34,28 +32,6 @@ def polygon(user: User) -> PolygonView:
     assert isinstance(view, PolygonView)
     wait_for(lambda: view.up_to_date and view.on_screen())
     return view
-
-
-def drawing(user: User) -> MechanismView:
-    view = user.window.view("mechanism")
-    assert isinstance(view, MechanismView)
-    view.pull()
-    return view
-
-
-def at(user: User, degrees: float) -> LinkageStudy:
-    user.window.player.set_theta(math.radians(degrees))
-    settle()
-    study = user.session.at(user.window.player.theta)
-    assert isinstance(study, LinkageStudy)
-    return study
-
-
-@pytest.fixture
-def six_bar(open_user: Open) -> User:
-    user: User = open_user(example("lecture_six_bar"), plots=False)
-    at(user, 45.0)
-    return user
 
 
 # -- the polygon ------------------------------------------------------------------------------------------
@@ -81,7 +57,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
     user = open_user(example(name), plots=False)
     sheet = polygon(user).sheet
     for degrees in (20.0, 140.0, 250.0):
-        study = at(user, degrees)
+        study = user.turn(degrees)
         drawn, (value, length) = sheet.vectors(), sheet.scale_told
         per_mm_s = length / value
         pole = sheet.frame_now.pole
@@ -101,7 +77,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
 def test_a_sliding_blocks_difference_lies_along_its_arm(open_user: Open) -> None:
     user = open_user(example("inverted_slider_crank"), plots=False)
     sheet = polygon(user).sheet
-    study = at(user, 70.0)
+    study = user.turn(70.0)
     vector = sheet.vectors()["V_A3A4"][1]
     arm = study.linkage.bodies["link4"].angle[0, 0]
     assert (vector * np.exp(-1j * arm)).imag == pytest.approx(0.0, abs=1e-15)
@@ -128,10 +104,10 @@ def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(six_bar: User, 
 def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> None:
     user = open_user(example("four_bar_coupler_cam"), plots=False)
     sheet = polygon(user).sheet
-    at(user, 10.0)
+    user.turn(10.0)
     assert sheet.still
     assert sheet.vectors() == {}
-    at(user, 130.0)
+    user.turn(130.0)
     assert not sheet.still
 
 
@@ -166,7 +142,7 @@ def test_names_keep_off_vectors_and_each_other() -> None:
 
 def test_ratios_are_read_off_the_drawing_link_by_link(six_bar: User) -> None:
     """As the lecture goes through its six-bar: ω3 by I23, ω4 by I34, ω5 by I45, the slider by I56."""
-    view = drawing(six_bar)
+    view = six_bar.drawing()
     six_bar.choose("View", "Layers of the drawing", "Velocity ratios from link to link")
     assert view.scene.construct is not None
     drawn = view.scene.construct.ratios["chain"]
@@ -187,11 +163,11 @@ def test_ratios_are_read_off_the_drawing_link_by_link(six_bar: User) -> None:
 def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None:
     """Parallel to the line of the three centres, from abreast of one to abreast of the other; and they move."""
     user = open_user(example(name), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     view.show_layer("ratios", True)
     tried = 0
     for degrees in (35.0, 215.0):
-        study = at(user, degrees)
+        study = user.turn(degrees)
         assert view.scene.construct is not None
         drawn = view.scene.construct.ratios["ratios"]
         for arms, lines, _ in drawn.rows:
@@ -216,7 +192,7 @@ def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None
 
 
 def test_ratios_are_read_when_they_are_first_shown(six_bar: User) -> None:
-    scene = drawing(six_bar).scene
+    scene = six_bar.drawing().scene
     assert scene.construct is not None
     assert scene.construct.ratios == {}
     assert scene.construct.marks is None
@@ -224,7 +200,7 @@ def test_ratios_are_read_when_they_are_first_shown(six_bar: User) -> None:
 
 def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
     """The mechanism makes room for it, and it covers nothing."""
-    view = drawing(six_bar)
+    view = six_bar.drawing()
     scale = view.canvas.scale_now
     six_bar.choose("View", "Layers of the drawing", "Velocity ratios to the driver")
     scene = view.scene
@@ -238,12 +214,12 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
 
 def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
     user = open_user(example("stephenson_six_bar"), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     for layer in ("centres", "chain"):
         view.show_layer(layer, True)
     arrows = 0
     for degrees in (80.0, 100.0, 120.0):
-        at(user, degrees)
+        user.turn(degrees)
         scale, made = view.canvas.scale_now, view.scene.construct
         assert made is not None
         assert made.marks is not None
@@ -262,11 +238,11 @@ def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "lecture_six_bar", "rear_suspension", "watt_six_bar"])
 def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_user: Open) -> None:
     user = open_user(example(name), plots=False)
-    view = drawing(user)
+    view = user.drawing()
     view.show_layer("centres", True)
     covered = seen = 0
     for degrees in (15.0, 75.0, 160.0, 290.0):
-        at(user, degrees)
+        user.turn(degrees)
         scene, scale = view.scene, view.canvas.scale_now
         assert scene.construct is not None
         assert scene.construct.marks is not None
