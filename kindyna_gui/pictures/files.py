@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, QPalette
+from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
@@ -20,6 +20,7 @@ from kindyna_gui.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.mechanism import MechanismScene
+from kindyna_gui.pictures.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.plot import CurvePlot
 from kindyna_gui.pictures.plot_curves import different
 from kindyna_gui.pictures.style import LIGHT, Theme
@@ -57,20 +58,16 @@ class Sheet(QGraphicsView):
         self.scale(scale, -scale)
 
 
-class PlotStack(QWidget):
+class PlotStack(PaperSheet):
     """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom.
 
     unseen: pixels by which curves may be off; 0 draws every point
     """
 
     def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
-        super().__init__()
-        paper = QPalette(self.palette())
-        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
-        self.setPalette(paper)
-        self.setAutoFillBackground(True)
+        super().__init__(theme)
         column = QVBoxLayout(self)
-        column.setContentsMargins(8, 8, 8, 8)
+        column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         column.setSpacing(4)
         self.plots: list[CurvePlot] = []
         for number, row in enumerate(rows):

@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QGridLayout, QWidget
+from PySide6.QtWidgets import QGridLayout
 
 from core.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.polar import PolarPlot
 from kindyna_gui.pictures.style import LIGHT, Theme
 
@@ -25,17 +25,13 @@ def columns_for(count: int, width: float, height: float) -> int:
     return max(sizes, key=lambda c: sizes[c])
 
 
-class PolarSheet(QWidget):
+class PolarSheet(PaperSheet):
     """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point."""
 
     def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
-        super().__init__()
-        paper = QPalette(self.palette())
-        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
-        self.setPalette(paper)
-        self.setAutoFillBackground(True)
+        super().__init__(theme)
         grid = QGridLayout(self)
-        grid.setContentsMargins(8, 8, 8, 8)
+        grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         columns = math.ceil(math.sqrt(len(rows)))
         for place, row in enumerate(rows):
             plot = PolarPlot(self, theme)

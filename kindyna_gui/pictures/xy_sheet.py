@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QVBoxLayout
 
 from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
 from kindyna_gui.pictures.xy import XYPlot
 
@@ -18,17 +18,13 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 960, 300  # of one plot
 
 
-class XYSheet(QWidget):
+class XYSheet(PaperSheet):
     """The plots of a figure under its title."""
 
     def __init__(self, figure: Figure, theme: Theme) -> None:
-        super().__init__()
-        paper = QPalette(self.palette())
-        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
-        self.setPalette(paper)
-        self.setAutoFillBackground(True)
+        super().__init__(theme)
         column = QVBoxLayout(self)
-        column.setContentsMargins(8, 8, 8, 8)
+        column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
         title = QLabel(figure.title)
         title.setStyleSheet(f"color: {theme.ink}; font-size: {SMALL + 2}px")
         column.addWidget(title)
