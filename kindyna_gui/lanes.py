@@ -2,14 +2,13 @@
 
 What may take its time is not computed in the window's own thread, and what is no longer wanted not to its end.
 
-The other threads never touch an object of Qt: answers wait in a queue until the window looks. Nor may they tidy up, for
-what Python's garbage collector takes away may be a widget; it rests while they run.
+The other threads never touch an object of Qt: answers wait in a queue until the window looks. Nor do they tidy up (see
+``tidying``).
 """
 
 from __future__ import annotations
 
 import ctypes
-import gc
 from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
@@ -89,8 +88,6 @@ class Lane(QObject):
         if not jobs:
             return
         self._open, self._errand = len(jobs), Errand(jobs)
-        if not self._running:
-            _rest_from_tidying(True)
         self._running.append(self._errand)
         self._errand.start()
         self._looks.start()
@@ -119,25 +116,9 @@ class Lane(QObject):
             if isinstance(found, Exception) and not isinstance(found, KindynaError):
                 raise found
             self.answered.emit(asked, found)
-        running = [errand for errand in self._running if errand.is_alive()]
-        if self._running and not running:
-            _rest_from_tidying(False)
-        self._running = running
-        if not running and not self._open:
+        self._running = [errand for errand in self._running if errand.is_alive()]
+        if not self._running and not self._open:
             self._looks.stop()
-
-
-_resting = 0
-
-
-def _rest_from_tidying(on: bool) -> None:
-    """One lane more, or less, for which the garbage collector rests."""
-    global _resting
-    _resting += 1 if on else -1
-    if on and _resting == 1:
-        gc.disable()
-    elif _resting == 0:
-        gc.enable()
 
 
 __all__ = ["Errand", "Job", "Lane"]

@@ -1,5 +1,6 @@
 """What every test gets: no display, English, settings of its own, empty caches."""
 
+import gc
 import itertools
 import os
 import sys
@@ -10,6 +11,8 @@ from pathlib import Path
 import hypothesis
 import pytest
 from hypothesis.database import DirectoryBasedExampleDatabase
+
+from kindyna_gui.tidying import tidy
 
 GUI_TESTS = Path(__file__).parent / "gui"
 
@@ -44,6 +47,16 @@ hypothesis.settings.register_profile(
 )
 hypothesis.settings.register_profile("kindyna-ci", deadline=None, print_blob=True, derandomize=True)
 hypothesis.settings.load_profile("kindyna-ci" if os.environ.get("CI") else "kindyna")
+
+
+def pytest_configure() -> None:
+    """Rubbish is taken away between tests: the thread by which xdist hears of the next ones would take widgets along."""
+    gc.disable()
+
+
+def pytest_runtest_teardown() -> None:
+    """What is due by now."""
+    tidy()
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -73,7 +73,6 @@ LINKAGE_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/mechanism/solving.py": [
         ("pin = standing(on.point)", "pin = standing(-on.point)", CLOSES),
         ("placed(pin, own.point,", "placed(pin, -own.point,", CLOSES),
-        ("start = on.point - own.point * turned", "start = on.point + own.point * turned", LIFT_CAM),
         ("q[order] * on.along", "-q[order] * on.along", LIFT_CAM),
     ],
     "core/mechanism/way.py": [

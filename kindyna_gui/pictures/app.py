@@ -9,6 +9,7 @@ from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 
 from kindyna_gui.pictures.style import font
+from kindyna_gui.tidying import tidy_in_this_thread
 
 
 def ensure_app(offscreen: bool = False) -> QApplication:
@@ -24,6 +25,7 @@ def ensure_app(offscreen: bool = False) -> QApplication:
     if offscreen or (sys.platform.startswith("linux") and not any(os.environ.get(name) for name in displays)):
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
     app = QApplication([sys.argv[0] or "kindyna"])
+    tidy_in_this_thread(app)
     app.setFont(font())
     if not QFontDatabase.families():
         print("no fonts on this machine, texts are missing in pictures: install fonts-dejavu-core", file=sys.stderr)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks import check, measuring, ratios, stress, timing
+from benchmarks import check, measuring, ratios, stress, targets, timing
 from benchmarks.exact import FILE, MADE, exact
 from benchmarks.measuring import Plan, Row
 from benchmarks.table import Kernel, Method, kernels
@@ -179,6 +179,19 @@ def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> 
         assert f"| {kernel.title} | KINDYNA" in table
     for kernel in measuring.WINDOW:
         assert f"| {kernel}: " in table
+
+
+def test_every_target_is_told_with_what_it_takes() -> None:
+    seen = (("edit to paint", 6, 0.031), ("animation", 12, 0.009), ("start", 0, 0.750))
+    rows = [Row(kernel, "x", n, seconds, *2 * [math.nan], "", *2 * [math.nan], "") for kernel, n, seconds in seen]
+    slower = replace(rows[0], seconds=0.04)
+    told = targets.told([*rows, replace(slower, n=12), replace(slower, method="tables, after a pause")], seconds=0.02)
+    assert len(told) == 8
+    assert all(t.taken > 0.0 for t in told)
+    lines = list(csv.DictReader(io.StringIO(targets.as_csv(told))))
+    assert [(line["allowed_ms"], line["taken_ms"], line["met"]) for line in lines[-3:]] == [
+        ("33", "31", "yes"), ("16.67", "9", "yes"), ("700", "750", "no"),
+    ]  # fmt: skip
 
 
 def test_every_stress_case_has_a_curve() -> None:

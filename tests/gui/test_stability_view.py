@@ -1,6 +1,5 @@
 """kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
-import gc
 from threading import enumerate as enumerate_threads
 
 import numpy as np
@@ -139,7 +138,6 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
     kim.window.close()
     assert not view.busy
     assert not any(isinstance(each, Errand) for each in enumerate_threads())
-    assert gc.isenabled(), "tidying goes on"
 
 
 def test_nothing_is_computed_while_the_page_is_hidden(kim: User) -> None:

@@ -1,0 +1,30 @@
+"""Python's garbage collector works in the window's own thread alone: what it takes away may be a widget, which no other thread
+may touch. Left to itself it works in whichever thread happens to ask for memory."""
+
+from __future__ import annotations
+
+import gc
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from PySide6.QtWidgets import QApplication
+
+EVERY_MS = 500
+
+
+def tidy() -> None:
+    """Take away what is due by Python's own thresholds: of the oldest generation that is full."""
+    for generation in (2, 1, 0):
+        if gc.get_count()[generation] > gc.get_threshold()[generation]:
+            gc.collect(generation)
+            return
+
+
+def tidy_in_this_thread(app: QApplication) -> None:
+    """From now on, while the application runs, and in no other way."""
+    from PySide6.QtCore import QTimer
+
+    gc.disable()
+    timer = QTimer(app, interval=EVERY_MS)
+    timer.timeout.connect(tidy)
+    timer.start()

@@ -1,0 +1,98 @@
+"""What the design asks of run time, and what this machine needs for it: milliseconds, which only its own run may tell."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+from benchmarks import cams, hill, linkages, window
+from benchmarks.measuring import Row
+from benchmarks.plain import turn
+from benchmarks.timing import measure
+from mechanisms import LIFT
+from shafts import KIM, of
+
+from core.design import put
+from core.stability import EXACT, tongues
+from core.stability.chart import MOST_Q, ROWS
+from core.study import Study
+
+USUAL = 3600
+SECONDS = 3.0
+EDITS, FRAMES = window.EDIT_KERNEL, window.FRAME_KERNEL
+CHART = MOST_Q * np.arange(1, ROWS + 1) / ROWS  # as it is drawn for Kim1990's shaft
+WANTED = 1e-8  # of tongue edges
+
+
+@dataclass(frozen=True)
+class Target:
+    """What, how many milliseconds it may take, and how many it takes."""
+
+    what: str
+    allowed: float
+    taken: float
+
+    @property
+    def met(self) -> bool:
+        return self.taken <= self.allowed
+
+
+def _chain() -> Callable[[], object]:
+    """Motion to torque of a design that nobody has had before."""
+    angles, tries = Study(LIFT, USUAL).angles, count(1)
+
+    def run() -> object:
+        by = 1e-6 * next(tries)
+        design = put(put(LIFT, "motion.start_mm", by), "follower.rod_mm", LIFT.drive.follower.rod_mm + by)
+        return Study(design, USUAL, angles).dynamics.torque
+
+    return run
+
+
+def _edges(rows: np.ndarray) -> Callable[[], object]:
+    found = of(KIM).coefficients
+    return lambda: tongues(found, rows, hill.COUNT, EXACT, error=WANTED)
+
+
+def _kernels() -> dict[str, tuple[float, Callable[[], object]]]:
+    """What is run here: allowed milliseconds, and what is run."""
+    linkage, profile = linkages.KERNEL.given(turn(USUAL)), cams.PROFILE.given(turn(USUAL))
+    return {
+        "linkage: positions, velocities, accelerations, 3600 angles": (0.4, lambda: linkages.ours(linkage, None)),
+        "roller profile and pressure angle, 3600 angles": (0.3, lambda: cams.ours(profile, None)),
+        "whole chain motion to torque, 3600 angles": (3.0, _chain()),
+        f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),
+        "chart of 64 rows of tongues up to 11": (40.0, _edges(CHART)),
+    }
+
+
+def _in_the_window(rows: Sequence[Row]) -> list[Target]:
+    """From the rows of ``make bench``, the slowest of each."""
+
+    def worst(kernel: str, n: int) -> float:
+        return max(1e3 * row.seconds for row in rows if (row.kernel, row.n) == (kernel, n) and row.method != window.TABLES)
+
+    return [
+        Target("edit until six plots and the mechanism are painted", 33.0, worst(EDITS, window.SOME)),
+        Target("frame of the animation with twelve plots", 1e3 / 60.0, worst(FRAMES, window.MANY)),
+        Target("start until the lift is drawn, warm", 700.0, worst(window.START_KERNEL, 0)),
+    ]
+
+
+def told(rows: Sequence[Row], seconds: float = SECONDS) -> list[Target]:
+    """Every target, best of several runs, those of the window as its own rows have them."""
+    runs = _kernels()
+    times = measure({what: run for what, (_, run) in runs.items()}, USUAL, seconds).seconds
+    return [Target(what, allowed, 1e3 * times[what]) for what, (allowed, _) in runs.items()] + _in_the_window(rows)
+
+
+def as_csv(targets: Sequence[Target]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("what", "allowed_ms", "taken_ms", "met"))
+    writer.writerows((t.what, f"{t.allowed:.4g}", f"{t.taken:.3g}", "yes" if t.met else "no") for t in targets)
+    return text.getvalue()
