@@ -210,7 +210,7 @@ class Session(QObject):
     def _why_not(self, design: Design) -> tuple[tuple[str, str, str], ...]:
         found = faults(design)
         if found:
-            return tuple((f.path, name_of(design, f.path), _told(f)) for f in found)
+            return tuple((f.path, name_of(design, f.path), named(design, _told(f))) for f in found)
         study = Study(design, SAMPLES)
         try:
             # only what is on screen: it is computed anyway once the design is in place
