@@ -21,7 +21,7 @@ from kindyna_gui.motion_bar import SegmentBar
 from kindyna_gui.motion_curve import CurveForm
 from kindyna_gui.motion_editor import MotionEditor
 from kindyna_gui.motion_grips import ANGLE_STEP, meant, snapped
-from kindyna_gui.motion_head import MotionHead
+from kindyna_gui.motion_head import STILL_STROKE, MotionHead
 from kindyna_gui.player import Player
 from kindyna_gui.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.segments_table import SegmentsTable
@@ -257,6 +257,8 @@ class SegmentsView(View):
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
         self.pull()
         if self.head.focus_field(path):
+            if path.startswith("motion.stroke") and not self.head.moves:
+                self.told.emit(STILL_STROKE)
             return True
         self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
         if not self.curve.focus_field(path):
