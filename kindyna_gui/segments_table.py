@@ -187,6 +187,7 @@ class SegmentsTable(QTableView):
             | QAbstractItemView.EditTrigger.EditKeyPressed
             | QAbstractItemView.EditTrigger.AnyKeyPressed
         )
+        self.setTabKeyNavigation(False)  # arrows go from cell to cell, Tab on to what comes next
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
         self.setWordWrap(False)

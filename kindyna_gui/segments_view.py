@@ -14,6 +14,7 @@ from core.channels import Channel
 from core.design import Design, is_assumed, motion_of, with_assumed
 from core.errors import KindynaError
 from core.study import Study
+from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import Field
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion_actions import ACTIONS
@@ -122,7 +123,11 @@ class SegmentsView(View):
         motion_shown(study.design)
         if not self.head.fields:
             self._sharing.start()
+        before = list(self.head.fields.values())
         self.head.show_motion(study)
+        if list(self.head.fields.values()) != before:
+            heads = (field.editor for field in self.head.fields.values())
+            in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
         self.model.show(study)
