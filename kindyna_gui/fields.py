@@ -84,7 +84,7 @@ class Field(QObject):
         box = NumberBox(self.spec.info, self.spec.unit)
         box.entered.connect(self._enter)
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
-        box.withdrawn.connect(lambda: self.session.withdraw(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)
@@ -97,7 +97,7 @@ class Field(QObject):
             if choice_tip(word):
                 box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
         box.activated.connect(self._choose)
-        box.withdrawn.connect(lambda: self.session.withdraw(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         self.label.released.connect(box.setFocus)
         return box
 

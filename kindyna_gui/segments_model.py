@@ -143,7 +143,7 @@ class SegmentsModel(QAbstractTableModel):
         self.told.emit("")
         self._all_changed()
         for path in wrong:
-            self._session.withdraw(path)
+            self._session.take_back(path)
         return True
 
     # -- the table ----------------------------------------------------------------------------------------

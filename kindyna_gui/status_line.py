@@ -43,7 +43,7 @@ class StatusLine(QStatusBar):
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
         self._refusal = ""
-        session.accepted.connect(self._mended)
+        session.mended.connect(self._mended)
         session.restored.connect(self._mended)
         session.design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)

@@ -208,6 +208,7 @@ def test_a_wrong_span_stays_in_its_cell_in_red(user: User) -> None:
     view.table.setFocus()
     user.press(Qt.Key.Key_Escape)
     assert (user.cell(1, SPAN), view.message.isVisible()) == ("41.5", False)
+    assert user.window.status.currentMessage() == ""
 
 
 def test_a_span_its_neighbour_cannot_give_is_refused(user: User) -> None:
