@@ -340,10 +340,10 @@ def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
     """A sum told in words is no misspelled choice."""
     text = LIFT_FILE.read_text(encoding="utf-8")
     path = tmp_path / "bad.toml"
-    path.write_text(text.replace("span_deg = 207.0", "span_deg = 206.0").replace('"ccw"', '"cww"'), encoding="utf-8")
+    path.write_text(text.replace("span_deg = 207.0", "span_deg = 206.0").replace('"open"', '"opne"'), encoding="utf-8")
     told = check_refused(here(tmp_path, "check", path), tmp_path, content(tmp_path), 2)
     assert "spans add up to 359 deg': must make one turn; allowed: a sum of 360 deg" in told
-    assert "shaft.rotation = 'cww': unknown word (did you mean 'ccw'?)" in told
+    assert "cam.form = 'opne': unknown word (did you mean 'open'?)" in told
 
 
 # -- what it refuses: words -------------------------------------------------------------------------------
