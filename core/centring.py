@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.errors import NoSuchStage
+from core.design import require_linkage
 from core.instant_centres import CHAINS, Centres, RatioArms, ratio_arms
 from core.mechanism import body_name, link_number
 from core.position import differences
@@ -26,9 +26,9 @@ class Snapshot:
 
 
 def snapshot(study: Study, angle_deg: float) -> Snapshot:
-    """Raises NoSuchStage for a design that is no linkage."""
-    if not isinstance(study, LinkageStudy):
-        raise NoSuchStage("centres", study.stages)
+    """Raises DesignError for a design that is no linkage."""
+    require_linkage(study.design)
+    assert isinstance(study, LinkageStudy)
     return Snapshot(study, angle_deg)
 
 
@@ -37,10 +37,9 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
 
     A centre is [x, y] in mm, or its direction where it is at infinity; null where the links have no motion against each
     other. A velocity difference is V_to = V_from + V_difference, of two points of one link, or of two links that slide on
-    each other at the same place. Raises NoPosition where the linkage cannot stand there, NoSuchStage for a design that is no linkage.
+    each other at the same place. Raises NoPosition where the linkage cannot stand there, DesignError for a design that is no linkage.
     """
-    if not isinstance(study, LinkageStudy):
-        raise NoSuchStage("centres", study.stages)
+    require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
     assert isinstance(there, LinkageStudy)
     table, driver = there.centres, body_name(there.design.linkage.driver.link)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
+from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTabBar, QTabWidget, QVBoxLayout, QWidget
 
 from kindyna_gui.docks import PLAYER_BAR, VIEWS
@@ -21,6 +22,7 @@ class Centre(QWidget):
         self._pages: dict[str, View] = {}
         self.tabs = QTabWidget(documentMode=True, tabsClosable=True)
         self.tabs.setTabBarAutoHide(True)
+        self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # else Tab would end in its bar while that is hidden
         self.tabs.tabCloseRequested.connect(self.tabs.removeTab)
         self.bar = PLAYER_BAR(session, player)
         layout = QVBoxLayout(self)

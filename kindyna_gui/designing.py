@@ -33,7 +33,7 @@ class Designing(QObject):
     def segment(self, name: str) -> None:
         """One of ``motion_actions.ACTIONS`` on the chosen segment."""
         view: Any = self._window.show_view("motion")
-        if not view.not_here:
+        if self._moves():
             view.act(name)
 
     def blend(self) -> None:

@@ -72,7 +72,8 @@ class TablesDialog(QDialog):
         form = QFormLayout()
         form.addRow("Folder", where)
         form.addRow(f"{study.angle_name.capitalize()}s per turn", how_many)
-        _lay_out(self, form, told, "Export")
+        export = _lay_out(self, form, told, "Export")
+        self.folder.textChanged.connect(lambda text: export.setEnabled(bool(text.strip())))
 
     @property
     def wanted(self) -> TablesWanted:
@@ -126,7 +127,8 @@ class FilmDialog(QDialog):
         self.told.setText(f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second")
 
 
-def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> None:
+def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> QPushButton:
+    """Form, what it means, and the buttons below; the one that accepts."""
     buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
     buttons.button(QDialogButtonBox.StandardButton.Ok).setText(accept)
     buttons.accepted.connect(dialog.accept)
@@ -135,6 +137,7 @@ def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> N
     column.addLayout(form)
     column.addWidget(told)
     column.addWidget(buttons)
+    return buttons.button(QDialogButtonBox.StandardButton.Ok)
 
 
 # -- the questions, as functions that tests can answer ----------------------------------------------------

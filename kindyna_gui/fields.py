@@ -17,7 +17,7 @@ from kindyna_gui.field_parts import Mark, NameLabel
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.wording import choice_text, choice_tip, sentence, step_text
+from kindyna_gui.wording import choice_text, choice_tip, no_number, sentence, step_text
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
 
@@ -83,8 +83,8 @@ class Field(QObject):
     def _number_box(self) -> NumberBox:
         box = NumberBox(self.spec.info, self.spec.unit)
         box.entered.connect(self._enter)
-        box.unreadable.connect(lambda: self.session.refuse(self.spec.path, "a number is wanted, such as 12.5"))
-        box.withdrawn.connect(lambda: self.session.withdraw(self.spec.path))
+        box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         box.finished.connect(self.session.end_gesture)
         self.label.dragged.connect(box.stepBy)
         self.label.released.connect(self._label_released)
@@ -97,7 +97,7 @@ class Field(QObject):
             if choice_tip(word):
                 box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
         box.activated.connect(self._choose)
-        box.withdrawn.connect(lambda: self.session.withdraw(self.spec.path))
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         self.label.released.connect(box.setFocus)
         return box
 

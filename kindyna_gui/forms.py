@@ -15,6 +15,7 @@ from core.design.paths import section as section_of
 from core.findings import ERROR
 from core.project import to_table
 from core.study import Study
+from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import COLUMNS, Field, NameField, Spec
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
@@ -145,6 +146,7 @@ class ParametersView(View):
         self.legend = QLabel(f"<span style='color:{ASSUMED}'>∗</span> assumed, not taken from a source")
         coloured(self.legend, QUIET)
         self.tabs = QTabWidget(documentMode=True)
+        self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # Ctrl+Tab changes the page, Tab goes from field to field
         self.forms = {section: Form(session, section) for section in EVERY_SECTION}
         for section, form in self.forms.items():
             self.tabs.addTab(form, SECTION_NAMES[section])
@@ -176,8 +178,13 @@ class ParametersView(View):
             before = form.widget()
             form.refresh(design)
             if form.widget() is not before:
+                self._order_fields()
                 for field in form.fields.values():
                     field.trouble_changed.connect(partial(self._show_trouble, form, field))
+
+    def _order_fields(self) -> None:
+        fields = [field.editor for form in self.forms.values() for field in form.fields.values()]
+        in_tab_order(self.name, *fields)
 
     def _show_trouble(self, form: Form, field: Field) -> None:
         """A tab shows that something in it is wrong, for it may stand behind another."""

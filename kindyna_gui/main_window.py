@@ -194,7 +194,7 @@ class MainWindow(QMainWindow):
             self.player.set_ranges(())  # it stands nowhere, which the views tell
 
     def _tell_refusal(self, refusal: Refusal) -> None:
-        self.status.tell(f"Refused: {refusal.told[0][1]}: {refusal.told[0][2]}")
+        self.status.refuse(f"{refusal.told[0][1]}: {refusal.told[0][2]}")
 
     def _steps_changed(self, *_: object) -> None:
         self.titles.name_steps()

@@ -90,7 +90,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
             Submenu("Expor&t", submenus.fill_exports, "exports"),
             SEPARATOR,
-            Item("&Quit", "close", None, Keys.Quit, "Leave KINDYNA"),
+            Item("&Quit", "close", None, "Ctrl+Q", "Leave KINDYNA"),
         ),
     ),
     (

@@ -14,6 +14,7 @@ from kindyna_gui.wording import segment_of
 STROKE = Info(
     "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
 )
+STILL_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
 LEAST = 74  # width of a number, pixels
 
 
@@ -24,6 +25,7 @@ class MotionHead(QWidget):
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
+        self.moves = False  # there is a stroke to be changed
         self._row = QHBoxLayout(self)
         self._row.setContentsMargins(10, 5, 6, 2)
         self._row.setSpacing(10)
@@ -36,7 +38,10 @@ class MotionHead(QWidget):
             self._build(specs)
         for field in self.fields.values():
             field.refresh(study.design)
-        self.fields[f"motion.stroke_{motion.unit}"].editor.setEnabled(stroke(motion) != 0.0)
+        self.moves = stroke(motion) != 0.0
+        field = self.fields[f"motion.stroke_{motion.unit}"]
+        field.editor.setEnabled(self.moves)
+        field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
 
     @staticmethod
     def _specs(study: Study) -> list[Spec]:

@@ -28,7 +28,7 @@ from kindyna_gui.number_box import NumberBox
 from kindyna_gui.player import Player
 from kindyna_gui.segments_model import readable
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.wording import parsed, sentence, value_text
+from kindyna_gui.wording import no_number, parsed, sentence, value_text
 
 Index = QModelIndex | QPersistentModelIndex
 TITLES = ("At", "Value", "v", "a")
@@ -135,7 +135,7 @@ class PointsModel(QAbstractTableModel):
             return self._session.edit(path, None, f"Leave {name} free")
         number = parsed(str(value), unit)
         if number is None:
-            self._session.refuse(path, "a number is wanted, such as 12.5")
+            self._session.refuse(path, no_number(str(value)))
             return False
         return self._session.edit(path, number, f"Change {name} to {value_text(number, unit)}")
 

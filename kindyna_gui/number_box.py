@@ -158,7 +158,10 @@ class NumberBox(RedFrame, QAbstractSpinBox):
     def confirm(self) -> None:
         """Take the text for the number meant."""
         if not self.pending:
+            mended = self.refused
             self.show_value(self._value)
+            if mended:  # the number in place was typed over what was refused
+                self.withdrawn.emit()
             return
         self._tried = self.text()
         number = parsed(self.text(), self._unit)

@@ -19,7 +19,7 @@ from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion_laws import law_tip, short_label
 from kindyna_gui.motion_marks import Words, join_help, join_text, marks, wordings
 from kindyna_gui.session import Refusal, Session
-from kindyna_gui.wording import law_label, parsed, sentence, shortest, value_text
+from kindyna_gui.wording import law_label, no_number, parsed, sentence, shortest, value_text
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
@@ -139,9 +139,11 @@ class SegmentsModel(QAbstractTableModel):
         """Forget what was refused; False where nothing was."""
         if not self._wrong:
             return False
-        self._wrong.clear()
+        wrong, self._wrong = self._wrong, {}
         self.told.emit("")
         self._all_changed()
+        for path in wrong:
+            self._session.take_back(path)
         return True
 
     # -- the table ----------------------------------------------------------------------------------------
@@ -269,7 +271,7 @@ class SegmentsModel(QAbstractTableModel):
             return self._session.edit(path, value, f"Change law of segment {row + 1} to {law_label(value)}")
         number = parsed(str(value), self.unit_of(column))
         if number is None:
-            self._session.refuse(path, "a number is wanted, such as 12.5")
+            self._session.refuse(path, no_number(str(value)))
             return False
         if column in (FROM, TO):
             return self._move_join(row if column == FROM else row + 1, path, number)
@@ -279,8 +281,15 @@ class SegmentsModel(QAbstractTableModel):
 
     def _move_join(self, row: int, path: str, angle: float) -> bool:
         """Put the start of a segment at a cam angle [deg]."""
-        span = difference(angle, self.value(row - 1, FROM))
+        low, high = self.value(row - 1, FROM), self.value(row, TO)
+        span = difference(angle, low)
         self._trying = shortest(span)
+        if not low < angle < high:
+            end, *ends = (value_text(each, UNITS["deg"]) for each in (angle, low, high))
+            self._session.refuse(
+                path, f"an end at {end} lies beyond a neighbour; allowed: above {ends[0]} ... below {ends[1]}"
+            )
+            return False
         return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
 
 

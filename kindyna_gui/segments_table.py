@@ -82,11 +82,17 @@ class CellDelegate(QStyledItemDelegate):
             editor.set_refused(wrong)
 
     def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
+        """What is in place already is no edit, but takes back what was refused there."""
         if isinstance(editor, LawBox):
-            if editor.currentData() != self._model.value(index.row(), LAW):  # its parameters would be lost
-                model.setData(index, editor.currentData())
-        elif isinstance(editor, NumberBox) and editor.pending:
-            model.setData(index, editor.text())
+            value, changed = editor.currentData(), editor.currentData() != self._model.value(index.row(), LAW)
+        elif isinstance(editor, NumberBox):
+            value, changed = editor.text(), editor.pending
+        else:
+            return
+        if changed:  # else the parameters of a law would be lost
+            model.setData(index, value)
+        elif self._model.refused(index.row(), index.column()):
+            self._model.withdraw()
 
     def updateEditorGeometry(self, editor: QWidget, option: QStyleOptionViewItem, index: Index) -> None:
         """Wide enough for its contents, even where the column is not; never outside of the table."""
@@ -181,6 +187,7 @@ class SegmentsTable(QTableView):
             | QAbstractItemView.EditTrigger.EditKeyPressed
             | QAbstractItemView.EditTrigger.AnyKeyPressed
         )
+        self.setTabKeyNavigation(False)  # arrows go from cell to cell, Tab on to what comes next
         self.setShowGrid(False)
         self.setAlternatingRowColors(True)
         self.setWordWrap(False)

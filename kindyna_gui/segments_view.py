@@ -14,6 +14,7 @@ from core.channels import Channel
 from core.design import Design, is_assumed, motion_of, with_assumed
 from core.errors import KindynaError
 from core.study import Study
+from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import Field
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion_actions import ACTIONS
@@ -21,7 +22,7 @@ from kindyna_gui.motion_bar import SegmentBar
 from kindyna_gui.motion_curve import CurveForm
 from kindyna_gui.motion_editor import MotionEditor
 from kindyna_gui.motion_grips import ANGLE_STEP, meant, snapped
-from kindyna_gui.motion_head import MotionHead
+from kindyna_gui.motion_head import STILL_STROKE, MotionHead
 from kindyna_gui.player import Player
 from kindyna_gui.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.segments_table import SegmentsTable
@@ -122,7 +123,11 @@ class SegmentsView(View):
         motion_shown(study.design)
         if not self.head.fields:
             self._sharing.start()
+        before = list(self.head.fields.values())
         self.head.show_motion(study)
+        if list(self.head.fields.values()) != before:
+            heads = (field.editor for field in self.head.fields.values())
+            in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
         self.model.show(study)
@@ -257,6 +262,8 @@ class SegmentsView(View):
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
         self.pull()
         if self.head.focus_field(path):
+            if path.startswith("motion.stroke") and not self.head.moves:
+                self.told.emit(STILL_STROKE)
             return True
         self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
         if not self.curve.focus_field(path):

@@ -95,6 +95,7 @@ class Session(QObject):
     started          another design begins; what was chosen or zoomed for the one before is void
     restored         it was not typed: undo, redo, or another file; what was typed and refused is void
     refused          (Refusal): an edit was wrong; the last good design stays
+    mended           what was refused last has been put right, or taken back, by hand
     accepted         (path): nothing is wrong any longer with what was typed there
     file_changed     path or saved state changed
     segment_chosen   another segment of the motion is the chosen one
@@ -105,6 +106,7 @@ class Session(QObject):
     started = Signal()
     restored = Signal()
     refused = Signal(Refusal)
+    mended = Signal()
     accepted = Signal(str)
     file_changed = Signal()
     segment_chosen = Signal()
@@ -182,7 +184,7 @@ class Session(QObject):
     def put(self, design: Design, label: str, path: str = "") -> bool:
         """Put another design in place as one step; False where it is refused."""
         if design == self.design:
-            self.accepted.emit(path)
+            self.take_back(path)
             return True
         wrong = self._why_not(design)
         if wrong:
@@ -192,7 +194,7 @@ class Session(QObject):
             self._before = self.design
         self._running = (path, self._gesture)
         self.stack.push(ChangeDesign(self, design, label, path, self._gesture))
-        self.accepted.emit(path)
+        self.take_back(path)
         return True
 
     def refuse(self, path: str, why: str) -> None:
@@ -200,7 +202,12 @@ class Session(QObject):
         self.refused.emit(Refusal(path, ((path, name_of(self.design, path), why),)))
 
     def withdraw(self, path: str) -> None:
-        """What was typed at a path and refused is taken back."""
+        """What was refused at a path is void, for no field holds it; the reader may still want to know why."""
+        self.accepted.emit(path)
+
+    def take_back(self, path: str) -> None:
+        """What was typed at a path and refused is mended, or taken back, by hand."""
+        self.mended.emit()
         self.accepted.emit(path)
 
     def end_gesture(self) -> None:
@@ -210,7 +217,7 @@ class Session(QObject):
     def _why_not(self, design: Design) -> tuple[tuple[str, str, str], ...]:
         found = faults(design)
         if found:
-            return tuple((f.path, name_of(design, f.path), _told(f)) for f in found)
+            return tuple((f.path, name_of(design, f.path), named(design, _told(f))) for f in found)
         study = Study(design, SAMPLES)
         try:
             # only what is on screen: it is computed anyway once the design is in place

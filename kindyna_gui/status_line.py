@@ -42,6 +42,9 @@ class StatusLine(QStatusBar):
             self.addPermanentWidget(widget)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
+        self._refusal = ""
+        session.mended.connect(self._mended)
+        session.restored.connect(self._mended)
         session.design_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
@@ -52,6 +55,15 @@ class StatusLine(QStatusBar):
     def tell(self, text: str) -> None:
         """Say what has been done, for a while."""
         self.showMessage(text, STAY_MS)
+
+    def refuse(self, text: str) -> None:
+        """Say that an edit was refused, until it is mended or taken back, or for a while."""
+        self._refusal = f"Refused: {text}"
+        self.tell(self._refusal)
+
+    def _mended(self, *_: object) -> None:
+        if self._refusal and self.currentMessage() == self._refusal:
+            self.clearMessage()
 
     def recount(self) -> None:
         """Count the findings once things are at rest."""

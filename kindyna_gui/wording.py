@@ -47,9 +47,16 @@ def parsed(text: str, unit: Unit) -> float | None:
     return value + 0.0 if math.isfinite(value) else None
 
 
+def no_number(text: str) -> str:
+    """What to say of a text that is no number."""
+    point = ", with a decimal point and no comma," if "," in text else ","
+    return f"a number is wanted{point} such as 12.5"
+
+
 def sentence(text: str) -> str:
-    """A text that begins with a capital letter, with the printer's signs for what has them."""
-    return (text[:1].upper() + text[1:]).replace(">=", "≥").replace("<=", "≤")
+    """A text that begins with a capital letter, with the printer's signs for what has them: ``90 deg`` -> ``90°``."""
+    signs = re.sub(r"(?<=\d) deg\b(?!\^)", "°", text.replace(">=", "≥").replace("<=", "≤"))
+    return signs[:1].upper() + re.sub(r"(?<=/rad|/deg)\^2", "²", signs[1:])
 
 
 def choice_text(word: str) -> str:

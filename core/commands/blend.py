@@ -8,6 +8,7 @@ from pathlib import Path
 
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
 from core.commands import DONE, Painter
+from core.commands.common import number
 from core.making import beside_text, blend_text, curves_data, into_design
 from core.project import load, save
 from core.summary import to_json
@@ -39,11 +40,13 @@ def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
 
 
 def words(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help="motion")
-    parser.add_argument("--stroke", required=True, type=float, metavar="S", help="of the rise (mm, or --unit)")
-    parser.add_argument("--return-stroke", type=float, default=0.0, metavar="S", help="where it differs")
-    parser.add_argument("--start", required=True, type=float, metavar="DEG", help="cam angle where it starts")
-    parser.add_argument("--end", required=True, type=float, metavar="DEG", help="cam angle where it ends")
+    types = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
+    angle = number("cam angle in degrees", "0 ... 360")
+    parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help=types)
+    parser.add_argument("--stroke", required=True, type=number("stroke", "above 0"), metavar="S", help="of the rise (mm, or --unit)")
+    parser.add_argument("--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs")
+    parser.add_argument("--start", required=True, type=angle, metavar="DEG", help="cam angle where it starts")
+    parser.add_argument("--end", required=True, type=angle, metavar="DEG", help="cam angle where it ends")
     parser.add_argument(
         "--constant-velocity",
         nargs="?",
@@ -65,7 +68,7 @@ def words(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
     parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
-    parser.add_argument("--unit", choices=("mm", "deg"), default="mm")
+    parser.add_argument("--unit", choices=("mm", "deg"), default="mm", help="of the stroke (mm)")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import math
 
 from core.centring import centres_data, snapshot
 from core.commands import DONE, Painter
-from core.commands.common import design_file, folder, pictures
+from core.commands.common import design_file, folder, number, pictures
 from core.files import write_all
 from core.project import load
 from core.study import Study
@@ -16,18 +15,9 @@ from core.summary import to_json
 
 def words(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
-    parser.add_argument("--angle", type=_angle, required=True, metavar="DEG", help="of the driver")
+    angle = number("angle of the driver in degrees", "any number")
+    parser.add_argument("--angle", type=angle, required=True, metavar="DEG", help="of the driver")
     parser.add_argument("--out", type=folder, metavar="DIR", help="also write them there, with pictures")
-
-
-def _angle(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.inf
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r}: angle of the driver in degrees; allowed: any number")
-    return value
 
 
 def run(words: argparse.Namespace, painter: Painter | None) -> int:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
@@ -12,6 +13,22 @@ from core.findings import ERROR
 from core.study import SAMPLES, Study
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
+
+
+def number(what: str, allowed: str, fits: Callable[[float], bool] = math.isfinite) -> Callable[[str], float]:
+    """Reads a number, with a decimal point; what it is and what is allowed are told where it is none, or does not fit."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not (math.isfinite(value) and fits(value)):
+            point = " (with a decimal point, no comma)" if "," in text else ""
+            raise argparse.ArgumentTypeError(f"{text!r}: {what}; allowed: {allowed}{point}")
+        return value
+
+    return read
 
 
 def samples(text: str) -> int:
@@ -40,7 +57,7 @@ def design_file(parser: argparse.ArgumentParser) -> None:
 def design_and_samples(parser: argparse.ArgumentParser) -> None:
     """The design file, and how finely it is tabulated."""
     design_file(parser)
-    parser.add_argument("--samples", type=samples, default=SAMPLES, metavar="N", help="cam angles per turn")
+    parser.add_argument("--samples", type=samples, default=SAMPLES, metavar="N", help=f"cam angles per turn ({SAMPLES})")
 
 
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from math import isfinite
 from pathlib import Path
 
 from core.commands import DONE, Painter
+from core.commands.common import number
 from core.design import require_motion, speed_rpm
 from core.files import read_bytes
 from core.measured import (
@@ -29,24 +28,11 @@ from core.project import load, save
 from core.summary import to_json
 
 
-def _number(allowed: str, fits: Callable[[float], bool]) -> Callable[[str], float]:
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = float("nan")
-        if not (isfinite(value) and fits(value)):
-            raise argparse.ArgumentTypeError(f"{text!r}: allowed: {allowed}")
-        return value
-
-    return read
-
-
 def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("table", metavar="TABLE", type=Path, help="CSV or text file with a row for each cam angle")
     parser.add_argument(
         "--error",
-        type=_number("0 or more", lambda v: v >= 0.0),
+        type=number("measuring error", "0 or more", lambda v: v >= 0.0),
         metavar="E",
         help="measuring error of a value, in the table's unit; 0 = through all rows (what the rows tell)",
     )
@@ -61,13 +47,13 @@ def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--decimal", choices=tuple(DECIMALS), help="decimal mark (detected)")
     parser.add_argument(
         "--speed",
-        type=_number("above 0", lambda v: v > 0.0),
+        type=number("speed in rpm", "above 0", lambda v: v > 0.0),
         metavar="RPM",
         help="of the shaft, for times and values per second (that of the design)",
     )
     parser.add_argument(
         "--lowest",
-        type=_number("a number", lambda v: True),
+        type=number("lowest position", "any number"),
         metavar="Y",
         help="lowest position of the motion (as measured)",
     )

@@ -10,6 +10,7 @@ from core.charting import paper_files, stability_files
 from core.commands import DONE, Painter
 from core.commands.common import design_file, folder, pictures, verdict
 from core.design import require_single_cam
+from core.errors import NoStability
 from core.files import write_all
 from core.project import load
 from core.report import finding_line, stability_text
@@ -97,7 +98,12 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     study = Study(require_single_cam(load(words.design)))
     if words.guess and study.design.shaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
-    found = study.flexible_shaft()
+    try:
+        found = study.flexible_shaft()
+    except NoStability as error:
+        if study.design.shaft.elastic is not None:
+            raise
+        raise NoStability(error.problem, error.field, f"{error.hint}, or take usual ones with --guess") from None
     return (_claims if words.claims else _machine)(study, found, words, painter)
 
 

@@ -78,8 +78,19 @@ def require_single_cam(design: Design) -> SingleCam:
     """The design, where it is a cam on its shaft. Raises DesignError."""
     if isinstance(design, SingleCam):
         return design
+    raise _another_kind(design, "follower")
+
+
+def require_linkage(design: Design) -> LinkageDesign:
+    """The design, where it is a linkage. Raises DesignError."""
+    if isinstance(design, LinkageDesign):
+        return design
+    raise _another_kind(design, "linkage")
+
+
+def _another_kind(design: Design, wanted: str) -> DesignError:
     table = kind_row(design).table
-    raise DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", "a design with [follower]")])
+    return DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", f"a design with [{wanted}]")])
 
 
 def entries(design: Design, name: str) -> Iterator[Entry]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from core.design import CamSlider, si
@@ -38,6 +39,19 @@ class BasePosition:
     sigma: float
 
 
+def _rounded(length: float, way: Callable[[float], int], digits: int = 6) -> str:
+    """A length to so many digits, by ``ceil`` or ``floor``: what a reader then types in must not be refused again."""
+    if length <= 0.0:
+        return "0"
+    places = math.floor(math.log10(length)) - digits + 1
+    return f"{way(length / 10.0**places) * 10.0**places:.12g}"
+
+
+def _between(one: float, other: float) -> str:
+    """The range of the third side of a triangle of two sides [m], in mm."""
+    return f"{_rounded(abs(one - other) * 1e3, math.ceil)} ... {_rounded((one + other) * 1e3, math.floor)}"
+
+
 def base_position(follower: CamSlider, reach: float) -> BasePosition:
     """Shin1995 eqs. (1)-(7), for all eight layouts.
 
@@ -49,12 +63,12 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     pivot_distance = math.hypot(g.pivot_x, g.pivot_y)
     theta_b = opposite_angle(g.roller_arm, pivot_distance, reach)
     if math.isnan(theta_b):
-        low, high = abs(pivot_distance - reach) * 1e3, (pivot_distance + reach) * 1e3
         raise NoAssembly(
-            f"the roller cannot reach the base circle: roller arm {follower.roller_arm_mm:.9g} mm, pivot at "
-            f"{pivot_distance * 1e3:.9g} mm, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
+            f"the roller cannot reach the base circle: roller arm {follower.roller_arm_mm:.9g} mm, pivot "
+            f"{pivot_distance * 1e3:.9g} mm from the cam centre, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
             "follower.roller_arm_mm",
-            f"make the roller arm {low:.6g} ... {high:.6g} mm long",
+            f"make the roller arm {_between(pivot_distance, reach)} mm long, or base radius + roller radius "
+            f"{_between(pivot_distance, g.roller_arm)} mm",
         )
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
@@ -66,7 +80,7 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
             f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
             f"{abs(rise) * 1e3:.9g} mm from the guide",
             "follower.rod_mm",
-            f"make it longer than {abs(rise) * 1e3:.6g} mm, or change guide_height_mm or fixed_angle_deg",
+            f"make it longer than {_rounded(abs(rise) * 1e3, math.ceil)} mm, or change guide_height_mm or fixed_angle_deg",
         )
     run = math.copysign(math.sqrt(inside), 1.0 if layout.slider_right else -1.0)
     slider = g.slider_arm * math.cos(phi) + run

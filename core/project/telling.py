@@ -78,7 +78,8 @@ def hinted(fault: Fault) -> Fault:
     """The fault with the word that was probably meant."""
     if not isinstance(fault.value, str):
         return fault
-    hint = did_you_mean(fault.value, fault.allowed.split(" | "))
+    words = [word for word in fault.allowed.split(" | ") if " " not in word]  # the rest describes, and is not meant
+    hint = did_you_mean(fault.value, words)
     return dataclasses.replace(fault, problem=fault.problem + hint)
 
 

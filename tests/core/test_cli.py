@@ -22,6 +22,7 @@ from core.study import SAMPLES
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = [p for p in sorted((ROOT / "resources" / "examples").glob("*.toml")) if "\n[follower]\n" in p.read_text("utf-8")]
+LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
 FILES = ["profile.csv", "kinematics.csv", "dynamics.csv", "summary.json"]
 
 
@@ -335,9 +336,18 @@ def test_an_unreadable_file_is_refused_in_one_line(tmp_path: Path) -> None:
         assert "permission denied" in check_refused(done, tmp_path, content(tmp_path))
 
 
+def test_only_a_slip_of_a_word_is_asked_about(tmp_path: Path) -> None:
+    """A sum told in words is no misspelled choice."""
+    text = LIFT_FILE.read_text(encoding="utf-8")
+    path = tmp_path / "bad.toml"
+    path.write_text(text.replace("span_deg = 207.0", "span_deg = 206.0").replace('"open"', '"opne"'), encoding="utf-8")
+    told = check_refused(here(tmp_path, "check", path), tmp_path, content(tmp_path), 2)
+    assert "spans add up to 359 deg': must make one turn; allowed: a sum of 360 deg" in told
+    assert "cam.form = 'opne': unknown word (did you mean 'open'?)" in told
+
+
 # -- what it refuses: words -------------------------------------------------------------------------------
 
-LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
 
 
 @pytest.mark.parametrize(
@@ -359,6 +369,12 @@ LIFT_FILE = ROOT / "resources/examples/transfer_lift.toml"
         (["export", LIFT_FILE, "--only"], "--only"),
         (["export", LIFT_FILE, "--sampl", "8"], "--sampl"),
         (["report", LIFT_FILE, "--samples", "nan"], "'nan'"),
+        (["centres", LIFT_FILE, "--angle", "10"], "allowed: a design with [linkage]"),
+        (["centres", LIFT_FILE, "--angle", "1,5"], "'1,5': angle of the driver in degrees; allowed: any number (with a decimal point"),
+        (["blend", "--type", "DRD", "--stroke", "20,5", "--start", "0", "--end", "90"], "'20,5': stroke; allowed: above 0 (with a decimal"),
+        (["blend", "--type", "DRD", "--stroke", "20", "--start", "x", "--end", "90"], "'x': cam angle in degrees; allowed: 0 ... 360"),
+        (["measured", "t.csv", "--error", "-1"], "'-1': measuring error; allowed: 0 or more"),
+        (["stability", LIFT_FILE], "stiffness_nm_per_rad, or take usual ones with --guess"),
     ],
 )
 def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | Path], phrase: str) -> None:

@@ -480,7 +480,9 @@ def test_a_rod_too_short_for_the_guide_is_named_with_its_least_length() -> None:
     with pytest.raises(NoAssembly) as caught:
         _ = Study(with_follower(LIFT, guide_height_mm=2200.0), 8).linkage
     assert caught.value.field == "follower.rod_mm"
-    assert f"{2200.0 - float(MP.im(pin) / MM):.6g} mm" in str(caught.value)
+    least = 2200.0 - float(MP.im(pin) / MM)
+    assert f"{least:.8g}" in str(caught.value)
+    assert f"make it longer than {math.ceil(least * 1e3) / 1e3:.6g} mm" in str(caught.value), "rounded up, else too short"
 
 
 # -- the translating follower -----------------------------------------------------------------------------

@@ -125,7 +125,7 @@ def test_centres_in_a_dwell_of_the_motion(core: Callable[..., Done]) -> None:
 
 
 def test_centres_refuses_what_it_cannot_do(tmp_path: Path, core: Callable[..., Done]) -> None:
-    refused(core("centres", EXAMPLES / "transfer_lift.toml", "--angle", "45"), "centres")
+    refused(core("centres", EXAMPLES / "transfer_lift.toml", "--angle", "45"), "allowed: a design with [linkage]")
     refused(core("centres", SIX, "--angle", "north"), "angle of the driver in degrees")
     refused(core("centres", SIX), "--angle")
     path = edited(tmp_path, "A = [20.0, 0.0] }", "A = [40.0, 0.0] }")

@@ -126,6 +126,22 @@ def test_folder_and_samples_are_asked(user: User, tmp_path: Path) -> None:
         assert tables_wanted(user.window, tmp_path, user.session.study) is None
 
 
+def test_without_a_folder_there_is_no_export(user: User, tmp_path: Path) -> None:
+    """Else the tables would go to wherever the program was started."""
+
+    def act(dialog: QWidget) -> None:
+        assert isinstance(dialog, TablesDialog)
+        export = dialog.findChild(QDialogButtonBox).button(OK)
+        assert export.isEnabled()
+        dialog.folder.selectAll()
+        QTest.keyClick(dialog.folder, Qt.Key.Key_Delete)
+        assert not export.isEnabled()
+        press(dialog, CANCEL)
+
+    with answering(act):
+        assert tables_wanted(user.window, tmp_path, user.session.study) is None
+
+
 def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     suggested: list[str] = []
 

@@ -16,6 +16,7 @@ from kindyna_gui.findings_view import FindingsView
 from kindyna_gui.flywheel_view import FlywheelView
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.pictures.units import digits
+from kindyna_gui.places import example
 from kindyna_gui.screenshots import rest
 from kindyna_gui.tables import RowsTable
 
@@ -238,3 +239,10 @@ def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:
         settle()
     assert user.window.status.angle.text() == "cam angle 343.8°"
     assert asked == []
+
+
+def test_units_are_written_as_everywhere_in_the_window(open_user: Open) -> None:
+    user = open_user(example("kim_1990"), plots=False)
+    table = findings(user).table
+    texts = [str(table.rows.index(row, 0).data()) for row in range(table.rows.rowCount())]
+    assert "Acceleration jumps by -18 mm/rad² at a join: infinite jerk" in texts

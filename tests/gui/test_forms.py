@@ -193,7 +193,7 @@ def test_a_wrong_value_is_told_and_the_last_good_design_stays(user: User) -> Non
 def test_what_is_no_number_is_told(user: User) -> None:
     field = user.field(ROD)
     user.enter(ROD, "8,5")
-    assert field.message.text() == "A number is wanted, such as 12.5"
+    assert field.message.text() == "A number is wanted, with a decimal point and no comma, such as 12.5"
     assert user.number(ROD).text() == "8,5"
     user.press(Qt.Key.Key_Escape)
     assert (user.number(ROD).text(), field.message.isVisible(), field.editor.refused) == ("845", False, False)
@@ -220,7 +220,7 @@ def test_a_fault_shows_at_the_other_field_too(user: User) -> None:
     user.enter(X, "-900")
     layout = user.field("follower.layout")
     assert "Layout: has the cam left of the pivot" in user.field(X).message.text()
-    assert layout.message.text().startswith("Has the cam left of the pivot")
+    assert layout.message.text().startswith("Has the cam left of the pivot, but pivot x = -900; allowed: ")
     assert not layout.editor.refused
     user.enter(X, "870")
     assert layout.message.isHidden()
@@ -232,6 +232,19 @@ def test_what_has_no_answer_on_screen_is_refused(user: User) -> None:
     assert follower(user).roller_arm_mm == 651.081
     assert "make the roller arm" in user.field(ARM).message.text()
     assert "Refused: Roller arm Zl" in user.window.statusBar().currentMessage()
+    user.enter(ARM, "651.081")  # what is in place takes the refusal back
+    assert user.field(ARM).message.isHidden()
+    assert "Refused" not in user.window.statusBar().currentMessage()
+
+
+def test_a_radius_out_of_reach_is_told_with_the_radii_that_are_not(user: User) -> None:
+    """Whoever edits the base radius need not change the roller arm."""
+    user.enter("cam.base_radius_mm", "50")
+    told = user.field("cam.base_radius_mm").message.text()
+    assert "pivot 876.160415 mm from the cam centre" in told
+    assert "make the roller arm 676.161 ... 1076.16 mm long, or base radius + roller radius 225.08 ... 1527.24 mm" in told
+    user.enter("cam.base_radius_mm", "75.08")
+    assert user.design.drive.cam.base_radius_mm == 75.08
 
 
 def test_a_step_into_the_wrong_is_refused_and_back_is_right(user: User) -> None:

@@ -187,6 +187,12 @@ def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
     user.window.status.clearMessage()
     user.choose("File", "Import measured motion...")
     assert "Compo > Driver" in user.window.status.currentMessage()
+    for entry in ("Insert segment", "Duplicate segment", "Delete segment"):
+        user.window.docks["motion"].hide()
+        user.session.start(user.design)  # whose motion nobody has looked for yet
+        user.window.status.clearMessage()
+        user.window.actions_by_key[f"designing.segment:{entry.partition(' ')[0].lower()}"].trigger()
+        assert "Compo > Driver" in user.window.status.currentMessage()
     view = user.window.show_view("laws")
     wait_for(lambda: view.up_to_date)
     assert not view.in_trouble

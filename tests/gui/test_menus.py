@@ -35,6 +35,11 @@ def test_every_entry_says_what_it_does(user: User) -> None:
     assert [a.text() for a in all_actions(user.window.menuBar()) if not a.statusTip()] == []
 
 
+def test_ctrl_q_leaves_on_any_desktop(user: User) -> None:
+    """Qt's own key for it is Exit where it knows no desktop."""
+    assert user.action("File", "Quit").shortcut() == QKeySequence("Ctrl+Q")
+
+
 def test_no_two_entries_share_their_keys(user: User) -> None:
     keys = Counter(
         key.toString() for a in all_actions(user.window.menuBar()) for key in a.shortcuts() if not key.isEmpty()

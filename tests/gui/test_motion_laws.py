@@ -381,7 +381,7 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     good = curve(user)
     enter_point(user, 0, 0, "50")
     assert curve(user) == good
-    assert user.motion().message.text().startswith("Beyond its segment; allowed: 0 ... 41.5 deg")
+    assert user.motion().message.text().startswith("Beyond its segment; allowed: 0 ... 41.5°")
     assert points(user).model.refused(0, 0)
     enter_point(user, 0, 1, "")  # a point that says nothing
     assert user.motion().message.text().endswith("says nothing; allowed: value, velocity or acceleration")

@@ -208,6 +208,7 @@ def test_a_wrong_span_stays_in_its_cell_in_red(user: User) -> None:
     view.table.setFocus()
     user.press(Qt.Key.Key_Escape)
     assert (user.cell(1, SPAN), view.message.isVisible()) == ("41.5", False)
+    assert user.window.status.currentMessage() == ""
 
 
 def test_a_span_its_neighbour_cannot_give_is_refused(user: User) -> None:
@@ -223,6 +224,26 @@ def test_what_is_no_number_is_refused(user: User) -> None:
     user.enter_cell(1, RISE, "much")
     assert user.cell(1, RISE) == "much"
     assert user.motion().message.text() == "A number is wanted, such as 12.5"
+
+
+def test_a_decimal_comma_is_told_apart_and_the_number_in_place_takes_it_back(user: User) -> None:
+    user.enter_cell(1, SPAN, "41,5")
+    view = user.motion()
+    assert "with a decimal point and no comma" in view.message.text()
+    assert "Refused: Segment 2, span" in user.window.status.currentMessage()
+    user.enter_cell(1, SPAN, "41.5")
+    assert (user.cell(1, SPAN), view.model.refused(1, SPAN), view.message.isVisible()) == ("41.5", False, False)
+    assert user.window.status.currentMessage() == ""
+    assert user.design == LIFT
+
+
+@pytest.mark.parametrize("text", ["34", "283.5", "-5", "1e9"])
+def test_an_end_beyond_a_neighbour_is_told_with_what_is_allowed(user: User, text: str) -> None:
+    user.enter_cell(1, TO, text)
+    assert user.design == LIFT
+    told = user.motion().message.text()
+    assert "lies beyond a neighbour" in told
+    assert "allowed: above 35° ... below 283.5°" in told
 
 
 def test_a_refused_cell_is_forgotten_when_segments_come_or_go(user: User) -> None:
@@ -268,7 +289,13 @@ def test_an_absurd_stroke_is_refused(user: User) -> None:
 def test_where_nothing_moves_there_is_no_stroke_to_change(user: User) -> None:
     user.window.session.stages_on_screen = tuple
     user.enter_cell(1, RISE, "0")
-    assert not user.motion().fields["motion.stroke_mm"].editor.isEnabled()
+    editor = user.motion().fields["motion.stroke_mm"].editor
+    assert not editor.isEnabled()
+    user.choose("Make", "Stroke")
+    assert "give a segment a law and a rise" in user.window.status.currentMessage()
+    assert "give a segment a law and a rise" in editor.toolTip()
+    user.choose("Edit", "Undo Change rise of segment 2 to 0 mm")
+    assert "highest minus lowest" in editor.toolTip()
 
 
 def test_the_start_is_a_field(user: User) -> None:

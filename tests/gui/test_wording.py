@@ -12,7 +12,7 @@ from core.errors import KindynaError, NoAnswer
 from core.project import load
 from core.study import Study
 from kindyna_gui.places import example
-from kindyna_gui.wording import name_of, parsed, reason, shortest, step_text, value_text
+from kindyna_gui.wording import name_of, parsed, reason, sentence, shortest, step_text, value_text
 
 LIFT = load(example("transfer_lift"))
 MM = UNITS["mm"]
@@ -75,3 +75,16 @@ def test_an_error_names_fields_as_the_forms_do() -> None:
     assert told.endswith("or change guide height H or fixed angle")
     assert "_mm" not in told
     assert reason(design, KindynaError("nothing there")) == "Nothing there"
+
+
+@pytest.mark.parametrize(
+    ("told", "shown"),
+    [
+        ("jumps by -18 mm/rad^2 at a join", "Jumps by -18 mm/rad² at a join"),
+        ("falls to 30.4 deg, usual are 40 deg and more", "Falls to 30.4°, usual are 40° and more"),
+        ("smoothing 3 deg^5, from deg to degree", "Smoothing 3 deg^5, from deg to degree"),
+        ("allowed: >= 0", "Allowed: ≥ 0"),
+    ],
+)
+def test_sentences_of_the_core_have_the_printers_signs(told: str, shown: str) -> None:
+    assert sentence(told) == shown

@@ -1,0 +1,60 @@
+"""The key Tab: through the forms and the motion in the order in which they are read, and never into a dead end."""
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QToolButton, QWidget
+from window_user import User
+
+from kindyna_gui.motion_bar import SegmentBar
+from kindyna_gui.motion_editor import MotionEditor
+from kindyna_gui.segments_table import SegmentsTable
+
+MOST = 80
+
+
+def at() -> QWidget:
+    """What has the focus; that nothing has it is the dead end."""
+    focused = QApplication.focusWidget()
+    assert focused is not None, "the keys go nowhere"
+    return focused
+
+
+def walk(user: User, steps: int) -> list[QWidget]:
+    """What has the focus after each Tab."""
+    passed = []
+    for _ in range(steps):
+        user.press(Qt.Key.Key_Tab)
+        passed.append(at())
+    return passed
+
+
+def test_tab_goes_down_the_form(user: User) -> None:
+    view = user.parameters()
+    view.name.setFocus()
+    fields = [field.editor for field in view.forms["follower"].fields.values()]
+    assert walk(user, 9) == fields[:9]
+
+
+def test_ctrl_tab_turns_the_page_of_the_form(user: User) -> None:
+    user.choose("Compo", "Follower")
+    user.press(Qt.Key.Key_Tab, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert user.parameters().tabs.tabText(user.parameters().tabs.currentIndex()) == "Cam"
+
+
+def test_tab_leads_from_the_stroke_over_diagram_and_table_to_the_buttons(user: User) -> None:
+    user.choose("Make", "Stroke")
+    diagram, table, button = walk(user, 3)
+    assert isinstance(diagram, MotionEditor)
+    assert isinstance(table, SegmentsTable)
+    assert isinstance(button, QToolButton)
+    assert isinstance(button.parent(), SegmentBar)
+
+
+def test_tab_comes_round_the_whole_window(user: User) -> None:
+    """Also past the bar of tabs in the middle, which is hidden while there is one page."""
+    user.choose("Make", "Stroke")
+    begin = at()
+    passed = walk(user, MOST)
+    assert begin in passed
+    round = passed[: passed.index(begin) + 1]
+    assert len(set(round)) == len(round), "nothing keeps the focus"
+    assert user.drawing().canvas in round
