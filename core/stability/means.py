@@ -10,9 +10,13 @@ import numpy as np
 from core.stability.chart import ETA_MAX
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.windup import histories
+from core.stability.following import follow
+from core.stability.looks import look
+from core.stability.nonlinear import Points
+from core.stability.swing import Swing
 
 FIRST_ETA, STEP, MOST = 0.5, 0.05, 102
+DRAWN = 1e-8  # wanted error of what is drawn
 TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)
 """Rows of Q as multiples of the machine's: 0.05, 0.1, 0.2, 0.5, 1 of Kim1990 where that is 0.05."""
 
@@ -52,15 +56,23 @@ def mean_wind_up(
     damping: float = 0.0,
     contact: Contact | None = None,
     periods: float = 1.0,
+    error: float = DRAWN,
 ) -> Averages:
-    """The means of the rows q (rows,), over the first ``periods`` from rest."""
+    """The means of the rows q (rows,), over the first ``periods`` from rest.
+
+    error  wanted, of each β relative to its largest value; ``Averages.error`` says what the means may be wrong by
+    """
     eta, rows = etas(eta_max), np.atleast_1d(np.asarray(q, dtype=float))
-    shape = (rows.size, eta.size)
-    gone = histories(
-        coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping, periods, contact=contact
-    )
-    whole = [history.averages() if history.ended == periods else (np.nan, np.nan) for history in gone]
-    means = np.array(whole).T.reshape(2, *shape)
-    lost = None if contact is None else np.array([h.loses_contact for h in gone]).reshape(shape)
-    turned = np.array([h.turned_back is not None for h in gone]).reshape(shape)
-    return Averages(eta, rows, means[0], means[1], lost, turned, periods)
+    points = Points(np.tile(eta, rows.size), np.repeat(rows, eta.size), damping)
+    steps, ended = follow(coefficients, points, None, periods, error)
+    lane, lanes = steps.lane, ended.size
+    looks = look(steps, Swing.of(points.eta, damping).only(lane))
+
+    def by_point(step: np.typing.ArrayLike) -> np.ndarray:
+        return np.bincount(lane, weights=step, minlength=lanes).reshape(rows.size, eta.size)
+
+    whole = np.where(ended == periods, periods, np.nan).reshape(rows.size, eta.size)
+    wind_up, slope = (by_point(sizes) / whole for sizes in looks.sizes())
+    lost = None if contact is None else by_point(looks.losing(contact, points.eta[lane])[1].any(axis=1)) > 0.0
+    turned = by_point((looks.rate >= 1.0).any(axis=1)) > 0.0
+    return Averages(eta, rows, wind_up, slope, lost, turned, periods)
