@@ -238,10 +238,10 @@ class Turning(Equation):
     def _wrong(self, found: _Found, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What A may be wrong by within cells (n, K) of lengths h, and at their ends.
 
-        Within, by the integral of what a polynomial leaves out of its slope, no more than about the last Legendre
-        coefficients. At the end that is weighed with how the end depends on it, of which all that a polynomial holds
-        integrates to nothing (the nodes are Gauss's): it is as much smaller as those coefficients are than the slope. To that come what the panels of the coefficients leave
-        out, the sweep that was not made, and roundings.
+        Within, by the integral of what a polynomial leaves out of its slope, about the last Legendre coefficients. At the end
+        that is weighed with how the end depends on it, of which all that a polynomial holds integrates to nothing (the nodes
+        are Gauss's): it is as much smaller as those coefficients are than the slope. To that come what the panels of the
+        coefficients leave out, the sweep that was not made, and roundings.
         """
         tail = np.abs(found.slope @ _TAIL).sum(axis=2)
         unmade = (found.left / h.shape[1])[:, None] + ROUNDINGS * EPS * np.abs(found.begun)
