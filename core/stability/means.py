@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from core.stability.following import follow
 from core.stability.looks import look
 from core.stability.nonlinear import Points
 from core.stability.swing import Swing
+from core.stability.windup import History, errors, histories
 
 FIRST_ETA, STEP, MOST = 0.5, 0.05, 102
 DRAWN = 1e-8  # wanted error of what is drawn
@@ -32,6 +34,7 @@ class Averages:
     lost      (rows, n) True where the follower leaves the cam within that time; None where no contact is known
     turned    (rows, n) True where the cam turns back within it: β' = 1
     periods   turns of the input that are averaged
+    gone      follows the same points again and gives their histories, row by row
     """
 
     eta: np.ndarray
@@ -41,6 +44,19 @@ class Averages:
     lost: np.ndarray | None
     turned: np.ndarray
     periods: float
+    gone: Callable[[], Sequence[History]]
+
+    @cached_property
+    def error(self) -> np.ndarray:
+        """What ``wind_up`` and ``slope`` may be wrong by (2, rows, n), computed when it is asked for.
+
+        A mean of |β| is wrong by no more than β is anywhere, one of |β'| by no more than the pointer β' + (a + iω) β and
+        aβ are; between looks nothing is left out that comes near to that.
+        """
+        gone = self.gone()
+        swing = Swing.of(np.array([each.eta for each in gone]), gone[0].damping)
+        wrong = errors(gone) * np.array([each.largest[0] for each in gone])
+        return np.array([wrong, (swing.omega + swing.decay) * wrong]).reshape(2, *self.wind_up.shape)
 
 
 def etas(eta_max: float = ETA_MAX) -> np.ndarray:
@@ -75,4 +91,5 @@ def mean_wind_up(
     wind_up, slope = (by_point(sizes) / whole for sizes in looks.sizes())
     lost = None if contact is None else by_point(looks.losing(contact, points.eta[lane])[1].any(axis=1)) > 0.0
     turned = by_point((looks.rate >= 1.0).any(axis=1)) > 0.0
-    return Averages(eta, rows, wind_up, slope, lost, turned, periods)
+    gone = partial(histories, coefficients, points.eta, points.q, damping, periods, error=error)
+    return Averages(eta, rows, wind_up, slope, lost, turned, periods, gone)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -60,25 +61,8 @@ class History:
 
     @cached_property
     def error(self) -> float:
-        """What β may be wrong by, relative to the largest |β|: what the steps may be wrong by at their ends, one after the
-        other, as much larger as two histories from close by grow apart, and within the worst step. It is computed when it
-        is asked for, by these two."""
-        top, swing = self.largest[0], self._swing
-        if top == 0.0:
-            return 0.0
-        scale = float(swing.omega[0]) * top
-        start = self.steps.amplitude[0]
-        near = start + NEARBY * scale * np.array([0.0, 1.0, 1j])
-        beta, rate = swing.read(near)
-        inertia = 1.0 + self.q * self.coefficients.panels.at(TURN * np.mod(-beta, 1.0), 1)[0]
-        points = np.full(3, self.eta), np.full(3, self.q)
-        states = np.stack((beta, inertia * (1.0 - rate)), axis=1)
-        told = histories(self.coefficients, *points, self.damping, self.ended, states, error=NEARBY * SURE)
-        y = np.linspace(0.0, min(each.ended for each in told), max(2, int(LOOKED_AT.size * self.ended)))
-        own, *others = (each.at(y)[0] for each in told)
-        apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * top)
-        inner, outer = self.steps.wrong.T / scale
-        return float(outer.sum() * max(1.0, apart) + inner.max())
+        """What β may be wrong by, relative to the largest |β|, see ``errors``. It is computed when it is asked for."""
+        return float(errors([self])[0])
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -230,6 +214,38 @@ def histories(
         )
         for lane in range(eta.size)
     )  # fmt: skip
+
+
+def errors(gone: Sequence[History]) -> np.ndarray:
+    """What histories (L,) of one equation and damping may be wrong by: β relative to the largest |β|, the pointer (see
+    ``swing``) to ω times that.
+
+    It is what the steps may be wrong by at their ends, one after the other, as much larger as two histories from close by
+    grow apart, and within the worst step. Those from close by go side by side for all.
+    """
+    coefficients, damping = gone[0].coefficients, gone[0].damping
+    eta, q = (np.array([getattr(each, name) for each in gone]) for name in ("eta", "q"))
+    swing = Swing.of(eta, damping)
+    scale = swing.omega * np.array([each.largest[0] for each in gone])
+    start = np.array([each.steps.amplitude[0] for each in gone])
+    near = start[:, None] + NEARBY * scale[:, None] * np.array([0.0, 1.0, 1j])
+    beta, rate = swing.only(np.arange(eta.size), 1).read(near)
+    inertia = 1.0 + q[:, None] * coefficients.panels.at(TURN * np.mod(-beta.ravel(), 1.0), 1)[0].reshape(beta.shape)
+    states = np.stack((beta, inertia * (1.0 - rate)), axis=-1).reshape(-1, 2)
+    longest = max(each.ended for each in gone)
+    close = histories(coefficients, np.repeat(eta, 3), np.repeat(q, 3), damping, longest, states, error=NEARBY * SURE)
+    return np.array([_error(each, close[3 * i : 3 * i + 3], scale[i]) for i, each in enumerate(gone)])
+
+
+def _error(gone: History, close: Sequence[History], scale: float) -> float:
+    """Of one history, from three whose first is itself; ``scale`` is ω max |β|."""
+    if scale == 0.0:
+        return 0.0
+    y = np.linspace(0.0, min(gone.ended, *(each.ended for each in close)), max(2, int(LOOKED_AT.size * gone.ended)))
+    own, *others = (gone._swing.pointer(*each.at(y)) for each in close)
+    apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * scale)
+    inner, outer = gone.steps.wrong.T / scale
+    return float(outer.sum() * max(1.0, apart) + inner.max())
 
 
 def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:
