@@ -77,13 +77,13 @@ class Looks:
         """Where (n, looks) the follower moves, and where it moves and no force presses it on the cam, of points with η (n or 1,)."""
         theta = TURN * (self.y - self.beta)
         # at a join: from inside the step, which is where its bend is from
-        theta += OUTSIDE * np.sign(theta[:, -1:] - theta[:, :1]) * (1.0 - 2.0 * LOOKED_AT)
-        theta = np.mod(theta, TURN)
-        moves = contact.moves[contact.panels.index(theta.ravel())].reshape(theta.shape)
+        inwards = OUTSIDE * np.sign(theta[:, -1:] - theta[:, :1]) * (1.0 - 2.0 * LOOKED_AT)
+        theta = np.mod(theta + inwards, TURN) - inwards
+        moves = contact.moves[contact.panels.index((theta + inwards).ravel())].reshape(theta.shape)
         losing = np.zeros(moves.shape, dtype=bool)
         speed, acceleration = 1.0 - self.rate[moves], self.bend[moves] / (-2.0 * pi)  # θ̇/ω, θ̈/ω²
         own = np.broadcast_to(np.asarray(eta)[:, None], moves.shape)[moves]
-        losing[moves] = contact.force(contact.panels.at(theta[moves], 3), own, speed, acceleration) < 0.0
+        losing[moves] = contact.force(contact.panels.at(theta[moves], 3, inwards[moves]), own, speed, acceleration) < 0.0
         return moves, losing
 
 

@@ -105,14 +105,14 @@ class Steps:
         """The pointers (m,) at parts of the durations of steps, and the parts of their clocks.
 
         Where the clock is the cam's it is sought, by Newton's method: what the input has gone on, less what the shaft has
-        been wound up, which never falls, so that a move out of what is left is halved instead.
+        been wound up.
         """
         whole, change = (each[step] for each in self.powers)
         gone = part * self.h[step]
         turned = np.exp(swing.wave * gone)
         first = (self.amplitude[step] / swing.omega).imag
         length, by_cam = self.length[step], self.by_cam[step]
-        clock, low, high = part, np.zeros_like(part), np.ones_like(part)
+        clock = part
         for _ in range(INVERSIONS):
             power = powers(2.0 * clock - 1.0, whole.shape[1])
             pointer = turned * (whole * power).sum(axis=1)
@@ -122,9 +122,7 @@ class Steps:
             miss = gone - by_cam * (pointer.imag / swing.omega - first) - length * clock
             move = miss / (length + by_cam * slope.imag / swing.omega)
             pointer = pointer + slope * move  # to the square of the move
-            low, high = np.where(miss > 0.0, clock, low), np.where(miss < 0.0, clock, high)
-            clock = clock + move
+            clock = np.clip(clock + move, 0.0, 1.0)
             if np.abs(move).max(initial=0.0) <= CLOSE:
                 break
-            clock = np.where((clock < low - CLOSE) | (clock > high + CLOSE), 0.5 * (low + high), clock)
         return pointer, clock

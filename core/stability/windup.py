@@ -121,14 +121,14 @@ class History:
         if self.contact is None:
             return np.full(np.shape(y), np.nan)
         beta, rate = self.at(y)
-        theta = np.mod(TURN * (y - beta) + OUTSIDE, TURN)  # on a join: right of it
-        d, c, u = self.coefficients.panels.at(theta, 3)
+        theta = np.mod(TURN * (y - beta) + OUTSIDE, TURN) - OUTSIDE
+        d, c, u = self.coefficients.panels.at(theta, 3, OUTSIDE)  # on a join: right of it
         whole = 1.0 + self.q * d
         load = self.q * u * (self.eta**2 if self.coefficients.fixed else 1.0)
         # (13); θ̈/ω² = -β''/2π
         push = self.q * c * (1.0 - rate) ** 2 + load - 2.0 * pi * self.eta**2 * beta
         acceleration = -(push - 2.0 * self.damping * self.eta * rate) / whole
-        return self.contact.force(self.contact.panels.at(theta, 3), self.eta, 1.0 - rate, acceleration)
+        return self.contact.force(self.contact.panels.at(theta, 3, OUTSIDE), self.eta, 1.0 - rate, acceleration)
 
     @cached_property
     def _first_loss(self) -> tuple[float, float] | None:
