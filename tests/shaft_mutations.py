@@ -184,7 +184,8 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/stability/means.py": [
         ("np.tile(eta, rows.size), np.repeat(rows, eta.size)", "np.repeat(eta, rows.size), np.tile(rows, eta.size)", EACH),
         ("looks.losing(contact, points.eta[lane])[1]", "(looks.rate >= 1.0)", CLI + "test_the_tables_hold_what_their_columns_say"),
-        ("np.where(ended == periods, periods, np.nan)", "np.where(ended > 0.0, periods, np.nan)", FIGURES + "test_what_cannot_be_followed_has_no_mean"),
+        ("np.where(ended == periods, periods, np.nan)", "np.where(ended > 0.0, periods, np.nan)",
+         FIGURES + "test_what_cannot_be_followed_has_no_mean"),
         ("min(round((eta_max - FIRST_ETA) / STEP), MOST)", "round((eta_max - FIRST_ETA) / STEP)",
          FIGURES + "test_a_far_chart_has_no_more_means_than_a_near_one"),
     ],
