@@ -29,6 +29,8 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/blend/family.py": [
         ("works = [SPEEDS[curve] * h for", "works = [SPEEDS[curve] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
+        ("at[name] = value\n", "pass\n",
+         "tests/core/test_blend_points.py::test_a_height_that_is_asked_for_is_answered_to_the_last_bit"),
     ],
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
