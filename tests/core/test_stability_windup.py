@@ -94,6 +94,13 @@ def test_a_coarse_step_in_which_the_cam_slows_down_is_read_rightly() -> None:
     assert np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0] <= told.error + best.error <= 1e-4
 
 
+def test_no_place_within_a_step_is_misread() -> None:
+    """At Q = 1 the cam slows down so much within a step that half of its turn is by far not half of its time."""
+    gone, y = history(coefficients(KIM), 1.45, 1.0, 0.02, 1.0), np.linspace(0.0, 1.0, 20_001)
+    beta, rate = gone.at(y)
+    assert np.abs(np.diff(beta) - 0.5 * np.diff(y) * (rate[1:] + rate[:-1])).max() < 1e-9
+
+
 def test_a_fast_shaft_in_a_slow_cam_tells_its_error_closely() -> None:
     """What a step's slope leaves out is wrong by much less in its integral: half steps find the tenth digit."""
     assert history(coefficients(HARD["layout c"]), 5.1, 0.4, 0.0, 2.0).error < 3e-9
