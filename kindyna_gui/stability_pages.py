@@ -94,6 +94,12 @@ class StabilityPages(QTabWidget):
         self._drawn.clear()
         self._draw()
 
+    @property
+    def lacks(self) -> str:
+        """The cached property of the shaft for which the page in front waits, '' where there is none."""
+        row = PLOTS.get(self.tabText(self.currentIndex()))
+        return row.needs if row is not None and self.found is not None and row.needs not in vars(self.found) else ""
+
     def show_page(self, name: str) -> None:
         self.setCurrentIndex([self.tabText(i) for i in range(self.count())].index(name))
 
@@ -112,13 +118,9 @@ class StabilityPages(QTabWidget):
 
     def _show_plots(self, found: Stability, looked: Looked, name: str) -> None:
         row = PLOTS[name]
-        if row.of_point:
-            wait = FOLLOWING if looked.gone is None else ""
-        else:
-            wait = AVERAGING if row.needs and row.needs not in vars(found) else ""
-        if wait:
+        if looked.gone is None if row.of_point else self.lacks:
             for plot in self.plots[name]:
-                plot.show_message(wait)
+                plot.show_message(FOLLOWING if row.of_point else AVERAGING)
             if row.needs:
                 self.lacking.emit(row.needs)
         else:

@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QHideEvent, QShowEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QHBoxLayout,
@@ -45,7 +46,7 @@ class StabilityView(View):
     """The page of stability.
 
     The coarse chart is drawn at once; the fine one, the verdicts and the history of the point that is looked at are
-    computed beside the window and given up where the design changes.
+    computed beside the window and given up where the design changes or the page leaves the screen.
     """
 
     stages = ("stability",)
@@ -192,6 +193,24 @@ class StabilityView(View):
         for lane in self._lanes:
             lane.close()
 
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if not event.spontaneous():  # else the whole window is put away for a while
+            self._stop()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self.up_to_date and self._lacking:
+            self._pause.start()
+
+    @property
+    def _lacking(self) -> bool:
+        """Something that is shown has been given up, or never asked for."""
+        if self.found is None or self.looked is None:
+            return False
+        whole = self.drawn.q.size >= FINE and not self.pages.lacks
+        return not whole or bool(self._jobs(self.found, self.looked))
+
     def settle(self) -> None:
         """Do now what waits for a pause."""
         if self._pause.isActive():
@@ -209,15 +228,19 @@ class StabilityView(View):
 
     def _ask_for_point(self, found: Stability) -> None:
         assert self.looked is not None
-        eta, q = self.looked.eta, self.looked.q
-        jobs: list[Job] = [
-            ("gone", partial(found.history, eta=eta, q=q)),
-            ("said", partial(found.verdicts, eta, q)),
-        ]
-        if "bands" not in vars(found):  # kept there once they are known
-            jobs.insert(0, ("bands", lambda: found.bands))
-        self.looks.ask(jobs)
+        self.looks.ask(self._jobs(found, self.looked))
         self._rest()
+
+    @staticmethod
+    def _jobs(found: Stability, looked: Looked) -> list[Job]:
+        """What is not known yet of the point that is looked at, and of the shaft."""
+        eta, q = looked.eta, looked.q
+        rows: list[tuple[bool, Job]] = [
+            ("bands" in vars(found), ("bands", lambda: found.bands)),  # kept there once they are known
+            (looked.gone is not None, ("gone", partial(found.history, eta=eta, q=q))),
+            (bool(looked.said), ("said", partial(found.verdicts, eta, q))),
+        ]
+        return [job for known, job in rows if not known]
 
     def _lacks(self, name: str) -> None:
         """A page in front waits for a cached property of the shaft."""

@@ -16,7 +16,11 @@ BY_FIELD = EDITS + "test_a_fields_edit_computes_its_stages_again_and_going_back_
 NAMED = EDITS + "test_another_name_computes_nothing"
 LOADED = EDITS + "test_other_loads_leave_the_extremes_of_what_moves_as_they_are"
 OF_LINKAGES = READS + "test_each_view_alone_computes_no_more_of_a_linkage"
-BARE = "tests/core/test_stability_digits.py::test_a_bare_shaft_turns_as_in_closed_form_at_any_speed"
+SHAFT_DIGITS = "tests/core/test_stability_digits.py::"
+BARE = SHAFT_DIGITS + "test_a_bare_shaft_turns_as_in_closed_form_at_any_speed"
+TIMED = SHAFT_DIGITS + "test_in_time_and_by_the_cams_angle_the_wind_up_is_the_same"
+FORCE = SHAFT_DIGITS + "test_the_contact_force_keeps_its_digits"
+WINDUP = "tests/core/test_stability_windup.py::"
 
 DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     # -- digits: what keeps them in each kernel, replaced by what a textbook has, or rounded on the way ----------------
@@ -25,6 +29,8 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/blend/family.py": [
         ("works = [SPEEDS[curve] * h for", "works = [SPEEDS[curve] * h + 1024.0 - 1024.0 for", BENCH + "[blending-None]"),
+        ("at[name] = value\n", "pass\n",
+         "tests/core/test_blend_points.py::test_a_height_that_is_asked_for_is_answered_to_the_last_bit"),
     ],
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
@@ -85,8 +91,28 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("4.0 * EPS * np.abs(v)", "1e-9 * np.abs(v)", BENCH + "[monodromy-None]"),
     ],
     "core/stability/turning.py": [
+        ("LEFT = 2.0", "LEFT = 66.0", WINDUP + "test_a_fast_shaft_in_a_slow_cam_tells_its_error_closely"),
         ("SHARE = 0.25", "SHARE = 1e4", BENCH + "[wind-up-1e-13]"),
         ("ROUNDINGS = 2.0", "ROUNDINGS = 0.0 * (EPS := 2.0**-24)", BENCH + "[wind-up-1e-13]"),
+    ],
+    "core/stability/march.py": [
+        ("SETTLED = 32.0 * EPS", "SETTLED = 1e-8", TIMED),
+        ("STAGES = 12", "STAGES = 7", TIMED),
+        ("(here[:, 1] - there[:, 1]) / speed", "(1.0 + 1e-9) * (here[:, 1] - there[:, 1]) / speed",
+         SHAFT_DIGITS + "test_derivatives_through_jumps_of_the_inertia_keep_eleven_digits"),
+    ],
+    "core/stability/contact.py": [
+        ("values[1] * speed * speed", "values[1] * (speed * speed).astype(np.float32)", FORCE),
+    ],
+    "core/stability/windup.py": [
+        ("TURN) - OUTSIDE", "TURN)", FORCE),
+    ],
+    "core/stability/looks.py": [
+        ("CLOSE = 1e-7", "CLOSE = 1.0", SHAFT_DIGITS + "test_what_looks_see_is_what_the_history_says"),
+    ],
+    "core/stability/means.py": [
+        ("(swing.omega + swing.decay) * wrong", "wrong",
+         "tests/core/test_stability_figures.py::test_means_tell_what_they_may_be_wrong_by"),
     ],
     "core/stability/swing.py": [
         ("CLOSE = 1e-8", "CLOSE = 1.0", BENCH + "[wind-up-1e-13]"),

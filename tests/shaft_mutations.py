@@ -36,6 +36,8 @@ LEAVES = KIM + "test_the_follower_leaves_the_cam_where_another_integrator_says"
 REPEATS = WINDUP + "test_a_steady_response_repeats_and_its_matrix_is_its_stability"
 LIMITS = SPEEDS + "test_the_own_speed_among_the_bands_is_told"
 CLAIMS = KIM + "test_one_command_prints_the_papers_claims_against_ours"
+SAMPLES = WINDUP + "test_the_averages_are_those_of_many_samples"
+LOOKS = "tests/core/test_stability_digits.py::test_what_looks_see_is_what_the_history_says"
 EACH = FIGURES + "test_means_are_those_of_each_history"
 DASHED = FIGURES + "test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost"
 REACHED = FIGURES + "test_the_certificate_and_the_report_say_what_error_was_reached"
@@ -145,10 +147,21 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("outer.sum() *", "0.0 *", WINDUP + "test_the_error_told_is_the_error_there_is[kim]"),
         ("- 2.0 * pi * self.eta**2 * beta", "+ 2.0 * pi * self.eta**2 * beta", OWN),
         ("acceleration = -(push", "acceleration = (push", OWN),
-        ("- slopes[0]) - even", "- slopes[0]) + even", WINDUP + "test_the_averages_are_those_of_many_samples"),
         ("before = i - 1 if", "before = i if", LEAVES + "[12-3.30185]"),
         ("self.force(np.array([middle]))[0] < 0.0", "self.force(np.array([middle]))[0] > 0.0", LEAVES + "[11-2.27504]"),
-        ("moves & (force < 0.0)", "moves & (force < -0.5)", WINDUP + "test_the_follower_leaves_the_cam_where_the_force_first_vanishes"),
+    ],
+    "core/stability/looks.py": [
+        ("self.rate[before] - self.rate[after]", "self.rate[before] + self.rate[after]", SAMPLES),
+        ("(self.bend[before] + self.bend[after]) / 120.0", "(self.bend[before] + self.bend[after]) / -120.0", SAMPLES),
+        ("0.125 * (bend - slope)", "0.125 * (bend + slope)", SAMPLES),
+        ("lean - 3.0 * mean + 3.0 * odd", "lean + 3.0 * mean + 3.0 * odd", SAMPLES),
+        ("values[before] * values[after] < 0.0", "values[before] * values[after] < -9.0", SAMPLES),
+        ("self.bend[moves] / (-2.0 * pi)", "self.bend[moves] / (2.0 * pi)", LEAVES + "[12-3.30185]"),
+        ("acceleration) < 0.0", "acceleration) < -0.5", WINDUP + "test_the_follower_leaves_the_cam_where_the_force_first_vanishes"),
+        ("gone + beta - first)", "gone - beta - first)", LOOKS),
+        ("(1.0 - by_cam * rate)", "1.0", LOOKS),
+        ("decay * decay + omega", "omega", LOOKS),
+        ("- 2.0 * decay * rate", "+ 2.0 * decay * rate", LOOKS),
     ],
     "core/stability/orbit.py": [
         ("np.eye(2) - matrix, miss", "np.eye(2) + matrix, miss", WINDUP + "test_as_the_load_vanishes_the_last_word_is_that_of_21"),
@@ -170,8 +183,9 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     ],
     "core/stability/means.py": [
         ("np.tile(eta, rows.size), np.repeat(rows, eta.size)", "np.repeat(eta, rows.size), np.tile(rows, eta.size)", EACH),
-        ("h.loses_contact for h in gone", "h.turned_back is not None for h in gone", CLI + "test_the_tables_hold_what_their_columns_say"),
-        ("history.ended == periods else", "history.ended > 0.0 else", FIGURES + "test_what_cannot_be_followed_has_no_mean"),
+        ("looks.losing(contact, points.eta[lane])[1]", "(looks.rate >= 1.0)", CLI + "test_the_tables_hold_what_their_columns_say"),
+        ("np.where(ended == periods, periods, np.nan)", "np.where(ended > 0.0, periods, np.nan)",
+         FIGURES + "test_what_cannot_be_followed_has_no_mean"),
         ("min(round((eta_max - FIRST_ETA) / STEP), MOST)", "round((eta_max - FIRST_ETA) / STEP)",
          FIGURES + "test_a_far_chart_has_no_more_means_than_a_near_one"),
     ],

@@ -38,7 +38,7 @@ class Contact:
     moves: np.ndarray
     unit: float
 
-    def force(self, values: np.ndarray, eta: float, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
+    def force(self, values: np.ndarray, eta: float | np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """f from the rows ``values`` (3, ...) at the cam angles, speed θ̇/ω and acceleration θ̈/ω²."""
         still = values[0] * (eta * eta if self.fixed else 1.0)
         return still + values[1] * speed * speed + values[2] * acceleration

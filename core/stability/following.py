@@ -78,5 +78,10 @@ class _Following:
 
     def _keep(self, steps: Steps) -> None:
         """As far as is asked for; what has no length is no step."""
-        own = steps.only(np.flatnonzero((steps.length > 0.0) & (steps.y < self._done_at)))
-        self._steps.append(replace(own, h=np.minimum(own.h, self._periods - own.y)))
+        over = self._periods - self._done_at
+        asked = (steps.length > 0.0) & (steps.y < self._done_at)
+        beyond = asked & (steps.by_cam > 0.0) & (steps.y + steps.h > self._periods + over)
+        self._steps.append(steps.only(np.flatnonzero(asked & ~beyond)))
+        if beyond.any():
+            last = steps.only(np.flatnonzero(beyond))
+            self._steps.append(last.cut(self._turning.swing.only(last.lane), self._periods - last.y))

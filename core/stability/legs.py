@@ -16,7 +16,7 @@ from core.stability.panels import NODES, Panels, gauss
 
 TOGETHER = 2.0  # panels of the coefficients per cell at full accuracy
 FULL = 1e-13
-PHASE = 1.0  # [rad] of the shaft's own wave per cell, so that whoever looks at parts of it misses nothing
+PHASE = 2.0  # [rad] of the shaft's own wave per cell, so that whoever looks at parts of it misses nothing
 LEG = 4.5  # [rad] of it per leg, where the train moves
 LONGEST = 9.0  # [rad] per leg at all
 

@@ -130,9 +130,9 @@ class Panels:
         """The panels (n,) of cam angles (n,) in 0 ... 2π; at a join the one above."""
         return np.clip(np.searchsorted(self.start, theta, side="right") - 1, 0, None)
 
-    def at(self, theta: np.ndarray, rows: int) -> np.ndarray:
-        """The first rows (rows, n) at cam angles (n,) in 0 ... 2π."""
-        at = self.index(theta)
+    def at(self, theta: np.ndarray, rows: int, beyond: float | np.ndarray = 0.0) -> np.ndarray:
+        """The first rows (rows, n) at cam angles (n,), by the panels that hold these and so much beyond, in 0 ... 2π."""
+        at = self.index(theta + beyond)
         t = 2.0 * (theta - self.start[at]) / self.width[at] - 1.0
         return np.einsum("nrk,nk->rn", self.powers[at, :rows], powers(t, NODES))
 

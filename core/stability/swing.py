@@ -7,13 +7,13 @@ that changes the amplitude A = z e^{-λ(y-y0)}: A' = n e^{-λ(y-y0)}. In a dwell
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from math import pi, sqrt
 
 import numpy as np
 
-from core.stability.panels import integrals, powers, to_powers
+from core.stability.panels import NODES, gauss, integrals, powers, to_powers
 
 INVERSIONS = 12
 CLOSE = 1e-8  # part of a step: a move no longer is the last, what is left is its square
@@ -82,7 +82,7 @@ class Steps:
         return Steps(*(np.concatenate([getattr(p, f.name) for p in parts]) for f in fields(Steps)))
 
     @cached_property
-    def _powers(self) -> tuple[np.ndarray, np.ndarray]:
+    def powers(self) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients of t**k, t = -1 ... 1, of A (n, NODES + 1) and of dA by the part of the step (n, NODES)."""
         length = self.length[:, None]
         whole = length * integrals(self.slope)
@@ -90,17 +90,29 @@ class Steps:
         return whole, length * to_powers(self.slope)
 
     def at(self, swing: Swing, step: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """β and β' (m,) at parts (m,) of the durations of steps (m,), all of one point with its swing (1,).
+        """β and β' (m,) at parts (m,) of the durations of steps (m,), of points with these swings (1 or m,)."""
+        return swing.read(self._sought(swing, step, part)[0])
+
+    def cut(self, swing: Swing, h: np.ndarray) -> Steps:
+        """Steps that end sooner, after h (n,): the same polynomials, of which less is kept; the swings (n,) are their
+        points'."""
+        clock = self._sought(swing, np.arange(h.size), h / self.h)[1]
+        change = self.powers[1] / self.length[:, None]
+        slope = np.einsum("nsk,nk->ns", powers(2.0 * clock[:, None] * gauss(NODES)[0] - 1.0, NODES), change)
+        return replace(self, h=h, length=clock * self.length, slope=slope)
+
+    def _sought(self, swing: Swing, step: np.ndarray, part: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The pointers (m,) at parts of the durations of steps, and the parts of their clocks.
 
         Where the clock is the cam's it is sought, by Newton's method: what the input has gone on, less what the shaft has
         been wound up.
         """
-        whole, change = (each[step] for each in self._powers)
+        whole, change = (each[step] for each in self.powers)
         gone = part * self.h[step]
         turned = np.exp(swing.wave * gone)
         first = (self.amplitude[step] / swing.omega).imag
         length, by_cam = self.length[step], self.by_cam[step]
-        clock = gone / length
+        clock = part
         for _ in range(INVERSIONS):
             power = powers(2.0 * clock - 1.0, whole.shape[1])
             pointer = turned * (whole * power).sum(axis=1)
@@ -110,7 +122,7 @@ class Steps:
             miss = gone - by_cam * (pointer.imag / swing.omega - first) - length * clock
             move = miss / (length + by_cam * slope.imag / swing.omega)
             pointer = pointer + slope * move  # to the square of the move
+            clock = np.clip(clock + move, 0.0, 1.0)
             if np.abs(move).max(initial=0.0) <= CLOSE:
                 break
-            clock = np.clip(clock + move, -0.1, 1.1)
-        return swing.read(pointer)
+        return pointer, clock

@@ -27,6 +27,7 @@ SLOWEST = 0.2  # of the even speed: below, the cam's angle is no clock
 ASTRAY = 1e-3  # of its duration: a cell so far off stands in another swing of the shaft
 SHARE = 0.25  # of the wanted error that each source of it may use
 ROUNDINGS = 2.0  # of a cell
+LEFT = 2.0 / (2 * NODES + 1)  # of a Legendre coefficient in its integral over a step 1 long; twice: left out, and misread
 MARCHED = 32.0  # of a step by the input's turn
 CLOSE = 1e-9  # [turns] a step of Newton's method no longer is the last: the next would be its square
 INSIDE = 1e-10 / TURN  # [turns] what is no farther from the end of a leg has passed it
@@ -151,7 +152,7 @@ class Turning(Equation):
         added = self.train(step.lane, rows).added(beta, rate)
         slope = (added * np.exp(-swing.wave[:, None] * gone))[:, 1:]
         start = swing.pointer(beta[:, 0], rate[:, 0])
-        inner = step.h * np.abs(slope @ _TAIL).sum(axis=1)
+        inner = step.h * LEFT * np.abs(slope @ _TAIL).sum(axis=1)
         outer = MARCHED * EPS * (np.abs(start) + np.abs(step.h) * np.abs(slope).max(axis=1))
         wrong = np.stack((inner, outer), axis=1)
         return Steps(step.lane, step.y, step.h, step.h, np.zeros(step.h.size), start, slope, wrong)
@@ -237,15 +238,15 @@ class Turning(Equation):
     def _wrong(self, found: _Found, h: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What A may be wrong by within cells (n, K) of lengths h, and at their ends.
 
-        Within, by what a polynomial leaves out of its slope, about the last Legendre coefficients. At the end that is weighed
-        with how the end depends on it, of which all that a polynomial holds integrates to nothing (the nodes are Gauss's): it
-        is as much smaller as those coefficients are than the slope. To that come what the panels of the coefficients leave
-        out, the sweep that was not made, and roundings.
+        Within, by the integral of what a polynomial leaves out of its slope, about the last Legendre coefficients. At the end
+        that is weighed with how the end depends on it, of which all that a polynomial holds integrates to nothing (the nodes
+        are Gauss's): it is as much smaller as those coefficients are than the slope. To that come what the panels of the
+        coefficients leave out, the sweep that was not made, and roundings.
         """
         tail = np.abs(found.slope @ _TAIL).sum(axis=2)
         unmade = (found.left / h.shape[1])[:, None] + ROUNDINGS * EPS * np.abs(found.begun)
         outer = h * (tail * tail / np.where(found.most > 0.0, found.most, 1.0) + found.slack) + unmade
-        return h * (tail + found.slack), outer
+        return h * (LEFT * tail + found.slack), outer
 
     def _ends(self, lane: np.ndarray, place: Place, edges: np.ndarray, found: _Found) -> tuple[np.ndarray, np.ndarray]:
         """The input's turns at the cells' ends (n, K), counted from the leg's start, and the pointer (n,) at the leg's end, by

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -13,11 +14,11 @@ from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
 from core.stability.following import follow
 from core.stability.legs import FULL
+from core.stability.looks import LOOKED_AT, Looks, look
 from core.stability.march import OUTSIDE
 from core.stability.nonlinear import Points
 from core.stability.swing import Steps, Swing
 
-LOOKED_AT = np.linspace(0.0, 1.0, 25)  # parts of a step that are looked at for zeros and extremes
 BISECTIONS = 50
 NEARBY, SURE = 1e-6, 1e-4  # of the swing: from so close by another history starts, to be known so well
 CELLS = 6  # cells between looks in which the largest wind-up is searched
@@ -53,44 +54,23 @@ class History:
         return Swing.of(np.array([self.eta]), self.damping)
 
     @cached_property
-    def _looks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """y, β and β' (steps, looks) at ``LOOKED_AT`` of every step."""
-        y = self.steps.y[:, None] + self.steps.h[:, None] * LOOKED_AT
-        step, part = np.repeat(np.arange(len(y)), LOOKED_AT.size), np.tile(LOOKED_AT, len(y))
-        beta, rate = (each.reshape(y.shape) for each in self.steps.at(self._swing, step, part))
-        return y, beta, rate
+    def _looks(self) -> Looks:
+        return look(self.steps, self._swing)
 
     # -- accuracy ---------------------------------------------------------------------------------------
 
     @cached_property
     def error(self) -> float:
-        """What β may be wrong by, relative to the largest |β|: what the steps may be wrong by at their ends, one after the
-        other, as much larger as two histories from close by grow apart, and within the worst step. It is computed when it
-        is asked for, by these two."""
-        top, swing = self.largest[0], self._swing
-        if top == 0.0:
-            return 0.0
-        scale = float(swing.omega[0]) * top
-        start = self.steps.amplitude[0]
-        near = start + NEARBY * scale * np.array([0.0, 1.0, 1j])
-        beta, rate = swing.read(near)
-        inertia = 1.0 + self.q * self.coefficients.panels.at(TURN * np.mod(-beta, 1.0), 1)[0]
-        points = np.full(3, self.eta), np.full(3, self.q)
-        states = np.stack((beta, inertia * (1.0 - rate)), axis=1)
-        told = histories(self.coefficients, *points, self.damping, self.ended, states, error=NEARBY * SURE)
-        y = np.linspace(0.0, min(each.ended for each in told), max(2, int(LOOKED_AT.size * self.ended)))
-        own, *others = (each.at(y)[0] for each in told)
-        apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * top)
-        inner, outer = self.steps.wrong.T / scale
-        return float(outer.sum() * max(1.0, apart) + inner.max())
+        """What β may be wrong by, relative to the largest |β|, see ``errors``. It is computed when it is asked for."""
+        return float(errors([self])[0])
 
     # -- figures ----------------------------------------------------------------------------------------
 
     @cached_property
     def largest(self) -> tuple[float, float]:
         """max |β| and the y where it stands, refined."""
-        y, beta, rate = self._looks
-        size = np.abs(beta)
+        looks = self._looks
+        y, rate, size = looks.y, looks.rate, np.abs(looks.beta)
         i, j = np.unravel_index(int(size.argmax()), size.shape)
         best = (float(size[i, j]), float(y[i, j]))
         # every cell whose β' changes sign may hide the top, the highest ones first
@@ -99,7 +79,7 @@ class History:
             i, j = np.unravel_index(int(at), tops.shape)
             if tops[i, j] < 0.0:
                 break
-            part = self._zero(int(i), float(LOOKED_AT[j]), float(LOOKED_AT[j + 1]))
+            part = self._zero(int(i), *(float(looks.part[i, k]) for k in (j, j + 1)))
             value = abs(float(self.steps.at(self._swing, np.full(1, i), np.array([part]))[0][0]))
             best = max(best, (value, float(self.steps.y[i] + part * self.steps.h[i])))
         return best
@@ -118,14 +98,13 @@ class History:
 
     def averages(self) -> tuple[float, float]:
         """Means of |β| and |β'| over the whole history (Kim1990 Figs. 6, 7: over the first turn)."""
-        y, beta, rate = self._looks
-        sums = _sizes(y, beta, rate)
-        return float(sums[0].sum() / self.ended), float(sums[1].sum() / self.ended)
+        wind_up, slope = self._looks.sizes().sum(axis=1) / self.ended
+        return float(wind_up), float(slope)
 
     @property
     def spread(self) -> float:
         """max |β| in the last third over that in the first: above 1 where the wind-up still grows."""
-        y, beta, _ = self._looks
+        y, beta = self._looks.y, self._looks.beta
         third = self.ended / 3.0
         last, first = np.abs(beta[y >= 2.0 * third]).max(), np.abs(beta[y <= third]).max()
         return float(last / first) if first > 0.0 else 1.0
@@ -133,8 +112,7 @@ class History:
     @cached_property
     def turned_back(self) -> float | None:
         """The first y at which the cam stands still and turns back (β' = 1), None where it never does."""
-        y, _, rate = self._looks
-        return _first_zero(y, 1.0 - rate)
+        return _first_zero(self._looks.y, 1.0 - self._looks.rate)
 
     # -- contact ----------------------------------------------------------------------------------------
 
@@ -143,22 +121,14 @@ class History:
         if self.contact is None:
             return np.full(np.shape(y), np.nan)
         beta, rate = self.at(y)
-        return self._force(y, beta, rate)[0]
-
-    def _force(self, y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """f (n,) and whether the follower moves there (n,)."""
-        assert self.contact is not None
-        theta = np.mod(TURN * (y - beta) + OUTSIDE, TURN)  # on a join: right of it
-        d, c, u = self.coefficients.panels.at(theta, 3)
+        theta = np.mod(TURN * (y - beta) + OUTSIDE, TURN) - OUTSIDE
+        d, c, u = self.coefficients.panels.at(theta, 3, OUTSIDE)  # on a join: right of it
         whole = 1.0 + self.q * d
         load = self.q * u * (self.eta**2 if self.coefficients.fixed else 1.0)
         # (13); θ̈/ω² = -β''/2π
         push = self.q * c * (1.0 - rate) ** 2 + load - 2.0 * pi * self.eta**2 * beta
         acceleration = -(push - 2.0 * self.damping * self.eta * rate) / whole
-        panels = self.contact.panels
-        at = panels.index(theta)
-        force = self.contact.force(panels.at(theta, 3), self.eta, 1.0 - rate, acceleration)
-        return force, self.contact.moves[at]
+        return self.contact.force(self.contact.panels.at(theta, 3, OUTSIDE), self.eta, 1.0 - rate, acceleration)
 
     @cached_property
     def _first_loss(self) -> tuple[float, float] | None:
@@ -166,9 +136,8 @@ class History:
         begins to move so; None where it never does."""
         if self.contact is None:
             return None
-        y, beta, rate = (each.ravel() for each in self._looks)
-        force, moves = self._force(y, beta, rate)
-        bad = np.flatnonzero(moves & (force < 0.0))
+        moves, losing = (each.ravel() for each in self._looks.losing(self.contact, np.array([self.eta])))
+        bad, y = np.flatnonzero(losing), self._looks.y.ravel()
         if bad.size == 0:
             return None
         i = int(bad[0])
@@ -247,38 +216,36 @@ def histories(
     )  # fmt: skip
 
 
-def _sizes(y: np.ndarray, beta: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """∫ |β| dy and ∫ |β'| dy (steps,) of steps looked at closely (steps, looks): the polynomial of degree 5 through three
-    looks with their slopes (Hermite), on -1 ... 1."""
-    half = y[:, 1:-1:2] - y[:, :-2:2]
-    before, here, after = beta[:, :-2:2], beta[:, 1:-1:2], beta[:, 2::2]
-    slopes = half * rate[:, :-2:2], half * rate[:, 1:-1:2], half * rate[:, 2::2]
-    even, odd = 0.5 * (after + before) - here, 0.5 * (after - before) - slopes[1]
-    fourth = 0.25 * (slopes[2] - slopes[0]) - even
-    fifth = 0.25 * (slopes[2] + slopes[0]) - 0.5 * slopes[1] - 1.5 * odd
-    curve = np.array([here, slopes[1], even - fourth, odd - fifth, fourth, fifth])
-    slope = np.polynomial.polynomial.polyder(curve, axis=0)
-    return (half * _both_signs(curve)).sum(axis=1), _both_signs(slope).sum(axis=1)
+def errors(gone: Sequence[History]) -> np.ndarray:
+    """What histories (L,) of one equation and damping may be wrong by: β relative to the largest |β|, the pointer (see
+    ``swing``) to ω times that.
+
+    It is what the steps may be wrong by at their ends, one after the other, as much larger as two histories from close by
+    grow apart, and within the worst step. Those from close by go side by side for all.
+    """
+    coefficients, damping = gone[0].coefficients, gone[0].damping
+    eta, q = (np.array([getattr(each, name) for each in gone]) for name in ("eta", "q"))
+    swing = Swing.of(eta, damping)
+    scale = swing.omega * np.array([each.largest[0] for each in gone])
+    start = np.array([each.steps.amplitude[0] for each in gone])
+    near = start[:, None] + NEARBY * scale[:, None] * np.array([0.0, 1.0, 1j])
+    beta, rate = swing.only(np.arange(eta.size), 1).read(near)
+    inertia = 1.0 + q[:, None] * coefficients.panels.at(TURN * np.mod(-beta.ravel(), 1.0), 1)[0].reshape(beta.shape)
+    states = np.stack((beta, inertia * (1.0 - rate)), axis=-1).reshape(-1, 2)
+    longest = max(each.ended for each in gone)
+    close = histories(coefficients, np.repeat(eta, 3), np.repeat(q, 3), damping, longest, states, error=NEARBY * SURE)
+    return np.array([_error(each, close[3 * i : 3 * i + 3], scale[i]) for i, each in enumerate(gone)])
 
 
-def _both_signs(powers_of: np.ndarray) -> np.ndarray:
-    """∫ |f| over -1 ... 1 of polynomials (degree + 1, ...) that change sign once or not at all."""
-
-    def value(at: np.ndarray, polynomial: np.ndarray) -> np.ndarray:
-        return np.asarray(np.polynomial.polynomial.polyval(at, polynomial, tensor=False))
-
-    ones = np.ones(powers_of.shape[1:])
-    start, end = value(-ones, powers_of), value(ones, powers_of)
-    turns = start * end < 0.0
-    zero = np.where(turns, (start + end) / np.where(turns, start - end, 1.0), 1.0)
-    slope = np.polynomial.polynomial.polyder(powers_of, axis=0)
-    for _ in range(4):
-        steep = value(zero, slope)
-        step = value(zero, powers_of) / np.where(steep == 0.0, 1.0, steep)
-        zero = np.where(turns, np.clip(zero - step, -1.0, 1.0), 1.0)
-    area = np.polynomial.polynomial.polyint(powers_of, axis=0)
-    low, middle, high = value(-ones, area), value(zero, area), value(ones, area)
-    return np.abs(middle - low) + np.abs(high - middle)
+def _error(gone: History, close: Sequence[History], scale: float) -> float:
+    """Of one history, from three whose first is itself; ``scale`` is ω max |β|."""
+    if scale == 0.0:
+        return 0.0
+    y = np.linspace(0.0, min(gone.ended, *(each.ended for each in close)), max(2, int(LOOKED_AT.size * gone.ended)))
+    own, *others = (gone._swing.pointer(*each.at(y)) for each in close)
+    apart = sum(float(np.abs(other - own).max()) for other in others) / (NEARBY * scale)
+    inner, outer = gone.steps.wrong.T / scale
+    return float(outer.sum() * max(1.0, apart) + inner.max())
 
 
 def _first_zero(y: np.ndarray, f: np.ndarray) -> float | None:

@@ -3,13 +3,16 @@
 import math
 from itertools import pairwise
 
+import mpmath
 import numpy as np
 import pytest
 from blend_cases import request
+from references import EPS, MP, off
 
 from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Family, Request, Task, blend, sequences
 from core.blend.equations import Equations
 from core.blend.metering import Meter
+from core.blend.solver import Problem
 from core.blend.wishes import Wish
 
 FAMILIES = {
@@ -87,3 +90,39 @@ def test_of_equally_gentle_motions_always_the_same_is_answered() -> None:
     assert shares[0][0] > 1.2 * shares[0][2], "of the two, that of the lower height at the top"
     for one, other in pairwise(shares):
         assert one == pytest.approx(other, rel=1e-11)
+
+
+ASKED = {
+    "C1-CV1-C2": ("DRD", "rise", {"h1": 0.21, "h3": 0.13}),
+    "C1-H2-H3-C4": ("DRRD", "none", {"h1": 0.37, "h6": 0.23}),
+    "C1-CV1-H2-P2": ("DRRD", "rise", {"h1": 0.21, "h3": 0.13}),
+    "C1-CV1-H2-H3-CV2-C4": ("DRRD", "both", {"h1": 0.21, "h3": 0.13, "h4": 0.17, "h6": 0.31}),
+    "H1-CV1-H2-H3-H4": ("RRR", "rise", {"h1": 0.21, "h3": 0.13}),
+}
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_a_height_that_is_asked_for_is_answered_to_the_last_bit(name: str) -> None:
+    """It comes back through shares of the stroke and roots: 1.47 mm shall not be answered as 1.4699999999999998."""
+    kind, constant, shares = ASKED[name]
+    for stroke in (7.0, 20.3, 33.33, 61.7, 89.9):
+        wanted = {height: round(share * stroke, 2) for height, share in shares.items()}
+        answer = blend(Request(kind, stroke, 0.0, 300.0, constant, wanted, sequence=name)).solution
+        told = dict(zip(FAMILIES[name].heights, answer.heights, strict=False))  # the one curve of a return has no name
+        assert {height: told[height] for height in wanted} == wanted
+
+
+@pytest.mark.parametrize(("ratio", "peak"), [(1.9, 0.33176846199487847), (1.0, 0.4063028646255184), (0.4, 0.55), (1.0, 0.42)])
+def test_an_end_of_a_range_is_as_exact_as_what_is_asked(ratio: float, peak: float) -> None:
+    """C1-CV1-H2-P2 with the span of its rise given: h1 is greatest where h2 = 0, in closed form from t = √h3. Of the first two
+    rises hardly a shorter one is feasible: one rounding of what is asked moves the end by a hundred millionth."""
+
+    def end(share: mpmath.mpf) -> mpmath.mpf:
+        joined, bent = share / (1 - share) * MP.sqrt(MP.mpf(216) / 41 * ratio), MP.pi / 2 - 1
+        root = (MP.sqrt(joined**2 + 8 * (1 - bent)) - joined) / (2 * (1 - bent))  # joined t - 1 - bent t² = h1 = 1 - t²
+        return 1 - root**2
+
+    problem = Problem(FAMILIES["C1-CV1-H2-P2"], Task(1.0, ratio, 1.0), [Wish("peak", peak), Wish("h1", 0.1)])
+    found, exact = problem.ranges(1)[0], end(MP.mpf(peak))
+    moved = abs(end(MP.mpf(peak) * (1 + MP.mpf(EPS))) - exact)
+    assert off(found.high, exact) <= 4.0 * float(moved) + 4.0 * EPS

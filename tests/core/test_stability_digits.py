@@ -1,13 +1,19 @@
-"""core.stability.monodromy of a shaft whose train weighs nothing: one turn in closed form, slow or fast, to all digits."""
+"""core.stability to the last digits: one turn of a shaft whose train weighs nothing in closed form, slow or fast; the wind-up
+in time against that by the cam's angle; its derivatives through jumps; the contact force."""
 
 from typing import Any
 
 import numpy as np
 import pytest
 from references import EPS, MP, off
-from shafts import KIM, coefficients
+from shafts import HARD, KIM, coefficients, of, push
 
-from core.stability import monodromy
+from core.stability import history, monodromy
+from core.stability.looks import LOOKED_AT, look
+from core.stability.march import March
+from core.stability.nonlinear import Points
+from core.stability.swing import Swing
+from core.stability.windup import History
 
 
 def turned(eta: float, damping: float) -> tuple[list[list[Any]], list[list[Any]]]:
@@ -38,3 +44,82 @@ def test_a_bare_shaft_turns_as_in_closed_form_at_any_speed(damping: float) -> No
             size = 2.0 * np.pi * unit if angle > 1.0 else 0.0
             assert off(told.matrix[0, i, j], value) <= 8.0 * EPS * (1.0 + angle) * (unit + abs(value)), (eta, i, j)
             assert off(told.slope[0, i, j], slope) <= 8.0 * EPS * (1.0 + angle + angle**-2) * (size + abs(slope)), (eta, i, j)
+
+
+# -- the nonlinear wind-up --------------------------------------------------------------------------------
+
+TAU = 2.0 * np.pi
+
+
+def state(gone: History, y: float) -> np.ndarray:
+    """(β, Π) of a history at y."""
+    beta, rate = (float(each[0]) for each in gone.at(np.array([y])))
+    d = gone.coefficients.panels.at(np.array([np.mod(TAU * (y - beta), TAU)]), 1)[0, 0]
+    return np.array([beta, (1.0 + gone.q * d) * (1.0 - rate)])
+
+
+@pytest.mark.parametrize(("name", "eta", "q"), [("kim", 3.3, 0.05), ("kim", 0.9, 0.05), ("parabolic", 2.7, 0.1), ("high dwell", 1.7, 0.1)])
+def test_in_time_and_by_the_cams_angle_the_wind_up_is_the_same(name: str, eta: float, q: float) -> None:
+    """Two methods that share nothing but the coefficients; both are good to 1e-13 of the largest wind-up, here near it."""
+    found = coefficients(HARD[name])
+    march = March(found, Points(np.array([eta]), np.array([q])))
+    gone = history(found, eta, q, 0.0, 1.3)
+    assert gone.steps.by_cam.all()
+    beta, momentum = march.run(march.resting(), 0.0, 1.3).x[0] - state(gone, 1.3)
+    size = TAU * eta * gone.largest[0]
+    assert abs(beta) <= 1e-13 * gone.largest[0]
+    assert abs(momentum) <= 1e-13 * (1.0 + size)
+
+
+@pytest.mark.parametrize("name", ["parabolic", "high dwell"])
+def test_derivatives_through_jumps_of_the_inertia_keep_eleven_digits(name: str) -> None:
+    """Against differences of sixth order of histories by the cam's angle, which pass joins exactly."""
+    found, eta, q, step, y = coefficients(HARD[name]), 1.7, 0.2, 3e-4, 1.3
+    start = np.array([0.01, 1.03])
+    change = March(found, Points(np.array([eta]), np.array([q]))).run(start, 0.0, y, change=True).change
+    assert change is not None
+
+    def end(shift: np.ndarray) -> np.ndarray:
+        beta, momentum = start + shift
+        return state(history(found, eta, q, 0.0, y, (beta, momentum)), y)
+
+    for column in (0, 1):
+        unit = np.eye(2)[column] * step
+        rows = [weight * (end(k * unit) - end(-k * unit)) for k, weight in ((1, 45.0), (2, -9.0), (3, 1.0))]
+        by_difference = sum(rows) / (60.0 * step)
+        assert np.abs(by_difference - change[0, :, column]).max() < 3e-12 * np.abs(change[0]).max()
+
+
+def test_the_contact_force_keeps_its_digits() -> None:
+    """M Ẍ + K_v X from what the history tells, by the plain formulas of Kim's cam and (13)."""
+    eta, q = 2.0, 0.05
+    gone = history(coefficients(KIM), eta, q, 0.0, 3.0, contact=of(KIM).contact)
+    y = np.linspace(0.05, 2.95, 60)
+    beta, rate = gone.at(y)
+    theta = np.mod(TAU * (y - beta), TAU)
+    moving = (theta > 0.1) & (theta < 3.0)
+    theta, beta, rate = theta[moving], beta[moving], rate[moving]
+    acceleration = np.array([push(eta, q, 0.0, *each) for each in zip(theta, beta, rate, strict=True)]) / -TAU
+    x, x1, x2 = (1.0 - np.cos(2.0 * theta)) / 2.0, np.sin(2.0 * theta), 2.0 * np.cos(2.0 * theta)
+    force = (x2 * (1.0 - rate) ** 2 + x1 * acceleration) / 2.0 + 1.5 * x  # X''m = 2, X_m = 1
+    along = np.cos(np.arctan2(9.0 * x1, 40.0 + 9.0 * x))
+    assert np.abs(gone.force(y[moving]) * along - force).max() < 1e-13 * np.abs(force).max()
+
+
+def test_what_looks_see_is_what_the_history_says() -> None:
+    """Steps by the cam's angle and by the input's turn, and one that is cut at the end; β'' by (13)."""
+    eta, q = 0.9, 0.2
+    gone = history(coefficients(KIM), eta, q, 0.01, 1.9)
+    seen = look(gone.steps, Swing.of(np.array([eta]), 0.01))
+    assert set(gone.steps.by_cam) == {0.0, 1.0}
+    assert seen.y.shape == (gone.steps.y.size, LOOKED_AT.size)
+    assert seen.y[-1, -1] == pytest.approx(1.9, abs=1e-13)
+    assert seen.part[:, [0, -1]] == pytest.approx(np.tile([0.0, 1.0], (gone.steps.y.size, 1)), abs=1e-10)
+    inside = seen.y[:, 1:-1].ravel()
+    for told, which in zip(gone.at(inside), (seen.beta, seen.rate), strict=True):
+        assert np.abs(which[:, 1:-1].ravel() - told).max() < 1e-13
+    beta, rate = gone.at(inside)
+    theta = np.mod(TAU * (inside - beta), TAU)
+    bend = [push(eta, q, 0.01, t if t < np.pi else np.nan, b, r) for t, b, r in zip(theta, beta, rate, strict=True)]
+    away = np.abs(np.mod(theta + 1.0, np.pi) - 1.0) > 1e-6
+    assert np.abs(seen.bend[:, 1:-1].ravel() - bend)[away].max() < 1e-9 * np.abs(bend).max()

@@ -86,6 +86,26 @@ def test_the_error_told_is_the_error_there_is(name: str) -> None:
             assert told.error <= 30.0 * wanted, "nor is it told much larger than it was wanted"
 
 
+def test_a_coarse_step_in_which_the_cam_slows_down_is_read_rightly() -> None:
+    """From 1.4 times the even speed to a third of it within one step: half its duration is a good part less of its turn."""
+    found, y = coefficients(HARD["layout c"]), np.linspace(0.0, 2.0, 500)
+    point = 4.254539120610717, 0.3366203881831747, 0.0, 2.0
+    best, told = history(found, *point), history(found, *point, error=1e-4)
+    assert np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0] <= told.error + best.error <= 1e-4
+
+
+def test_no_place_within_a_step_is_misread() -> None:
+    """At Q = 1 the cam slows down so much within a step that half of its turn is by far not half of its time."""
+    gone, y = history(coefficients(KIM), 1.45, 1.0, 0.02, 1.0), np.linspace(0.0, 1.0, 20_001)
+    beta, rate = gone.at(y)
+    assert np.abs(np.diff(beta) - 0.5 * np.diff(y) * (rate[1:] + rate[:-1])).max() < 1e-9
+
+
+def test_a_fast_shaft_in_a_slow_cam_tells_its_error_closely() -> None:
+    """What a step's slope leaves out is wrong by much less in its integral: half steps find the tenth digit."""
+    assert history(coefficients(HARD["layout c"]), 5.1, 0.4, 0.0, 2.0).error < 3e-9
+
+
 def test_a_smaller_error_takes_more_sweeps_and_reaches_it() -> None:
     """Kim's cam at the benchmark's point against 50-digit values."""
     from benchmarks.exact import exact

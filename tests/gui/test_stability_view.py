@@ -1,5 +1,8 @@
 """kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
 from threading import enumerate as enumerate_threads
 
 import numpy as np
@@ -150,6 +153,80 @@ def test_nothing_is_computed_while_the_page_is_hidden(kim: User) -> None:
     settle()
     assert evaluations["stability"] == count
     assert not view.up_to_date
+
+
+def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("core.stability.means.STEP", 0.85)
+    view = page(kim, rest=False)
+    counts = counted(view, monkeypatch)
+    view.pages.show_page("Averages")
+    QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.7, 0.05))
+    assert view.looks.busy
+    counts.clear()
+    kim.window.show_view("mechanism")
+    settle()
+    assert not view.busy
+    assert not view.progress.isVisible()
+    wait_until(lambda: not any(isinstance(each, Errand) for each in enumerate_threads()))
+    kim.session.stages_on_screen = tuple
+    kim.session.edit("shaft.stiffness_nm_per_rad", 91.0, "Change stiffness")
+    settle()
+    view.settle()
+    assert counts == {}, "nothing is asked for, nothing drawn"
+    assert not view.busy
+    kim.press(Qt.Key.Key_Z, modifier=Qt.KeyboardModifier.ControlModifier)
+    kim.window.show_view("stability")
+    wait_until(lambda: view.up_to_date and not view.busy)
+    assert view.drawn.q.size == FINE
+    assert view.looked is not None
+    assert view.looked.gone is not None
+    assert view.looked.said
+    assert not view.pages.lacks
+    counts.clear()
+    for name in ("mechanism", "stability"):
+        kim.window.show_view(name)
+        settle()
+    assert counts == {}, "what is known is not asked for again"
+    assert not view.busy
+
+
+def counted(view: StabilityView, monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
+    """How often lanes are asked and anything is drawn."""
+    counts: Counter[str] = Counter()
+    for owner, name in (
+        *((lane, "ask") for lane in view._lanes),
+        (view.chart, "show_chart"),
+        (view.pages, "redraw"),
+        *((plot, "show_plot") for plots in view.pages.plots.values() for plot in plots),
+    ):
+        monkeypatch.setattr(owner, name, partial(tallied, counts, name, getattr(owner, name)))
+    return counts
+
+
+def tallied(counts: Counter[str], name: str, done: Callable[..., object], *words: object) -> object:
+    counts[name] += 1
+    return done(*words)
+
+
+def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: User) -> None:
+    view = page(kim, rest=False)
+    with unhurried(view._pause):
+        QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.7, 0.05))
+        assert view.looks.busy
+        kim.window.show_view("mechanism")
+        settle()
+        assert not view.busy
+        assert view.up_to_date
+        kim.window.show_view("stability")
+        settle()
+        assert view.busy, "it is to be asked for again"
+        assert not view.looks.busy
+    view.settle()
+    assert view.looks.busy
+    wait_until(lambda: not view.busy)
+    assert view.looked is not None
+    assert view.looked.gone is not None
+    assert (view.looked.eta, view.looked.q) == view.picked
 
 
 def test_a_chart_of_no_machine_has_no_point() -> None:
