@@ -32,6 +32,9 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("at[name] = value\n", "pass\n",
          "tests/core/test_blend_points.py::test_a_height_that_is_asked_for_is_answered_to_the_last_bit"),
     ],
+    "core/blend/solver.py": [
+        ("return value if met and", "return end.value if met and", "tests/core/test_making.py::test_from_outside_into_a_file"),
+    ],
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
          LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),

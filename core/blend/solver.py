@@ -12,7 +12,7 @@ import numpy as np
 
 from core.blend.arcs import arcs
 from core.blend.crossings import crossings
-from core.blend.curve import OPEN, Curve, Stretch
+from core.blend.curve import OPEN, Curve, Extreme, Stretch
 from core.blend.equations import Row
 from core.blend.family import Family, Solution, Task
 from core.blend.flats import flats
@@ -28,6 +28,7 @@ Place = tuple[float, tuple[float, ...]]
 """t and the other numbers of a family."""
 _INSIDE = 1e-12  # how far from the ends of a feasible stretch it is looked
 _TOGETHER = 8  # so many motions beside each other are a whole line of them
+_SHARP = 1e-4  # an extreme that moves by more of its value has become another one
 _ENDLESS = 1e6  # an acceleration that gets so many times greater than the least has no upper end
 
 
@@ -155,20 +156,32 @@ class Problem:
         elif bent or mine.name == POINT:
             found = [r for track in self._tracks(others) for r in self._followed(mine, track)]
         else:
-            found = [r for curve in self.curves(others) for r in self._measured(mine, curve)]
+            found = [r for curve in self.curves(others) for r in self._measured(mine, others, curve)]
         return merged(r.times(size) for r in found)
 
-    def _measured(self, wish: Wish, curve: Curve) -> Iterator[Range]:
-        """What a wish may be on a curve, stretch by stretch: as exact as what the others are asked to be, for the curve is."""
+    def _measured(self, wish: Wish, others: Sequence[Wish], curve: Curve) -> Iterator[Range]:
+        """What a wish may be on a curve, stretch by stretch."""
         for stretch in curve.stretches:
             found = curve.extremes(curve.quotients(wish.name), stretch)
             low, high = min(found, key=lambda e: e.value), max(found, key=lambda e: e.value)
             yield Range(
-                low.value,
-                high.value,
+                self._sharpened(wish, others, curve, low),
+                self._sharpened(wish, others, curve, high),
                 all(e.open for e in found if tied(e.value, low.value)),
                 all(e.open for e in found if tied(e.value, high.value)),
             )
+
+    def _sharpened(self, wish: Wish, others: Sequence[Wish], curve: Curve, end: Extreme) -> float:
+        """An extreme as exact as the wishes themselves, not only as the curve's number: Newton's method on these, and on
+        the heights that are 0 there."""
+        if not 0.0 < end.p < curve.top or not 0.0 < end.value < inf:
+            return end.value
+        gone = [Wish(n, 0.0) for n in curve.heights if abs(curve.height(n, end.p)) <= OPEN]
+        if not (others or gone):
+            return end.value
+        t, x, met = self.meter.polished([*others, *gone], *curve.place(end.p))
+        value = self.meter.measure(wish, t, x)[0]
+        return value if met and abs(value - end.value) <= _SHARP * end.value else end.value
 
     def _followed(self, wish: Wish, track: Track) -> Iterator[Range]:
         """What a wish may be on a track: at its ends and at every turn of a series."""
