@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, NoReturn
 
+from core import __version__
 from core.commands import COMMANDS, DONE, NOTHING_DONE, Command, Painter
 from core.errors import KindynaError
 
@@ -36,6 +37,7 @@ class _Parser(argparse.ArgumentParser):
 def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.ArgumentParser:
     """All commands; each with its words once it is chosen."""
     made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
+    made.add_argument("--version", action="version", version=f"kindyna {__version__}")
     commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command")
     for name, row in rows.items():
         commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).learn = row.words

@@ -16,7 +16,7 @@ class Derivatives:
     """A quantity at n positions: d[k] is its derivative of order k, 0 ... 3, by cam angle, (n,) and read-only; (1,) where
     it is the same everywhere.
 
-    make   order -> its row, asked for once; it may read lower orders, also of quantities that are made with it
+    make   order -> its row, asked for once and read-only from then on; it may read lower orders
     still  it never changes: all derivatives are 0, and whoever adds them need not ask
     """
 
@@ -30,8 +30,8 @@ class Derivatives:
 
     @classmethod
     def of(cls, rows: np.ndarray | Sequence[np.ndarray]) -> Derivatives:
-        """Of what is known: (4, n), or four rows."""
-        made = cls(rows.__getitem__)
+        """Of what is known: (4, n), or four rows, which stay the caller's."""
+        made = cls(lambda order: rows[order].view())
         if isinstance(rows, np.ndarray):
             made._all = rows.view()
             made._all.flags.writeable = False
@@ -40,9 +40,8 @@ class Derivatives:
     def __getitem__(self, order: int) -> np.ndarray:
         row = self._rows[order]
         if row is None:
-            row = self._make(order).view()
+            row = self._rows[order] = self._make(order)
             row.flags.writeable = False
-            self._rows[order] = row
         return row
 
     @property

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, NoReturn
 
+from core import __version__
 from core.errors import KindynaError
 from kindyna_gui.display import lacking, obstacle
 from kindyna_gui.places import default_design
@@ -47,6 +48,7 @@ def parser() -> argparse.ArgumentParser:
         allow_abbrev=False,
     )
     made.add_argument("design", metavar="DESIGN", nargs="?", type=Path, help="design file (.toml); else the lift drive")
+    made.add_argument("--version", action="version", version=f"kindyna {__version__}")
     made.add_argument(HEADLESS, nargs="*", metavar="COMMAND", help="work without a window; must come first")
     return made
 

@@ -38,7 +38,7 @@ DIGIT_MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
     "core/linkage/triangle.py": [
         ("(small - gap) * (small + gap)", "(small * small - gap * gap)",
          LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
-        ("stretched, folded = (reach - r) + more, (r - fold) - less", "stretched, folded = reach - r, r - fold",
+        ("stretched += more\n    folded -= less\n", "pass\n",
          LINKAGE + "test_area_and_angle_keep_their_digits_in_a_needle"),
     ],
     "core/linkage/dead_centres.py": [

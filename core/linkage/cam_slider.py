@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 
 import numpy as np
@@ -53,9 +54,9 @@ def _require_triangle(g: SI, solved: RodAndArm, motion: MotionState) -> None:
 
 def _assemble(g: SI, base: BasePosition, motion: MotionState, solved: RodAndArm) -> Train:
     slider, n = solved.slider, motion.theta.size
-    pivot, along = complex(g.pivot_x, g.pivot_y), complex(np.exp(1j * g.guide_angle))
+    pivot, along = complex(g.pivot_x, g.pivot_y), cmath.exp(1j * g.guide_angle)
     arm, rod = solved.arm * along, solved.rod * along
-    ahead = complex(np.exp(1j * g.fixed_angle))
+    ahead = cmath.exp(1j * g.fixed_angle)
     roller = arm * ahead
     swing = turning(arm, solved.phi)
     pin, centre = complex(g.slider_arm), _polar(g.roller_arm, g.fixed_angle)

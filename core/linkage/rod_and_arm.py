@@ -55,12 +55,16 @@ def rod_and_arm(g: SI, base: BasePosition, y: np.ndarray) -> RodAndArm:
             _rates(g, base.sigma, square[at], area[at], known, [rates[:, at] for rates in lower], out[:, at])
         return out
 
-    def angle(sigma: float, beside: float, turns: float) -> Callable[[], np.ndarray]:
-        return lambda: np.arctan2(g.guide_height, slider) + sigma * np.arctan2(area, square + beside) + turns
+    def angle(which: int, sigma: float, beside: float) -> Callable[[], np.ndarray]:
+        def made() -> np.ndarray:
+            opposite = sigma * np.arctan2(area, square + beside)
+            return np.asarray(np.arctan2(g.guide_height, slider) + opposite + _whole_turns(g, base)[which])
 
-    turns, whole = Chain(follow), _whole_turns(g, base)
-    phi = turns.part(0, angle(base.sigma, difference, whole[0]))
-    beta = turns.part(1, angle(-base.sigma, -difference, whole[1]))
+        return made
+
+    turns = Chain(follow)
+    phi = turns.part(0, angle(0, base.sigma, difference))
+    beta = turns.part(1, angle(1, -base.sigma, -difference))
     return RodAndArm(slider, phi, beta, arm, rod, area, square)
 
 

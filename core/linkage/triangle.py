@@ -16,18 +16,25 @@ def area4(r: np.ndarray, a: float, b: float) -> np.ndarray:
     factor is good to an eps: as accurate as Kahan's formula (Miscalculating Area and Angles of a Needle-like Triangle)
     without putting the sides in order. Only one factor turns negative where they do not meet.
     """
-    return area4_and_gaps(r, a, b)[0]
+    product, folded = _gaps(r, a, b)
+    product *= folded
+    product *= r + (a + b)
+    product *= r + abs(a - b)
+    return np.sqrt(product, out=product)
 
 
-def area4_and_gaps(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """K as ``area4`` gives it, and a+b-r, r-|a-b| (n,): what is left before the sides no longer meet, one of them negative
-    where K is NaN."""
+def room4(r: np.ndarray, a: float, b: float) -> np.ndarray:
+    """What is left (n,) before the sides no longer meet: the lesser of a+b-r and r-|a-b|, negative where they do not."""
+    return np.minimum(*_gaps(r, a, b))
+
+
+def _gaps(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
+    """a+b-r and r-|a-b| (n,), good to an eps."""
     (reach, more), (fold, less) = _two_sum(a, b), _two_sum(max(a, b), -min(a, b))
-    stretched, folded = (reach - r) + more, (r - fold) - less
-    product = stretched * folded
-    product *= reach + r
-    product *= r + fold
-    return np.sqrt(product, out=product), (stretched, folded)
+    stretched, folded = reach - r, r - fold
+    stretched += more
+    folded -= less
+    return stretched, folded
 
 
 def _two_sum(a: float, b: float) -> tuple[float, float]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from core.derivatives import BINOMIAL, Chain, Derivatives, difference, earlier, product, scaled, sum_of, turning
 from core.keeping import WhenAsked
-from core.linkage.triangle import area4_and_gaps
+from core.linkage.triangle import area4, room4
 from core.mechanism.closing import (
     BY_ROUNDING,
     PARALLEL,
@@ -72,9 +72,9 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     d = difference(a, b)
     square = d[0].real ** 2 + d[0].imag ** 2
     r = np.sqrt(square)
-    area, gaps = area4_and_gaps(r, la, lb)
+    area = area4(r, la, lb)
     if not area.min() >= 0.0:
-        missed = np.minimum(*gaps)
+        missed = room4(r, la, lb)
         area = np.where((missed < 0.0) & (missed > -BY_ROUNDING * (la + lb)), 0.0, area)
     k = side * area
     ends = np.empty((2, r.size), dtype=complex)
@@ -117,7 +117,7 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
     )
     return Closed(
-        poses, lambda: (1j * to_a, -1j * to_b), lambda: np.minimum(*gaps), lambda: area * (0.5 / (la * lb)),
+        poses, lambda: (1j * to_a, -1j * to_b), lambda: room4(r, la, lb), lambda: np.abs(k) * (0.5 / (la * lb)),
         lambda: r + (la + lb),
     )  # fmt: skip
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from mechanisms import LIFT, PUSHER
 
+from core import __version__
 from core.project import save
 from core.study import Study
 from kindyna_gui import __main__ as entry
@@ -165,6 +166,12 @@ def test_help(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     assert "kindyna [DESIGN]" in out
     assert "--headless" in out
+
+
+@pytest.mark.parametrize("words", [["--version"], ["--headless", "--version"]])
+def test_version(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert entry.main(words) == 0
+    assert capsys.readouterr().out == f"kindyna {__version__}\n"
 
 
 # -- without Qt -------------------------------------------------------------------------------------------
