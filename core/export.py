@@ -58,8 +58,6 @@ def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     for name in stages:
         study.require_stage(name)
-    if "stability" in stages:
-        study.flexible_shaft()  # asked for by name it is not left out in silence
     made = {name: table(study, name, wanted) for name in TABLES}
     told = {name: text for name, text in made.items() if text is not None}
     if "stability" in wanted and study.stability is not None:

@@ -71,6 +71,7 @@ class StatusLine(QStatusBar):
 
     def count_findings(self) -> None:
         """Show how many limits are exceeded."""
+        self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
             found = self._session.study.findings(stages) if stages else ()
