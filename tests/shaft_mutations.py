@@ -75,10 +75,10 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("np.exp(-1j * k", "np.exp(1j * k", PSI),
     ],
     "core/stability/harmonics.py": [
-        ("out[:, a:, b:] -= even", "out[:, a:, b:] += even", MATRIX + "[False]"),
-        ("out[:, :a, b:] = -odd", "out[:, :a, b:] = odd", MATRIX + "[False]"),
-        ("out[:, a:, :b] = -odd", "out[:, a:, :b] = odd", MATRIX + "[True]"),
-        ("out *= at.scale", "out *= 1.0", MATRIX + "[False]"),
+        ("np.where(sine[:, None] | other, -1.0, 1.0)", "np.where(sine[:, None] & other, -1.0, 1.0)", MATRIX + "[False]"),
+        ("np.sign(j - i), -np.sign(j - i))", "-np.sign(j - i), np.sign(j - i))", MATRIX + "[True]"),
+        ("np.where(mixed, across, 1.0)", "1.0", MATRIX + "[False]"),
+        ("np.where(i == 0.0, half_root, 1.0) * ", "1.0 * ", MATRIX + "[False]"),
     ],
     "core/stability/equations.py": [
         ("(1.0 + pull) / d, speed", "(1.0 - pull) / d, speed", BOTH + "[fixed-exact_21]"),

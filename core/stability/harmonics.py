@@ -37,37 +37,45 @@ def basis(first: int, last: int, half: bool) -> Basis:
 
 
 @dataclass(frozen=True, eq=False)
-class _Indices:
-    """Where the coefficients of a block stand: c_{i+j}, c_{|i-j|} and the signs of the latter."""
+class _Parts:
+    """An entry of a block is the sum of two coefficients, c_|i-j| and c_{i+j}, real or imaginary parts: where they stand in
+    (Re c, Im c), and with which weights."""
 
-    plus: np.ndarray
     minus: np.ndarray
-    sign: np.ndarray
-    scale: np.ndarray
+    plus: np.ndarray
+    of_minus: np.ndarray
+    of_plus: np.ndarray
 
 
 @lru_cache(maxsize=128)
-def _indices(left: Basis, right: Basis) -> _Indices:
+def _parts(left: Basis, right: Basis, count: int) -> _Parts:
+    """For ``count`` coefficients."""
     i, j = left.numbers[:, None], right.numbers
+    sine, other = (np.arange(b.numbers.size) >= b.cosines.size for b in (left, right))
+    mixed = sine[:, None] != other
     half_root = np.sqrt(0.5)
-    scale = np.where(left.numbers == 0.0, half_root, 1.0)[:, None] * np.where(right.numbers == 0.0, half_root, 1.0)
-    return _Indices((i + j).astype(int), np.abs(i - j).astype(int), np.sign(j - i), scale)
+    scale = np.where(i == 0.0, half_root, 1.0) * np.where(j == 0.0, half_root, 1.0)
+    across = np.where(sine[:, None], np.sign(j - i), -np.sign(j - i))
+    return _Parts(
+        np.abs(i - j).astype(int) + count * mixed,
+        (i + j).astype(int) + count * mixed,
+        np.where(mixed, across, 1.0) * scale,
+        np.where(sine[:, None] | other, -1.0, 1.0) * scale,
+    )
 
 
 def product(c: np.ndarray, left: Basis, right: Basis) -> np.ndarray:
-    """Matrices (rows, left, right) of multiplying by functions with Fourier coefficients c (rows, order + 1).
+    """Matrices (..., left, right) of multiplying by functions with Fourier coefficients c (..., order + 1).
 
     <cos i, f cos j> = Re(c_{i-j} + c_{i+j}), <sin i, f sin j> = Re(c_{i-j} - c_{i+j}), <cos i, f sin j> = -Im(c_{j-i} + c_{i+j}).
     """
-    at = _indices(left, right)
-    a, b = left.cosines.size, right.cosines.size
-    even, odd = c.real, c.imag
-    out = even[:, at.minus]
-    out[:, :a, :b] += even[:, at.plus[:a, :b]]
-    out[:, a:, b:] -= even[:, at.plus[a:, b:]]
-    out[:, :a, b:] = -odd[:, at.plus[:a, b:]] - at.sign[:a, b:] * odd[:, at.minus[:a, b:]]
-    out[:, a:, :b] = -odd[:, at.plus[a:, :b]] + at.sign[a:, :b] * odd[:, at.minus[a:, :b]]
-    out *= at.scale
+    at = _parts(left, right, c.shape[-1])
+    both = np.concatenate((c.real, c.imag), axis=-1)
+    out = both.take(at.minus, axis=-1)
+    out *= at.of_minus
+    more = both.take(at.plus, axis=-1)
+    more *= at.of_plus
+    out += more
     return out
 
 

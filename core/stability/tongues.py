@@ -139,9 +139,8 @@ def _lowest(
 ) -> tuple[np.ndarray, np.ndarray]:
     """The lowest η² (rows, wanted) in rising order, and what they may be wrong by; Fourier coefficients of w and p (2,
     rows, order + 1) and what is wrong with these (2, rows)."""
-    cw, cp = fourier_of
     top = float(inner.numbers[-1] if wanted >= inner.numbers.size else np.sort(inner.numbers)[wanted - 1])
-    tw, tp = product(cw, inner, inner), product(cp, inner, inner)
+    tw, tp = product(fourier_of, inner, inner)
     mu, vectors, shift = _inverted(tw, tp, inner, top)
     # the largest μ are the lowest η²
     mu, vectors = mu[:, : -wanted - 1 : -1], vectors[:, :, : -wanted - 1 : -1]
@@ -149,7 +148,7 @@ def _lowest(
     wrong = ROUNDING * EPS * (square + shift) ** 2 * np.abs(mu[:, :1])
     wrong += lost[1][:, None] + np.abs(square) * lost[0][:, None]
     if outer is not None:
-        added = _beyond(cw, cp, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)
+        added = _beyond(fourier_of, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)
         square, wrong = added[0], wrong + added[1]
     return square, wrong
 
@@ -175,15 +174,15 @@ def _inverted(tw: np.ndarray, tp: np.ndarray, inner: Basis, top: float) -> tuple
 
 
 def _beyond(
-    cw: np.ndarray, cp: np.ndarray, inner: Basis, outer: Basis, square: np.ndarray, vectors: np.ndarray, skip: int
+    fourier_of: np.ndarray, inner: Basis, outer: Basis, square: np.ndarray, vectors: np.ndarray, skip: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """η² with the harmonics of the outer block, pair by pair, and how much they changed (rows, wanted).
 
     λ_ij -> λ_ij - Σ_r ρ_ri ρ_rj / (r² - p_0 - λ w_0), ρ = (T[p] + λ T[w]) a: the two edges of a narrow tongue are mixed by
     what is beyond, so each pair is diagonalised together.
     """
-    wanted = square.shape[1]
-    by_w, by_p = product(cw, outer, inner) @ vectors, product(cp, outer, inner) @ vectors
+    wanted, (cw, cp) = square.shape[1], fourier_of
+    by_w, by_p = product(fourier_of, outer, inner) @ vectors
     residual = by_p + square[:, None, :] * by_w
     stiff = outer.numbers[:, None] ** 2 - cp.real[:, :1, None] - cw.real[:, :1, None] * square[:, None, :]
     weighted = residual / stiff
