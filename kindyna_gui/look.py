@@ -75,7 +75,9 @@ def palette() -> QPalette:
 
 
 def dress(app: QApplication) -> None:
-    """Give the application its look."""
+    """Give the application its look; once, for every window there is would be laid out anew."""
+    if app.styleSheet() == _SHEET:
+        return
     app.setStyle("Fusion")
     app.styleHints().setColorScheme(Qt.ColorScheme.Light)
     app.setPalette(palette())
