@@ -75,12 +75,13 @@ def palette() -> QPalette:
 
 
 def dress(app: QApplication) -> None:
-    """Give the application its look; once, for every window there is would be laid out anew."""
-    if app.styleSheet() == _SHEET:
+    """Give the application its look. What it has already stays, for every window there is would be laid out anew."""
+    light, ground = palette(), QPalette.ColorRole.Window
+    if app.styleSheet() == _SHEET and app.palette().color(ground) == light.color(ground):
         return
     app.setStyle("Fusion")
     app.styleHints().setColorScheme(Qt.ColorScheme.Light)
-    app.setPalette(palette())
+    app.setPalette(light)
     app.setStyleSheet(_SHEET)
     app.setWindowIcon(icon("kindyna"))
 
