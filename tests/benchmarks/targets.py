@@ -5,8 +5,9 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
+from math import inf
 
 import numpy as np
 from benchmarks import cams, hill, linkages, window
@@ -23,6 +24,7 @@ from core.study import Study
 
 USUAL = 3600
 SECONDS = 3.0
+TRIES = 4
 EDITS, FRAMES = window.EDIT_KERNEL, window.FRAME_KERNEL
 CHART = MOST_Q * np.arange(1, ROWS + 1) / ROWS  # as it is drawn for Kim1990's shaft
 WANTED = 1e-8  # of tongue edges
@@ -84,10 +86,17 @@ def _in_the_window(rows: Sequence[Row]) -> list[Target]:
 
 
 def told(rows: Sequence[Row], seconds: float = SECONDS) -> list[Target]:
-    """Every target, best of several runs, those of the window as its own rows have them."""
-    runs = _kernels()
-    times = measure({what: run for what, (_, run) in runs.items()}, USUAL, seconds).seconds
-    return [Target(what, allowed, 1e3 * times[what]) for what, (allowed, _) in runs.items()] + _in_the_window(rows)
+    """Every target, best of several runs, those of the window as its own rows have them. Who misses is looked at again, so
+    that a machine that was busy for a while fails nobody."""
+    kernels = _kernels()
+    found = {what: Target(what, allowed, inf) for what, (allowed, _) in kernels.items()}
+    for _ in range(TRIES):
+        left = {what: kernels[what][1] for what, target in found.items() if not target.met}
+        if not left:
+            break
+        for what, taken in measure(left, USUAL, seconds).seconds.items():
+            found[what] = replace(found[what], taken=min(found[what].taken, 1e3 * taken))
+    return [*found.values(), *_in_the_window(rows)]
 
 
 def as_csv(targets: Sequence[Target]) -> str:
