@@ -129,11 +129,12 @@ def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
     return np.asarray(sum(c * s[k] * t[order - k] for k, c in enumerate(BINOMIAL[order][:-1])))
 
 
-def product(s: Derivatives, t: Derivatives) -> Derivatives:
-    """s t."""
+def product(s: Derivatives, t: Derivatives, by: Callable[[np.ndarray, np.ndarray], np.ndarray] = np.multiply) -> Derivatives:
+    """s t, or another product of the two (Leibniz)."""
 
     def row(order: int) -> np.ndarray:
-        highest = s[order] * t[0]
-        return highest if t.still or not order else highest + earlier(s, t, order)
+        if t.still:
+            return by(s[order], t[0])
+        return np.asarray(sum(c * by(s[k], t[order - k]) for k, c in enumerate(BINOMIAL[order])))
 
     return Derivatives(row)

@@ -10,6 +10,7 @@ import numpy as np
 
 from core.curves import shape_of
 from core.design import Motion
+from core.exact import two_sum
 from core.findings import ERROR, WARNING, Finding
 from core.keeping import WhenAsked
 from core.laws import PieceTable, runs_of
@@ -147,14 +148,12 @@ class Program:
 
 
 def _running_sums(values: list[float]) -> list[float]:
-    """Sums of the values before each, rounded once: the carried error is kept beside the sum (Knuth's two-sum)."""
+    """Sums of the values before each, rounded once: what rounding takes is kept beside the sum."""
     sums, high, low = [], 0.0, 0.0
     for value in values:
         sums.append(high + low)
-        total = high + value
-        part = total - high
-        low += (high - (total - part)) + (value - part)
-        high = total
+        high, taken = two_sum(high, value)
+        low += taken
     return sums
 
 

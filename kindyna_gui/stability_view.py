@@ -184,8 +184,8 @@ class StabilityView(View):
 
     def _stop(self) -> None:
         self._pause.stop()
-        for lane in (*self._lanes, self.reading):
-            lane.stop()
+        for each in (self.fine, self.looks, self.means, self.reading):  # which stops its own lane
+            each.stop()
         self._rest()
 
     def leave(self) -> None:

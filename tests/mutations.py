@@ -132,7 +132,7 @@ MUTATIONS: dict[str, list[tuple[str, str, str]]] = {
         ("self.starts - SNAP", "self.starts + SNAP", MOTION + "test_at_a_join_the_right_hand_limit_is_taken_and_a_rounding_below_it_too"),
         ("np.where(theta >= TURN - SNAP", "np.where(theta >= TURN",
          MOTION + "test_the_end_of_the_turn_is_its_beginning[6.283185307179585]"),
-        ("low += (high - (total - part)) + (value - part)", "low += 0.0",
+        ("low += taken", "low += 0.0",
          MOTION + "test_segments_begin_at_the_sum_of_the_spans_before_them[3600 segments]"),
         ("jump = after - before", "jump = before - after", JUMPS),
         (".y, -1, axis=1)", ".y, 1, axis=1)", JUMPS),

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from core.exact import two_sum
+
 
 @np.errstate(invalid="ignore")
 def area4(r: np.ndarray, a: float, b: float) -> np.ndarray:
@@ -30,18 +32,11 @@ def room4(r: np.ndarray, a: float, b: float) -> np.ndarray:
 
 def _gaps(r: np.ndarray, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
     """a+b-r and r-|a-b| (n,), good to an eps."""
-    (reach, more), (fold, less) = _two_sum(a, b), _two_sum(max(a, b), -min(a, b))
+    (reach, more), (fold, less) = two_sum(a, b), two_sum(max(a, b), -min(a, b))
     stretched, folded = reach - r, r - fold
     stretched += more
     folded -= less
     return stretched, folded
-
-
-def _two_sum(a: float, b: float) -> tuple[float, float]:
-    """a + b rounded, and what rounding took (Knuth)."""
-    total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
 
 
 def _square(small: Any, mid: Any, big: Any) -> Any:

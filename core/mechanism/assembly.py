@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import BINOMIAL, ORDERS, Derivatives, difference
+from core.derivatives import Derivatives, difference, product
 from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
@@ -164,9 +164,7 @@ def _slide(bodies: Mapping[str, Pose], joint: Joint) -> np.ndarray:
     line, own = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
     g, along = line_of({line.link: bodies[body_name(line.link)]}, line)
     gap = difference(bodies[body_name(own.link)].carried(own.point), g)
-    return np.array(
-        [sum(c * dot(along[k], gap[order - k]) for k, c in enumerate(BINOMIAL[order])) for order in range(ORDERS)]
-    )
+    return product(along, gap, dot).all
 
 
 def _residual(plan: Plan, bodies: Mapping[str, Pose]) -> np.ndarray:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.derivatives import BINOMIAL, difference
+from core.derivatives import difference, product
 from core.mechanism.closing import Bodies, line_of
 from core.mechanism.plan import Joint
 from core.train import Pose
@@ -113,8 +113,7 @@ def _closure(group: Group, bodies: Bodies, order: int) -> np.ndarray:
             rows += [gap[order].real / group.size, gap[order].imag / group.size]
         else:
             turn = bodies[joint.second.link].turn[order] - bodies[joint.first.link].turn[order]
-            across = sum(c * cross(a[1][k], gap[order - k]) for k, c in enumerate(BINOMIAL[order]))
-            rows += [turn, np.asarray(across) / group.size]
+            rows += [turn, product(a[1], gap, cross)[order] / group.size]
     return np.array(np.broadcast_arrays(*rows))
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from core.motion import EPS
 from core.stability.coefficients import Coefficients
 from core.stability.equations import EXACT
+from core.stability.lanes import Lanes
 from core.stability.monodromy import determinant, monodromy, size
 from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
@@ -61,7 +62,7 @@ def tongues(
 def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) -> Tongues:
     """The same tongues to the accuracy of the monodromy matrices; with damping nan where it has closed them."""
     rows, count = found.edges.shape[:2]
-    tasks = _Lanes(
+    tasks = _Points(
         found.edges.reshape(-1, 2).mean(axis=1),
         np.repeat(found.q, count),
         np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows),
@@ -91,15 +92,12 @@ def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) ->
 
 
 @dataclass(frozen=True, eq=False)
-class _Lanes:
+class _Points(Lanes):
     """Points that are worked on side by side: η, Q and the multiplier that is looked for (L,)."""
 
     eta: np.ndarray
     q: np.ndarray
     sign: np.ndarray
-
-    def only(self, at: np.ndarray) -> _Lanes:
-        return _Lanes(self.eta[at], self.q[at], self.sign[at])
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +109,7 @@ class _Pencil:
     wrong: np.ndarray
 
 
-def _pencil(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: float) -> _Pencil:
+def _pencil(coefficients: Coefficients, lanes: _Points, equation: str, damping: float) -> _Pencil:
     turn = monodromy(coefficients, lanes.eta, lanes.q, equation, damping)
     e, k = turn.matrix - lanes.sign[:, None, None] * np.eye(2), turn.slope
     across = e[:, 0, 0] * k[:, 1, 1] - e[:, 0, 1] * k[:, 1, 0] - e[:, 1, 0] * k[:, 0, 1] + e[:, 1, 1] * k[:, 0, 0]
@@ -130,7 +128,7 @@ def _pencil(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: f
     return _Pencil(middle, room, wrong)
 
 
-def _open_roots(coefficients: Coefficients, lanes: _Lanes, equation: str, damping: float) -> np.ndarray:
+def _open_roots(coefficients: Coefficients, lanes: _Points, equation: str, damping: float) -> np.ndarray:
     """First guesses (L, 2) of the edges with damping, starting in the middle of each tongue; nan where it is closed."""
     out = np.full((lanes.eta.size, 2), np.nan)
     eta, at = lanes.eta.copy(), np.arange(lanes.eta.size)
@@ -148,7 +146,7 @@ def _open_roots(coefficients: Coefficients, lanes: _Lanes, equation: str, dampin
 
 
 def _newton(
-    coefficients: Coefficients, lanes: _Lanes, side: float, equation: str, damping: float
+    coefficients: Coefficients, lanes: _Points, side: float, equation: str, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """The lower (side -1) or upper (+1) edge near each lane's η (L,), 0 where η² would be negative, nan where there is
     none; and what it may be wrong by."""

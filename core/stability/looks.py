@@ -94,7 +94,8 @@ def look(steps: Steps, swing: Swing) -> Looks:
     """
     whole, change = steps.powers
     amplitude, slope = whole @ _POWERS, (change / steps.length[:, None]) @ _POWERS[:-1]
-    wave, omega, decay = swing.wave[:, None], swing.omega[:, None], swing.decay[:, None]
+    lanes = swing.only(np.arange(swing.omega.size), 1)
+    wave, omega, decay = lanes.wave, lanes.omega, lanes.decay
     by_cam = steps.by_cam[:, None]
     first = (steps.amplitude[:, None] / omega).imag
     passed = steps.length[:, None] * LOOKED_AT
@@ -102,13 +103,13 @@ def look(steps: Steps, swing: Swing) -> Looks:
     most = 0.5 / np.abs(wave)
     for _ in range(INVERSIONS):
         pointer = np.exp(wave * gone)
-        beta, rate = swing.only(np.arange(swing.omega.size), 1).read(pointer * amplitude)
+        beta, rate = lanes.read(pointer * amplitude)
         move = by_cam * np.clip((passed - gone + beta - first) / np.where(by_cam > 0.0, 1.0 - rate, 1.0), -most, most)
         gone = gone + move
         if (np.abs(move) * np.abs(wave)).max(initial=0.0) <= CLOSE:
             break
     pointer = pointer * (1.0 + wave * move)  # to the square of the move
-    beta, rate = swing.only(np.arange(swing.omega.size), 1).read(pointer * amplitude)
+    beta, rate = lanes.read(pointer * amplitude)
     added = (slope * pointer).real * (1.0 - by_cam * rate)
     bend = added - 2.0 * decay * rate - (decay * decay + omega * omega) * beta
     return Looks(steps, steps.y[:, None] + gone, beta, rate, bend)

@@ -6,13 +6,14 @@ way the cam turns. Many points of the chart go side by side.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from core.motion import EPS, TURN
 from core.stability.coefficients import Coefficients, still
+from core.stability.lanes import Lanes
 from core.stability.nonlinear import Equation, Points
 from core.stability.panels import gauss, integrals, integration, powers
 
@@ -36,7 +37,7 @@ _WITHIN = integration(STAGES)
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Step(Lanes):
     """One step of some lanes.
 
     lane         (n,) which
@@ -53,9 +54,6 @@ class Step:
     rate: np.ndarray
     piece: np.ndarray
     turn: np.ndarray
-
-    def only(self, at: np.ndarray) -> Step:
-        return Step(*(getattr(self, f.name)[at] for f in fields(self)))
 
     def within(self, part: np.ndarray) -> np.ndarray:
         """β and Π (n, k, 2) at parts (n, k) of the step, 0 ... 1: the polynomial through its nodes."""

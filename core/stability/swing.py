@@ -13,6 +13,7 @@ from math import pi, sqrt
 
 import numpy as np
 
+from core.stability.lanes import Lanes
 from core.stability.panels import NODES, gauss, integrals, powers, to_powers
 
 INVERSIONS = 12
@@ -53,7 +54,7 @@ class Swing:
 
 
 @dataclass(frozen=True, eq=False)
-class Steps:
+class Steps(Lanes):
     """Steps of some lanes, each with a clock that is either the input's turn or the cam's.
 
     lane       (n,) which
@@ -73,9 +74,6 @@ class Steps:
     amplitude: np.ndarray
     slope: np.ndarray
     wrong: np.ndarray
-
-    def only(self, at: np.ndarray) -> Steps:
-        return Steps(*(getattr(self, f.name)[at] for f in fields(self)))
 
     @staticmethod
     def joined(parts: list[Steps]) -> Steps:

@@ -15,6 +15,7 @@ import numpy as np
 from core.motion import EPS, TURN
 from core.stability import march
 from core.stability.coefficients import Coefficients
+from core.stability.lanes import Lanes
 from core.stability.legs import Leg, legs_of, nodes
 from core.stability.march import Step
 from core.stability.nonlinear import Equation, Points
@@ -38,16 +39,13 @@ _TAIL = to_legendre(NODES)[-2:].T
 
 
 @dataclass(eq=False)
-class Place:
+class Place(Lanes):
     """Where lanes (L,) are: y, cam angle within the turn [turns], pointer, largest |β| so far."""
 
     y: np.ndarray
     cam: np.ndarray
     pointer: np.ndarray
     largest: np.ndarray
-
-    def only(self, at: np.ndarray) -> Place:
-        return Place(*(getattr(self, f.name)[at] for f in fields(self)))
 
     def put(self, at: np.ndarray, there: Place) -> None:
         for f in fields(self):

@@ -108,7 +108,7 @@ class Legend(QGraphicsTextItem):
         parts = [[self._html(self._entries[i], share) for i in row] for row, share in zip(rows, shares, strict=True)]
         if self._note and sum(widths) + apart * len(widths) + advance(self._note) <= room:
             parts = [[*(part for row in parts for part in row), escape(self._note)]]
-        self.setHtml("<br>".join("&nbsp;&nbsp; ".join(row) for row in parts))
+        self.setHtml("<br>".join(APART.join(row) for row in parts))
         more = self.boundingRect().height() - self._line
         self.height = LEGEND_HEIGHT + max(more, 0.0) if rows else 0.0
 

@@ -1,0 +1,17 @@
+"""What is known of many points side by side, as arrays with the same first axis."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any, Self
+
+import numpy as np
+
+
+class Lanes:
+    """A dataclass whose fields are all arrays (n, ...)."""
+
+    def only(self, at: np.ndarray) -> Self:
+        """Some of them."""
+        mine: Any = self
+        return type(self)(*(getattr(self, f.name)[at] for f in fields(mine)))
