@@ -221,11 +221,13 @@ def test_simple_harmonic_rise_and_return_of_one_span_jump_nowhere() -> None:
 
 
 SMALLEST = levels(0.0, (1e-6, 1e-6, "cycloidal"), (359.999999, 0.0, "modified-sine"))
+LATE = levels(0.0, (123.456789, 0.0, "cycloidal"), (1e-5, 1.0, "cycloidal"), (236.543201, 0.0, "modified-sine"))  # where angles are rounded
 
 
 @given(motions(-20.0, 60.0), st.floats(-9.0, 6.0))
 @example(SMALLEST, 0.0)
 @example(Motion(1e8, SMALLEST.segments), 0.0)
+@example(LATE, 0.0)
 @settings(max_examples=60)
 def test_rounding_is_never_told_as_a_jump(motion: Motion, power: float) -> None:
     """Laws that come to rest join dwells and one another, at any size, without a finding."""
