@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
@@ -14,7 +15,7 @@ import numpy as np
 from core.derivatives import Derivatives, sum_of, turning
 from core.keeping import WhenAsked
 from core.motion import MotionState
-from core.vectors import unit
+from core.vectors import dot, unit
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"
@@ -126,6 +127,7 @@ class Train:
     output         body whose motion was asked for; follower_body: body the cam acts on, its origin the face's
                    reference point; ``ground``: pair that holds the follower body on the frame, empty where none does;
                    ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
+    by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too
     travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
     singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
     coordinates    the follower's own variables, (4, n), named as in tables (phi, beta, slider_position)
@@ -146,7 +148,35 @@ class Train:
     residual: WhenAsked[np.ndarray] = WhenAsked()
     condition: WhenAsked[np.ndarray] = WhenAsked()
     singular: WhenAsked[Mapping[str, np.ndarray]] = WhenAsked(lambda train: MappingProxyType({}))
+    by_driver: WhenAsked[Mapping[str, Pose]] = WhenAsked(lambda train: MappingProxyType({}))
     carrier: str = ""
+
+    @cached_property
+    def driver_name(self) -> str:
+        """The pair that holds the driven body on the frame."""
+        return next(name for name, pair in self.pairs.items() if {pair.on, pair.body} == {FRAME, self.output})
+
+    @property
+    def driver_pair(self) -> Pair:
+        return self.pairs[self.driver_name]
+
+    def line(self, pair: Pair) -> np.ndarray:
+        """The direction of a sliding pair (n,), or (1,) where it stands on the frame."""
+        if pair.on in self.bodies:
+            return np.asarray(pair.axis * self.bodies[pair.on].unit)
+        return np.array([pair.axis])
+
+    def slip(self, name: str) -> np.ndarray:
+        """How fast a pair moves with the driver's coordinate q (n,), in a dwell too: ∂slide/∂q along its line, or the turn
+        of ``body`` against ``on``."""
+        pair = self.pairs[name]
+        body, on = self.by_driver[pair.body], self.by_driver.get(pair.on)
+        if pair.kind == REVOLUTE:
+            return np.asarray(body.turn[1] - (on.turn[1] if on else 0.0))
+        speed = body.place(pair.point, 1)
+        if on:  # against the place of ``on`` that it stands on
+            speed = speed - on.origin[1] - 1j * on.turn[1] * (body.place(pair.point) - on.origin[0])
+        return dot(self.line(pair), speed)
 
     @property
     def theta(self) -> np.ndarray:

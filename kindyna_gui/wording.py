@@ -12,7 +12,7 @@ from typing import Any
 from core.design import CRANK, CURVES, Design, Driver, Entry, LinkageDesign, Unit, entries, kind_row
 from core.errors import KindynaError
 from core.laws import find_law
-from core.linkage.base import LAYOUT_TABLE
+from core.followers import LAYOUT_TABLE
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads"}

@@ -1,21 +1,25 @@
-"""Forces and torque of a train at constant speed, with their proof."""
+"""Forces and torque of a mechanism at constant speed, with their proof."""
 
 from core.dynamics.balance import kinetic_energy, momentum_residual, power_residual
-from core.dynamics.forces import DYADS, GROUNDS, Forces, newton_euler
+from core.dynamics.elements import (
+    Element,
+    Friction,
+    Inertia,
+    Load,
+    Loading,
+    Mass,
+    OutputForce,
+    PointForce,
+    Rate,
+    combined,
+)
+from core.dynamics.forces import Forces, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.limits import findings
-from core.dynamics.linkage import (
-    STATICS,
-    LinkageForces,
-    LinkLoading,
-    link_loading,
-    linkage_forces,
-)
-from core.dynamics.linkage_balance import linkage_momentum_residual, linkage_power_residual
-from core.dynamics.loading import LOADINGS, Inertia, Loading, combined, loading_of
+from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "DYADS", "GROUNDS", "LOADINGS", "STATICS", "Forces", "GuideReaction", "Inertia", "LinkLoading", "LinkageForces", "Loading",
-    "combined", "findings", "guide_reaction", "kinetic_energy", "limitless", "link_loading", "linkage_forces",
-    "linkage_momentum_residual", "linkage_power_residual", "loading_of", "momentum_residual", "newton_euler", "power_residual",
+    "LOADINGS", "Element", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass", "OutputForce",
+    "PointForce", "Rate", "combined", "findings", "guide_reaction", "kinetic_energy", "limitless", "link_loading",
+    "loading_of", "momentum_residual", "newton_euler", "power_residual",
 ]  # fmt: skip

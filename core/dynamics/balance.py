@@ -2,83 +2,66 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from core.cam import CamShape
+from core.dynamics.elements import Load, Loading, Rate
 from core.dynamics.forces import Forces
-from core.dynamics.loading import Loading
-from core.train import FRAME, Train
-from core.vectors import cross, dot
-
-
-def _motions(train: Train, loading: Loading, omega: float) -> list[tuple[float, float, np.ndarray, np.ndarray]]:
-    """mass, inertia, centre (4, n) by time, angle (4, n) by time of every body that has mass."""
-    rates = omega ** np.arange(4)[:, None]
-    found = []
-    for name, inertia in loading.inertias.items():
-        pose = train.bodies[name]
-        found.append((inertia.mass, inertia.about_centre, pose.at(inertia.centre) * rates, pose.angle * rates))
-    return found
+from core.train import FRAME, REVOLUTE, Train
+from core.vectors import cross
 
 
 def kinetic_energy(train: Train, loading: Loading, omega: float) -> np.ndarray:
     """KE (n,) [J] of all moved bodies."""
-    return np.asarray(
-        sum(0.5 * m * np.abs(z[1]) ** 2 + 0.5 * i * a[1] ** 2 for m, i, z, a in _motions(train, loading, omega))
-    )
+    return np.asarray(0.5 * omega * omega * loading.inertia(train)[0])
 
 
-@np.errstate(invalid="ignore")  # inf - inf where the guide jams, which counts as balanced
-def power_residual(train: Train, shape: CamShape, forces: Forces, loading: Loading) -> np.ndarray:
-    """T_c ω - [d(KE)/dt + d(PE)/dt - F L̇ + μ|N||L̇|] (n,), relative to the peak of its terms and of ω|R||F_c|, the
-    product that T_c ω is taken from: where the cam only holds, nothing else is left."""
+@np.errstate(invalid="ignore")  # inf - inf where friction jams, which counts as balanced
+def power_residual(train: Train, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
+    """What cam or driver give against the rates of kinetic and potential energy and what friction takes (n,), relative to
+    the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
+    left."""
     omega = forces.omega
-    drive = forces.torque * omega
-    speed = train.motion.y[1] * omega
-    output = -loading.along_guide(train.motion.y[0]) * speed
-    lost = -forces.guide.friction * speed
-    kinetic, potential = np.zeros_like(drive), np.zeros_like(drive)
-    for mass, about, z, a in _motions(train, loading, omega):
-        kinetic = kinetic + mass * dot(z[1], z[2]) + about * a[1] * a[2]
-        potential = potential - mass * dot(z[1], np.asarray(loading.gravity))
-    product = omega * np.abs(shape.reference) * forces.contact
-    return _relative(drive - kinetic - potential - output - lost, (product, kinetic, potential, output, lost))
+    given = forces.torque * omega + forces.driver * train.motion.y[1] * omega
+    terms = [0.5 * omega**3 * loading.inertia(train)[1], forces.lost]
+    terms += [omega * element.potential(train)[0] for element in loading.elements]
+    sizes = list(terms)
+    if shape is not None:
+        sizes.append(omega * np.abs(shape.reference) * forces.contact)
+    else:
+        sizes.append(given)
+    return _relative(given - sum(terms), sizes)
 
 
 @np.errstate(invalid="ignore")
-def momentum_residual(train: Train, shape: CamShape, forces: Forces, loading: Loading) -> np.ndarray:
-    """Sum of outer forces, and of their moments about the cam centre, against the rates of linear and angular
-    momentum (n,), each relative to the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a
-    frictionless guide.
+def momentum_residual(train: Train, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
+    """Sum of outer forces and inertia forces of all bodies, and of their moments about the origin (n,), each relative to
+    the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a frictionless guide.
 
-    Outer forces are those of the frame, of the cam, gravity and the force along the guide.
+    Outer forces are those of the frame, of the cam, of the driver, and of all force elements.
     """
-    body = train.bodies[train.output]
-    line = train.pairs[_guide_of(train)]
-    push = loading.along_guide(train.motion.y[0]) * line.axis
-    outer: list[tuple[np.ndarray, np.ndarray]] = [(push, body.origin[0])]
+    outer: list[Load] = [load for element in loading.elements for load in element.loads(train, Rate(forces.omega))]
     for name, pair in train.pairs.items():
-        if pair.on == FRAME:
-            outer.append((forces.pairs[name], train.bodies[pair.body].place(pair.point)))
-    outer.append((-forces.contact * shape.flank.normal, shape.reference))
-    change: list[np.ndarray] = []
-    turn: list[np.ndarray] = []
-    for mass, about, z, a in _motions(train, loading, forces.omega):
-        outer.append((np.full_like(z[0], mass * loading.gravity), z[0]))
-        change.append(mass * z[2])
-        turn.append(mass * cross(z[0], z[2]) + about * a[2])
-    moments = [cross(r, f) for f, r in outer]
-    linear = np.asarray(sum(f for f, _ in outer) - sum(change))
-    angular = np.asarray(sum(moments) - sum(turn))
-    products = [np.abs(r) * np.abs(f) for f, r in outer]
-    return np.maximum(_relative(np.abs(linear), [f for f, _ in outer] + change), _relative(angular, products + turn))
+        if FRAME in (pair.on, pair.body):
+            sign = 1.0 if pair.on == FRAME else -1.0
+            at = train.bodies[pair.body if pair.on == FRAME else pair.on].place(pair.point)
+            couple = sign * forces.couples.get(name, np.zeros(1))
+            outer.append(Load("", at, sign * forces.pairs.get(name, np.zeros(1, dtype=complex)), couple))
+            if name == train.driver_name:
+                turns = pair.kind == REVOLUTE
+                push = np.zeros(1, dtype=complex) if turns else forces.driver * train.line(pair)
+                outer.append(Load("", at, push, forces.driver if turns else 0.0))
+    if shape is not None:
+        outer.append(Load("", shape.reference, -forces.contact * shape.flank.normal))
+    linear = [load.force for load in outer]
+    moments = [cross(load.at, load.force) + load.couple for load in outer]
+    products = [np.abs(load.at) * np.abs(load.force) + np.abs(load.couple) for load in outer]
+    return np.maximum(_relative(np.abs(sum(linear)), linear), _relative(np.asarray(sum(moments)), products))
 
 
-def _guide_of(train: Train) -> str:
-    return next(name for name, pair in train.pairs.items() if pair.body == train.output and pair.on == FRAME)
-
-
-def _relative(residual: np.ndarray, terms: tuple[np.ndarray, ...] | list[np.ndarray]) -> np.ndarray:
+def _relative(residual: np.ndarray, terms: Sequence[np.ndarray]) -> np.ndarray:
     finite = np.isfinite(residual)
-    peak = max((float(np.abs(t[np.isfinite(t)]).max(initial=0.0)) for t in terms), default=0.0)
+    peak = max((float(np.abs(t[np.isfinite(t)]).max(initial=0.0)) for t in map(np.asarray, terms)), default=0.0)
     return np.where(finite, np.abs(residual), 0.0) / (peak or 1.0)

@@ -1,169 +1,221 @@
-"""Inverse dynamics at constant speed: every reaction, the contact force and the cam's torque (Shin1995 §4).
+"""Inverse dynamics: every reaction, the contact force and the torque that turns the cam or the driver (Shin1995 §4).
 
-Walks a Train from its outermost dyad to the body on the cam; each kind of dyad and of ground pair is one row.
-Signs: a pair's force is the one on its outer side as named in the tables; F_c > 0 presses the roller on the cam.
+Forces follow from three kinds of walks through the mechanism: of its own loads, of one newton of contact force, and of one
+newton of friction in each pair that rubs. The contact force is what leaves nothing to be given to the driver; friction is
+found from the reactions, which are affine in it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.friction import GuideReaction, guide_reaction, jammed, limitless
-from core.dynamics.loading import Loading
-from core.train import REVOLUTE, SLIDING, Dyad, Pose, Train
+from core.dynamics.elements import Friction, Load, Loading, Rate
+from core.dynamics.friction import GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
+from core.dynamics.walk import Walk
+from core.keeping import WhenAsked
+from core.train import REVOLUTE, Pair, Train
 from core.vectors import cross, dot
+
+BEARING = "bearing"
 
 
 @dataclass(frozen=True, eq=False)
 class Forces:
-    """All forces at n cam angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
+    """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
 
-    pairs            pair name -> (n,) force: ``guide`` by the guide on its body, friction included; ``slider_pin``
-                     by rod on slider; ``arm_pin`` by rod on arm; ``pivot`` by the frame on the arm; ``bearing`` by the
-                     frame on the camshaft
-    contact          (n,) F_c [N], > 0 presses the roller on the cam
-    torque           (n,) T_c [N m], > 0 drives the cam (27)
-    follower_torque  (n,) T_L [N m] that the contact gives the arm about its pivot (24); for a guide: force [N]
-    guide            the guide's normal force, friction and jamming factor
+    pairs     pair name -> (n,) force by ``on`` on ``body``, friction included; ``bearing`` by the frame on the camshaft
+    couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, and of pins that rub
+    contact   (n,) F_c [N], > 0 presses the follower on the cam; 0 without a cam
+    torque    (n,) T_c [N m], > 0 drives the cam (27); 0 without a cam
+    driver    (n,) on the driver where no cam moves it: torque [N m] counter-clockwise where it is pinned to the frame, force
+              [N] along its line where it slides; else 0
+    lever     (n,) what one newton of contact asks of the driver [m, or 1]; infinite without a cam
+    follower_torque  (n,) T_L [N m] that the contact gives the follower's link about its pivot (24); for a guide: force [N]
+    guide     the guide's normal force, friction and jamming factor; None where the design has no guide
+    lost      (n,) power [W] lost to friction
+    jam       (n,) the factor that must stay below 1: the spectral radius of μ|∂N/∂f| over all pairs that rub
     """
 
     omega: float
     pairs: Mapping[str, np.ndarray]
+    couples: Mapping[str, np.ndarray]
     contact: np.ndarray
     torque: np.ndarray
-    follower_torque: np.ndarray
-    guide: GuideReaction
-
-
-@dataclass
-class _Walk:
-    """What the walk has found so far: ``passed`` is the force that the solved dyads put on the next body inwards, by
-    point name."""
-
-    train: Train
-    loading: Loading
-    omega: float
-    pairs: dict[str, np.ndarray] = field(default_factory=dict)
-    passed: dict[str, np.ndarray] = field(default_factory=dict)
+    driver: np.ndarray
+    lever: np.ndarray
+    lost: np.ndarray
+    jam: np.ndarray
+    follower_torque: WhenAsked[np.ndarray] = WhenAsked()
     guide: GuideReaction | None = None
 
-    def inertia_force(self, body: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """m(a - g) (n,), centre of mass (n,) and I α̈ (n,) of a body."""
-        inertia, pose = self.loading.inertias[body], self.train.bodies[body]
-        square = self.omega * self.omega
-        return (
-            inertia.mass * (square * pose.derivative(inertia.centre, 2) - self.loading.gravity),
-            pose.derivative(inertia.centre, 0),
-            inertia.about_centre * square * pose.turn[2],
-        )
+
+@dataclass(frozen=True, eq=False)
+class _Case:
+    """Reactions of one load case, the contact force that it asks for included."""
+
+    pairs: Mapping[str, np.ndarray]
+    couples: Mapping[str, np.ndarray]
+    contact: np.ndarray
+    driver: np.ndarray
 
 
-def _rod_and_slider(walk: _Walk, dyad: Dyad) -> None:
-    """RRP: rod from the driving body's pin B to the slider pin A; the slider on a guide with friction.
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def newton_euler(
+    train: Train, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
+) -> Forces:
+    """Forces at camshaft speed omega [rad/s, > 0] and acceleration [rad/s²] of what the train's derivatives are by.
 
-    Slider: m_s L̈ = A_x + F + m_s g_x - μ|N| sgn L̇, 0 = A_y + N + m_s g_y (21), whose F_s is -A_x and whose μW is
-    N = W. Rod: m_A a_G = B - A + m_A g, I_A β̈ = (r_B-r_G)×B + (r_A-r_G)×(-A) (22). With
-    X = m_s L̈ - F - m_s g_x and E = [(r_B-r_G)×m_A(a_G-g) - I_A β̈]/L2:
-    N0 = -(X sin β + E + m_s g_y cos β)/cos β, and friction adds tan β of each newton.
+    T_c = -d (R × F_c n) (27), F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
+    (26). Where friction jams the forces are infinite; the findings say so.
     """
-    train = walk.train
-    rod, slider = dyad.bodies
-    inner, outer, sliding = dyad.pairs
-    pin_b = train.bodies[rod].place(train.pairs[inner].point)
-    pin_a = train.bodies[slider].place(train.pairs[outer].point)
-    axis = train.pairs[sliding].axis
-    length = np.abs(pin_a - pin_b)
-    along = (pin_a - pin_b) * axis.conjugate() / length  # e^{iβ} in the guide's frame
-    mass_force, centre, spin = walk.inertia_force(rod)
-    slider_force, _, _ = walk.inertia_force(slider)
-    in_guide = slider_force * axis.conjugate()
-    x = in_guide.real - walk.loading.along_guide(train.motion.y[0])
-    e = (cross(pin_b - centre, mass_force) - spin) / length
-    # in_guide.imag is -m_s g_y: the slider does not accelerate across its guide
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slope = along.imag / along.real
-        frictionless = -(x * along.imag + e) / along.real + in_guide.imag
-    guide = guide_reaction(frictionless, train.motion.way, slope, walk.loading.friction)
-    on_slider = (x - guide.friction + 1j * (in_guide.imag - guide.normal)) * axis
-    on_rod = on_slider + mass_force
-    walk.pairs[outer], walk.pairs[inner] = on_slider, -on_rod
-    walk.pairs[sliding] = (guide.friction + 1j * guide.normal) * axis
-    walk.passed[train.pairs[inner].point] = -on_rod
-    walk.guide = guide
+    rate = Rate(omega, acceleration)
+    cam = None if shape is None else (shape.reference, shape.flank.normal)
+    press = None if cam is None else Walk(train, [Load(train.carrier, cam[0], -cam[1])])
+    case = _case(Walk(train, [load for element in loading.elements for load in element.loads(train, rate)]), press)
+    signs, rubbing = {}, {}
+    for friction in loading.frictions:
+        signs[friction.pair] = _direction(train, friction.pair) * np.sign(omega)
+        rubbing[friction.pair] = _case(Walk(train, _unit_friction(train, friction)), press)
+    found = _rubbed(train, loading, case, rubbing, signs)
+    pairs, couples, contact, driver, guide, jam, lost = found
+    n = train.theta.size
+    if cam is not None:
+        pairs[BEARING] = -contact * cam[1]
+    torque = np.zeros(n) if shape is None else -shape.sense * cross(shape.reference, contact * shape.flank.normal)
+    forces = Forces(
+        omega=omega,
+        pairs=pairs,
+        couples=couples,
+        contact=np.broadcast_to(contact, n),
+        torque=torque,
+        driver=np.broadcast_to(driver, n),
+        lever=np.full(n, np.inf) if press is None else np.broadcast_to(press.needed, n),
+        lost=lost * omega,
+        jam=jam,
+        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(train, shape, contact),
+        guide=guide,
+    )
+    return _limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
 
 
-DYADS: Mapping[str, Callable[[_Walk, Dyad], None]] = MappingProxyType({"RRP": _rod_and_slider})
+def _case(walk: Walk, press: Walk | None) -> _Case:
+    """A walk's reactions with the contact force that leaves nothing to the driver."""
+    if press is None:
+        return _Case(walk.pairs, walk.couples, np.zeros(1), walk.needed)
+    contact = -walk.needed / press.needed
+    names, couples = {*walk.pairs, *press.pairs}, {*walk.couples, *press.couples}
+    return _Case(
+        {name: walk.pairs.get(name, 0.0) + contact * press.pairs.get(name, 0.0) for name in names},
+        {name: walk.couples.get(name, 0.0) + contact * press.couples.get(name, 0.0) for name in couples},
+        contact,
+        np.zeros(1),
+    )
 
 
-def _turning_follower(
-    walk: _Walk, body: Pose, reference: np.ndarray, normal: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Arm about its pivot: J φ̈ = r_B×(-B) + r_G×mg - F_c (r_R×n) (24); I about mass centres, where the paper's text
-    would count m r² twice. F_c from here, never from T_c, which is 0/0 in a dwell (25), (26)."""
-    train = walk.train
+def _unit_friction(train: Train, friction: Friction) -> list[Load]:
+    """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, and the like on ``on``."""
+    pair = train.pairs[friction.pair]
+    at = train.bodies[pair.body].place(pair.point)
+    force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -train.line(pair)
+    couple = -1.0 if pair.kind == REVOLUTE else 0.0
+    return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
+
+
+def _direction(train: Train, name: str) -> np.ndarray:
+    """Which way a pair slips (n,): -1, 0, 1, as the motion's segment says; rounding beside a dwell must not toggle it."""
+    if name == train.driver_name:
+        return train.motion.way
+    return np.asarray(train.motion.way * np.sign(train.slip(name)))
+
+
+def _normal(pair: Pair, train: Train, force: np.ndarray) -> np.ndarray:
+    """The normal force N of a sliding pair (n,), along its line + 90 deg; of a pin the force itself."""
+    return force if pair.kind == REVOLUTE else dot(1j * train.line(pair), force)
+
+
+def _rubbed(
+    train: Train, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
+) -> tuple[
+    dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, np.ndarray, GuideReaction | None, np.ndarray, np.ndarray
+]:
+    """Pairs, couples, contact, driver, guide, jam factor, and what friction takes per radian of the shaft [N m], with the
+    friction that goes with the reactions."""
+    n, guide = train.theta.size, None
+    pairs, couples, contact, driver = dict(case.pairs), dict(case.couples), case.contact, case.driver
+    jam, lost = np.zeros(n), np.zeros(n)
+    normals = {f.pair: _normal(train.pairs[f.pair], train, case.pairs[f.pair]) for f in loading.frictions}
+    if len(loading.frictions) == 1 and train.pairs[loading.frictions[0].pair].kind != REVOLUTE:
+        (friction,) = loading.frictions
+        slope = -_normal(train.pairs[friction.pair], train, _of(rubbing[friction.pair], friction.pair))
+        reaction = guide_reaction(normals[friction.pair], signs[friction.pair], slope, friction.coefficient)
+        sizes, jam = {friction.pair: np.abs(reaction.friction)}, reaction.jam
+    else:
+        gains = {
+            (f.pair, g.pair): signs[g.pair] * _normal(train.pairs[f.pair], train, _of(rubbing[g.pair], f.pair))
+            for f in loading.frictions
+            for g in loading.frictions
+        }
+        names = tuple(normals)
+        coefficients = np.array([f.coefficient * f.radius for f in loading.frictions])
+        jam = jam_factor(names, gains, coefficients, n)
+        found = magnitudes(names, normals, gains, coefficients, jam, n)
+        sizes = {name: coefficient * size for name, coefficient, size in zip(names, coefficients, found, strict=True)}
+    for name, size in sizes.items():
+        pair, signed = train.pairs[name], signs[name] * size
+        for other, force in rubbing[name].pairs.items():
+            pairs[other] = pairs.get(other, 0.0) + signed * force
+        for other, couple in rubbing[name].couples.items():
+            couples[other] = couples.get(other, 0.0) + signed * couple
+        contact, driver = contact + signed * rubbing[name].contact, driver + signed * rubbing[name].driver
+        moves = train.motion.y[1] if name == train.driver_name else train.slip(name) * train.motion.y[1]
+        lost = lost + signed * moves
+        if pair.kind == REVOLUTE:
+            couples[name] = couples.get(name, 0.0) - signed
+        else:
+            pairs[name] = pairs[name] - signed * train.line(pair)
+    if loading.guide:
+        name = loading.guide
+        normal = np.broadcast_to(_normal(train.pairs[name], train, pairs[name]), n)
+        rubs = -signs[name] * sizes[name] if name in sizes else np.zeros(n)
+        guide = GuideReaction(normal, np.broadcast_to(rubs, n), jam)
+    sliding = (name for name, pair in train.pairs.items() if pair.kind != REVOLUTE)
+    pairs = {name: np.broadcast_to(pairs.get(name, 0j), n) for name in train.pairs}
+    couples = {name: np.broadcast_to(couples.get(name, 0.0), n) for name in {**dict.fromkeys(sliding), **couples}}
+    return pairs, couples, contact, driver, guide, jam, lost
+
+
+def _of(case: _Case, name: str) -> np.ndarray:
+    return np.asarray(case.pairs.get(name, np.zeros(1, dtype=complex)))
+
+
+def _follower_torque(train: Train, shape: CamShape, contact: np.ndarray) -> np.ndarray:
+    """T_L = -F_c (r_R × n) about the pivot that holds the follower's link (24); along its guide -F_c n·e."""
+    normal = shape.flank.normal
+    if not train.ground:
+        return np.full(train.theta.size, np.nan)
     pair = train.pairs[train.ground]
-    pivot = body.place(pair.point)
-    mass_force, centre, spin = walk.inertia_force(pair.body)
-    outer = np.zeros_like(reference)
-    moment = -spin - cross(centre - pivot, mass_force)
-    for point, force in walk.passed.items():
-        moment = moment + cross(body.place(point) - pivot, force)
-        outer = outer + force
-    contact = moment / cross(reference - pivot, normal)
-    walk.pairs[train.ground] = mass_force - outer + contact * normal
-    return contact, -moment
+    if pair.kind != REVOLUTE:
+        return -contact * dot(normal, train.line(pair))
+    return -contact * cross(shape.reference - train.bodies[pair.body].place(pair.point), normal)
 
 
-def _sliding_follower(
-    walk: _Walk, body: Pose, reference: np.ndarray, normal: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Follower along its guide e: m s̈ = -F_c n·e + F + m g·e - μ|N| sgn ṡ, 0 = -F_c n·ie + m g·ie + N."""
-    train = walk.train
-    pair = train.pairs[train.ground]
-    mass_force, _, _ = walk.inertia_force(pair.body)
-    in_guide = mass_force * pair.axis.conjugate()
-    x = in_guide.real - walk.loading.along_guide(train.motion.y[0])
-    forward, across = dot(normal, pair.axis), dot(normal, 1j * pair.axis)
-    slope = across / forward
-    guide = guide_reaction(-x * slope + in_guide.imag, train.motion.way, slope, walk.loading.friction)
-    contact = (guide.friction - x) / forward
-    walk.pairs[train.ground] = (guide.friction + 1j * guide.normal) * pair.axis
-    walk.guide = guide
-    return contact, -contact * forward
-
-
-GROUNDS: Mapping[str, Callable[[_Walk, Pose, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]] = (
-    MappingProxyType({REVOLUTE: _turning_follower, SLIDING: _sliding_follower})
-)
-
-
-def newton_euler(train: Train, shape: CamShape, loading: Loading, omega: float) -> Forces:
-    """Forces at constant camshaft speed omega [rad/s, > 0], dyad by dyad from the output to the cam.
-
-    Where the guide jams the forces are infinite; the findings say so. T_c = -d (R × F_c n) (27).
-    """
-    walk = _Walk(train, loading, omega)
-    with np.errstate(invalid="ignore", over="ignore"):
-        for dyad in train.dyads:
-            DYADS[dyad.kind](walk, dyad)
-        pair = train.pairs[train.ground]
-        normal, reference = shape.flank.normal, shape.reference
-        contact, follower = GROUNDS[pair.kind](walk, train.bodies[pair.body], reference, normal)
-        pressing = contact * normal
-        walk.pairs["bearing"] = -pressing
-        torque = -shape.sense * cross(reference, pressing)
-        assert walk.guide is not None
-        told = Forces(omega, walk.pairs, contact, torque, follower, walk.guide)
-        return _limitless(told) if jammed(walk.guide) else told
-
-
-def _limitless(told: Forces) -> Forces:
-    guide = replace(told.guide, normal=limitless(told.guide.normal), friction=limitless(told.guide.friction))
-    pairs = {name: limitless(force) for name, force in told.pairs.items()}
-    contact, torque, follower = (limitless(f) for f in (told.contact, told.torque, told.follower_torque))
-    return Forces(told.omega, pairs, contact, torque, follower, guide)
+def _limitless(forces: Forces) -> Forces:
+    guide = forces.guide
+    if guide is not None:
+        guide = replace(guide, normal=limitless(guide.normal), friction=limitless(guide.friction))
+    told = forces.follower_torque
+    return replace(
+        forces,
+        pairs={name: limitless(force) for name, force in forces.pairs.items()},
+        couples={name: limitless(couple) for name, couple in forces.couples.items()},
+        contact=limitless(forces.contact),
+        torque=limitless(forces.torque),
+        driver=limitless(forces.driver),
+        follower_torque=limitless(told),
+        lost=limitless(forces.lost),
+        guide=guide,
+    )

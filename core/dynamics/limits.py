@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from core.dynamics.loading import Loading
+from core.dynamics.elements import Loading
 from core.extremes import Range
 from core.findings import ERROR, NOTE, Finding
 

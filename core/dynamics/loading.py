@@ -1,86 +1,43 @@
-"""Loads as every train needs them: inertia by body, force along the guide, friction, gravity."""
+"""The loads that a design states, as force elements of its mechanism: one row per follower, one for linkages."""
 
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
-
-from core.design import CamSlider, CamSliderLoads, Follower, Loads, Translating, TranslatingLoads, si
-
-
-@dataclass(frozen=True)
-class Inertia:
-    """mass [kg], centre of mass in the body's frame [m], inertia about that centre [kg m²]."""
-
-    mass: float
-    centre: complex = 0j
-    about_centre: float = 0.0
+from core.design import CamSlider, CamSliderLoads, Follower, LinkageLoads, Loads, Translating, TranslatingLoads, si
+from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
 
 
-def combined(parts: Sequence[Inertia]) -> Inertia:
-    """Several masses fixed to one body as one (parallel axes)."""
-    mass = sum(p.mass for p in parts)
-    centre = sum((p.mass * p.centre for p in parts), 0j) / mass if mass else 0j
-    about = sum(p.about_centre + p.mass * abs(p.centre - centre) ** 2 for p in parts)
-    return Inertia(mass, centre, about)
-
-
-@dataclass(frozen=True, eq=False)
-class Loading:
-    """What acts on a train.
-
-    inertias  body name -> Inertia
-    force     on the output body along the guide, F(y) = force - rate·y [N, N/m], y the motion
-    friction  coefficient of the pair on the guide
-    gravity   complex [m/s²], global frame
-    """
-
-    inertias: Mapping[str, Inertia]
-    force: float
-    rate: float
-    friction: float
-    gravity: complex
-
-    def along_guide(self, y: np.ndarray) -> np.ndarray:
-        """The force on the output body along the guide (n,) [N] at motion y (n,) [m]."""
-        return self.force - self.rate * y
-
-    @property
-    def empty(self) -> bool:
-        """True where nothing has mass and nothing pushes."""
-        return (
-            self.force == 0.0 and self.rate == 0.0 and not any(i.mass or i.about_centre for i in self.inertias.values())
-        )
-
-
-def _gravity(loads: Loads) -> complex:
+def _gravity(loads: Loads | LinkageLoads) -> complex:
     s = si(loads)
     return complex(cmath.rect(s.gravity, s.gravity_angle))
 
 
+def _guide_friction(coefficient: float) -> tuple[Friction, ...]:
+    return (Friction("guide", coefficient),) if coefficient else ()
+
+
 def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
     """The roller is fixed to the arm and turns with it; a roller that turns freely would leave out its inertia."""
-    g, s = si(follower), si(loads)
+    g, s, gravity = si(follower), si(loads), _gravity(loads)
     arm = Inertia(s.arm_mass, cmath.rect(s.arm_centre, s.arm_centre_angle), s.arm_inertia)
     roller = Inertia(s.roller_mass, cmath.rect(g.roller_arm, g.fixed_angle), s.roller_inertia)
-    inertias = {
-        "slider": Inertia(s.slider_mass),
-        "rod": Inertia(s.rod_mass, complex(s.rod_centre * g.rod), s.rod_inertia),
-        "arm": combined([arm, roller]),
-    }
-    return Loading(inertias, s.external_force, s.spring_rate, s.friction, _gravity(loads))
+    masses = (
+        Mass("slider", Inertia(s.slider_mass), gravity),
+        Mass("rod", Inertia(s.rod_mass, complex(s.rod_centre * g.rod), s.rod_inertia), gravity),
+        Mass("arm", combined([arm, roller]), gravity),
+    )
+    return Loading(masses, (OutputForce(s.external_force, s.spring_rate),), _guide_friction(s.friction), "guide")
 
 
 def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loading:
     """The closing spring presses towards the cam, against the rise."""
     s = si(loads)
-    inertias = {"follower": Inertia(s.follower_mass)}
-    return Loading(inertias, -s.preload, s.spring_rate, s.friction, _gravity(loads))
+    masses = (Mass("follower", Inertia(s.follower_mass), _gravity(loads)),)
+    return Loading(masses, (OutputForce(-s.preload, s.spring_rate),), _guide_friction(s.friction), "guide")
 
 
 LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
@@ -89,5 +46,15 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
 
 
 def loading_of(follower: Follower, loads: Loads) -> Loading:
-    """The loads of a design in the form the trains take."""
+    """The force elements of a follower."""
     return LOADINGS[type(loads)](follower, loads)
+
+
+def link_loading(loads: LinkageLoads, name: Callable[[int], str]) -> Loading:
+    """The force elements of a linkage; ``name`` gives the body of a link."""
+    gravity, masses = _gravity(loads), []
+    for mass in loads.masses:
+        m = si(mass)
+        masses.append(Mass(name(mass.link), Inertia(m.mass, complex(m.centre_x, m.centre_y), m.inertia), gravity))
+    forces = (PointForce(name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm)) for f in loads.forces)
+    return Loading(tuple(masses), tuple(forces))

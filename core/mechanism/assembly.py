@@ -1,9 +1,9 @@
-"""A solved linkage as a Train: every link a body, so that drawing, centres, cam and forces walk it like any other."""
+"""A solved mechanism as a Train: every link a body, so that drawing, centres, cam and forces walk it like any other."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
+import cmath
+from collections.abc import Mapping
 from types import MappingProxyType
 
 import numpy as np
@@ -13,8 +13,9 @@ from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
 from core.mechanism.closing import line_of
-from core.mechanism.course import Course
+from core.mechanism.course import Course, guided_course
 from core.mechanism.dyads import Closed
+from core.mechanism.mechanism import ROLLER, Mechanism, Reference, mechanism_of
 from core.mechanism.plan import Joint, Plan
 from core.mechanism.rounding import condition
 from core.mechanism.solving import Solved, at_driver
@@ -22,65 +23,62 @@ from core.motion import Angles, MotionState
 from core.train import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
 from core.vectors import cross, dot
 
-ROLLER = "roller"
-
-
-def body_name(link: int) -> str:
-    """The name of a link among the bodies of a Train."""
-    return FRAME if link == FRAME_LINK else f"link{link}"
-
-
-def link_number(body: str) -> int:
-    """The number of the link that is this body."""
-    return FRAME_LINK if body == FRAME else int(body.removeprefix("link"))
+Points = Mapping[int, Mapping[str, complex]]
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Train:
-    """Every link at the driver's positions motion.y (4, n), with three derivatives by the motion's angle.
+def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | None = None) -> Train:
+    """Every body at the motion's positions y (4, n), with three derivatives by the motion's angle.
 
-    With a cam the roller is a body of its own, its origin the roller's centre. Raises NoPosition, naming the driver
-    angles, where links do not meet.
+    course: where the links can go; without one they are followed from the base position through all that the motion
+    takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
+    the angles, where links do not meet.
     """
-    solved = course.solve(at_driver(motion.y[0]) if linkage.driver.kind == CRANK else Derivatives.of(motion.y))
-    _require(course, solved, motion)
-    plan, n = course.plan, motion.theta.size
-    names = pair_names(plan)
-    bodies = {body_name(link): _body(plan, link, pose, n) for link, pose in sorted(solved.poses.items())}
-    output, follower, ground = body_name(linkage.driver.link), body_name(linkage.driver.link), names[plan.driver]
-    travel: Callable[[], np.ndarray] = partial(np.ones, n, dtype=complex)
-    if cam is not None:
-        follower, ground = ROLLER, _ground(plan, names, cam.link)
-        bodies[ROLLER], travel = _roller(plan, bodies, course, motion, cam)
+    plan, n = mechanism.plan, motion.theta.size
+    q = _driver(mechanism, motion)
+    if course is None:
+        ends = mechanism.start + mechanism.sense * np.array([0.0, motion.y[0].min(), motion.y[0].max()])
+        course = guided_course(plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
+    solved = course.solve(q)
+    _require(mechanism, course, solved, motion)
+    if mechanism.require is not None:
+        mechanism.require(motion)
+    names, points = mechanism.pair_names(), _points(mechanism)
+    own = {link: _spread(pose, points[link], n) for link, pose in solved.poses.items()}
+    bodies = {name: _placed(own[link], mechanism) for link, name in mechanism.bodies.items()}
+    output = mechanism.bodies[plan.linkage.driver.link]
+    reference, follower, ground, carrier = mechanism.reference, output, names[plan.driver], output
+    if reference is not None:
+        follower, carrier = reference.body, mechanism.bodies[reference.link]
+        ground = _ground(plan, names, reference.link)
+        if follower not in bodies:
+            bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point])
     return Train(
         motion=motion,
         bodies=bodies,
-        pairs={name: _pair(joint, name) for joint, name in names.items()},
+        pairs={name: _pair(mechanism, joint) for joint, name in names.items()},
         dyads=tuple(
-            Dyad(step.kind, tuple(body_name(n) for n in step.links), tuple(names[j] for j in joints))
+            Dyad(step.kind, tuple(mechanism.bodies[n] for n in step.links), tuple(names[j] for j in joints))
             for step, joints in reversed(plan.steps)
         ),
         output=output,
         follower_body=follower,
         ground=ground,
-        travel=travel,
-        coordinates=lambda: _coordinates(linkage, plan, bodies),
-        base={},
-        residual=lambda: _residual(plan, bodies),
+        travel=lambda: _travel(mechanism, course, q[0], bodies, ground),
+        coordinates=lambda: {name: _coordinate(own, plan, what) for name, what in mechanism.coordinates.items()},
+        base=mechanism.base,
+        residual=lambda: _residual(plan, own),
         condition=lambda: np.broadcast_to(condition(plan, solved), n),
-        singular=lambda: {
-            step.joint: np.broadcast_to(result.sine, n)
-            for (step, _), result in zip(plan.steps, solved.steps, strict=True)
-            if isinstance(result, Closed)
-        },
-        carrier=body_name(cam.link) if cam is not None else output,
+        singular=lambda: _singular(mechanism, solved, n),
+        carrier=carrier,
+        by_driver=lambda: _by_driver(mechanism, course, q[0], points),
     )
 
 
-def _ground(plan: Plan, names: Mapping[Joint, str], link: int) -> str:
-    """The pair that holds a link on the frame; empty where none does."""
-    held = (names[j] for j in plan.joints if {j.first.link, j.second.link} == {FRAME_LINK, link})
-    return next(held, "")
+def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Train:
+    """Every link of a [linkage], and of a cam's roller, at the driver's positions motion.y (4, n). Raises NoPosition, naming
+    the driver angles, where links do not meet."""
+    return solve_mechanism(mechanism_of(linkage, cam and Reference(cam.link, cam.point)), motion, course)
 
 
 def unit_speed_train(linkage: Linkage, positions: np.ndarray, course: Course) -> Train:
@@ -92,91 +90,159 @@ def unit_speed_train(linkage: Linkage, positions: np.ndarray, course: Course) ->
     return linkage_train(linkage, state, course)
 
 
-def pair_names(plan: Plan) -> Mapping[Joint, str]:
-    """Every pair of the linkage with the name it has in a Train, the driver's first: its pin's, or the sliding link's
-    number; further links on one pin add theirs."""
-    names: dict[Joint, str] = {}
-    for joint in plan.joints:
-        taken = joint.name in names.values()
-        names[joint] = f"{joint.name}_{body_name(joint.second.link)}" if taken else joint.name
-    return MappingProxyType(names)
+def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
+    """q = start + sense y with its derivatives by the motion's angle."""
+    y, start, sense = motion.y, mechanism.start, mechanism.sense
+    if mechanism.linkage.driver.kind == CRANK:
+        return at_driver(y[0])
+    if start == 0.0 and sense == 1.0:
+        return Derivatives.of(y)
+    return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
 
-def _require(course: Course, solved: Solved, motion: MotionState) -> None:
-    """Every link somewhere at every angle."""
-    for step, _ in course.plan.steps:
-        lost = ~np.isfinite(solved.poses[step.links[0]].unit + solved.poses[step.links[-1]].unit)
+def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: MotionState) -> None:
+    """Every link somewhere at every angle; a mechanism that refuses for itself stays off dead centres too."""
+    for (step, _), result in zip(course.plan.steps, solved.steps, strict=True):
+        first, last = (solved.poses[step.links[i]] for i in (0, -1))
+        lost = ~np.isfinite(first.unit + last.unit)
+        if mechanism.refuse is not None and isinstance(result, Closed):
+            lost = lost | ~(result.sine > 0.0)
         if not lost.any():
             continue
+        lost = np.broadcast_to(lost, motion.theta.shape)
+        if mechanism.refuse is not None:
+            raise mechanism.refuse(motion, solved, lost)
         links = " and ".join(map(str, step.links)) if len(step.links) == 2 else ", ".join(map(str, step.links))
         joint = f" at {step.joint}" if step.kind != GROUP and is_pin(step.joint) else ""
         ranges = [(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in course.ranges]
         hint = "change their lengths"
         if ranges and course.plan.driver.revolute:
             hint = f"they do with the driver within {angle_list(ranges)}"
-        where = angle_ranges(motion.theta, np.broadcast_to(lost, motion.theta.shape))
-        raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, where)
+        raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
-def _body(plan: Plan, link: int, pose: Pose, n: int) -> Pose:
-    points = dict(plan.points[link])
-    for joint in plan.joints:
-        for held in (joint.first, joint.second):
-            if held.link == link and not joint.revolute:
-                points[joint.name] = held.point
-    origin, turn = (rows.spread(n).quiet() for rows in (pose.origin, pose.turn))
-    return Pose(origin, turn, MappingProxyType(points), lambda: np.broadcast_to(pose.unit, n))
-
-
-def _pair(joint: Joint, name: str) -> Pair:
-    on, body = body_name(joint.first.link), body_name(joint.second.link)
-    return Pair(
-        REVOLUTE if joint.revolute else SLIDING, on, body, joint.name, 0j if joint.revolute else joint.first.along
-    )
-
-
-def _roller(
-    plan: Plan, bodies: Mapping[str, Pose], course: Course, motion: MotionState, cam: LinkageCam
-) -> tuple[Pose, Callable[[], np.ndarray]]:
-    """The roller's centre as a body, and where it goes when the driver moves forward (a unit vector, (n,))."""
-    pose = bodies[body_name(cam.link)]
-    at = plan.points[cam.link][cam.point]
-
-    @np.errstate(divide="ignore", invalid="ignore", over="ignore")
-    def travel() -> np.ndarray:
-        forward = course.solve(at_driver(motion.y[0])).poses[cam.link].derivative(at, 1)
-        return np.asarray(forward / np.abs(forward))
-
-    return Pose(pose.carried(at).quiet(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit), travel
-
-
-def _coordinates(linkage: Linkage, plan: Plan, bodies: Mapping[str, Pose]) -> dict[str, np.ndarray]:
-    """Angle of each moving link, slide of each that slides, (4, n)."""
-    found = {name: pose.angle for name, pose in bodies.items() if name not in (FRAME, ROLLER)}
+def _points(mechanism: Mechanism) -> Points:
+    """Link -> name -> point in its frame [m]; of sliding pairs too."""
+    plan = mechanism.plan
+    found = {link: dict(points) for link, points in plan.points.items()}
     for joint in plan.joints:
         if not joint.revolute:
-            found[f"slide{joint.name}"] = _slide(bodies, joint)
+            for held in (joint.first, joint.second):
+                found[held.link].setdefault(mechanism.points.get(joint.name, joint.name), held.point)
     return found
 
 
-def _slide(bodies: Mapping[str, Pose], joint: Joint) -> np.ndarray:
+def _spread(pose: Pose, points: Mapping[str, complex], n: int) -> Pose:
+    origin, turn = (rows.spread(n).quiet() for rows in (pose.origin, pose.turn))
+    return Pose(origin, turn, MappingProxyType(dict(points)), lambda: np.broadcast_to(pose.unit, n))
+
+
+def _placed(pose: Pose, mechanism: Mechanism) -> Pose:
+    """A body of the own frame in the global one."""
+    place, turn = mechanism.place, mechanism.turn
+    if place == 0.0 and turn == 0.0:
+        return pose
+    along = cmath.rect(1.0, turn)
+    origin, angle = pose.origin, pose.turn
+    return Pose(
+        Derivatives(lambda order: origin[order] * along if order else place + origin[0] * along, origin.still),
+        Derivatives(lambda order: angle[order] if order else angle[0] + turn, angle.still),
+        pose.points,
+        lambda: pose.unit * along,
+    )
+
+
+def _at_reference(pose: Pose, at: complex) -> Pose:
+    """The cam's follower as a body: its origin is the reference point, and it turns with its link."""
+    return Pose(pose.carried(at).quiet(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit)
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _by_driver(mechanism: Mechanism, course: Course, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
+    """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
+    poses = course.solve(at_driver(q)).poses
+    return {
+        name: _placed(_spread(poses[link], points[link], q.size), mechanism) for link, name in mechanism.bodies.items()
+    }
+
+
+def _ground(plan: Plan, names: Mapping[Joint, str], link: int) -> str:
+    """The pair that holds a link on the frame; empty where none does."""
+    held = (names[j] for j in plan.joints if {j.first.link, j.second.link} == {FRAME_LINK, link})
+    return next(held, "")
+
+
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _travel(
+    mechanism: Mechanism, course: Course, q: np.ndarray, bodies: Mapping[str, Pose], ground: str
+) -> np.ndarray:
+    """The direction (n,) in which the reference point can go, in a dwell too: about its link's pivot or along its guide
+    where the frame holds the link, else by the derivative with respect to the driver's coordinate q (n,)."""
+    reference, plan = mechanism.reference, mechanism.plan
+    if reference is None:
+        return np.ones(q.size, dtype=complex)
+    at = plan.points[reference.link][reference.point]
+    if not ground:
+        path = course.solve(at_driver(q)).poses[reference.link].derivative(at, 1) * cmath.rect(1.0, mechanism.turn)
+        return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
+    held = next(j for j, name in mechanism.pair_names().items() if name == ground)
+    own = held.second if held.second.link == reference.link else held.first
+    arm = 1j * (at - own.point) if held.revolute else own.along
+    return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (arm / abs(arm)))
+
+
+def _pair(mechanism: Mechanism, joint: Joint) -> Pair:
+    on, body = joint.first.link, joint.second.link
+    name = mechanism.points.get(joint.name, joint.name)
+    if not joint.revolute:
+        along = joint.first.along
+        if on == FRAME_LINK:
+            along *= cmath.rect(1.0, mechanism.turn)
+        return Pair(SLIDING, _name(mechanism, on), _name(mechanism, body), name, along)
+    if mechanism.by.get(joint.name) == body:
+        on, body = body, on
+    return Pair(REVOLUTE, _name(mechanism, on), _name(mechanism, body), name)
+
+
+def _name(mechanism: Mechanism, link: int) -> str:
+    return mechanism.bodies.get(link, FRAME)
+
+
+def _coordinate(own: Mapping[int, Pose], plan: Plan, what: int | str) -> np.ndarray:
+    """The angle of a link, or the slide of a sliding pair, in the own frame (4, n)."""
+    if isinstance(what, int):
+        return own[what].angle
+    joint = next(j for j in plan.joints if j.name == what)
+    return _slide(own, joint)
+
+
+def _slide(own: Mapping[int, Pose], joint: Joint) -> np.ndarray:
     """How far the sliding link's point has gone along the line (4, n) [m]."""
-    line, own = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
-    g, along = line_of({line.link: bodies[body_name(line.link)]}, line)
-    gap = difference(bodies[body_name(own.link)].carried(own.point), g)
+    line, point = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
+    g, along = line_of(own, line)
+    gap = difference(own[point.link].carried(point.point), g)
     return product(along, gap, dot).all
 
 
-def _residual(plan: Plan, bodies: Mapping[str, Pose]) -> np.ndarray:
+def _residual(plan: Plan, own: Mapping[int, Pose]) -> np.ndarray:
     """How far the pairs are open at worst (n,), relative to the size of the linkage."""
     worst = np.zeros(1)
     for joint in plan.joints:
-        ends = []
-        for held in (joint.first, joint.second):
-            pose = bodies[body_name(held.link)]
-            ends.append(pose.derivative(held.point, 0))
-        gap = ends[1] - ends[0]
+        one, other = (own[held.link].derivative(held.point, 0) for held in (joint.first, joint.second))
+        gap = other - one
         if not joint.revolute:
-            gap = cross(joint.first.along * bodies[body_name(joint.first.link)].unit, gap)
+            gap = cross(joint.first.along * own[joint.first.link].unit, gap)
         worst = np.maximum(worst, np.abs(gap))
     return worst / plan.size
+
+
+def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.ndarray]:
+    """What must not vanish: the sine of each dyad's transmission angle, and what the mechanism adds."""
+    found = {
+        mechanism.singular.get(step.joint, step.joint): result.sine
+        for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True)
+        if isinstance(result, Closed)
+    }
+    if mechanism.more_singular is not None:
+        found |= mechanism.more_singular(solved)
+    return {code: np.broadcast_to(value, n) for code, value in found.items()}

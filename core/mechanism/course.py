@@ -126,6 +126,23 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
     return Course(plan, low, high, tuple(ranges), told, way, MappingProxyType(turning), closes)
 
 
+def guided_course(plan: Plan, start: float, low: float, high: float, angles: Mapping[int, float]) -> Course:
+    """The course of a mechanism that stays as it is assembled at ``start``, through driver positions low ... high [rad or
+    m]: no ranges and no change points are looked for. Every link's angle goes on without a jump from what it is at the
+    start, ``angles`` [rad] by link."""
+    way = Way(low)
+    at = np.linspace(low, high, PATH)
+    poses = solve(plan, at_driver(at), way).poses
+    turning = {}
+    for link, first in angles.items():
+        angle = np.unwrap(_known(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
+        angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
+        middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN else None
+        turning[link] = Turning(at, angle, middle, False)
+    return Course(plan, low, high, (), (), way, MappingProxyType(turning))
+
+
+PATH = 65  # positions through which links are followed from the base: no link turns by more than half a turn between two
 _STANDS = 1e-6  # of the way that was asked about: in a shorter range nothing moves, and rounding decides its ends
 _SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8

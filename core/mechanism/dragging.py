@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.design import FRAME_LINK, Link, LinkageDesign, Place, Side
-from core.mechanism.assembly import body_name
+from core.mechanism.mechanism import body_name
 from core.train import Train
 
 _MM = 1e-3

@@ -27,9 +27,9 @@ from core.design.kinds import kind_row
 from core.design.linkage_rules import sided_joints
 from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
-from core.mechanism.assembly import body_name
 from core.mechanism.course import TURN, Course, Range, course_of
 from core.mechanism.driving import swept
+from core.mechanism.mechanism import body_name
 from core.mechanism.plan import plan_of
 from core.mechanism.solving import at_driver
 from core.motion import program

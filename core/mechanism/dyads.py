@@ -14,7 +14,6 @@ import numpy as np
 
 from core.derivatives import BINOMIAL, Chain, Derivatives, difference, earlier, product, scaled, sum_of, turning
 from core.keeping import WhenAsked
-from core.linkage.triangle import area4, room4
 from core.mechanism.closing import (
     BY_ROUNDING,
     PARALLEL,
@@ -30,6 +29,7 @@ from core.mechanism.closing import (
     two_slides,
 )
 from core.mechanism.plan import Joint
+from core.mechanism.triangle import brackets
 from core.train import Pose
 from core.vectors import cross, dot, turned
 
@@ -59,7 +59,7 @@ class Closed:
 
 
 def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
-    """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area, as for arm and rod of the cam slider.
+    """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area K/4.
 
     With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D. With c =
     α'², β'² in the second order, 3α'α'', 3β'β'' in the third: (A × B) α = -B·d + (A·B) c_α - L_b² c_β,
@@ -70,14 +70,15 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     rod_a, rod_b = inner.first.point - outer_a.second.point, inner.second.point - outer_b.second.point
     la, lb = abs(rod_a), abs(rod_b)
     d = difference(a, b)
-    square = d[0].real ** 2 + d[0].imag ** 2
-    r = np.sqrt(square)
-    area = area4(r, la, lb)
-    if not area.min() >= 0.0:
-        missed = room4(r, la, lb)
-        area = np.where((missed < 0.0) & (missed > -BY_ROUNDING * (la + lb)), 0.0, area)
+    sides = brackets(d[0].real, d[0].imag, la, lb)
+    square, product_of_brackets = sides.square, sides.stretched * sides.folded
+    if not product_of_brackets.min() >= 0.0:
+        missed = sides.gap(la, lb)
+        by_rounding = (missed < 0.0) & (missed > -BY_ROUNDING * (la + lb))
+        product_of_brackets = np.where(by_rounding, 0.0, product_of_brackets)
+    area = np.sqrt(product_of_brackets)
     k = side * area
-    ends = np.empty((2, r.size), dtype=complex)
+    ends = np.empty((2, square.size), dtype=complex)
     to_b, to_a = ends
     sum_and_difference = (la + lb) * (la - lb)
     np.subtract(sum_and_difference, square, out=to_b.real)
@@ -88,7 +89,7 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     inverse = -2.0 / k  # of -A × B
 
     def follow(order: int, turns: Chain) -> np.ndarray:
-        known = np.empty((2, r.size))
+        known = np.empty((2, square.size))
         for row, end in zip(known, ends, strict=True):
             np.multiply(end.real, d[order].real, out=row)
             row += end.imag * d[order].imag
@@ -117,8 +118,8 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
     )
     return Closed(
-        poses, lambda: (1j * to_a, -1j * to_b), lambda: room4(r, la, lb), lambda: np.abs(k) * (0.5 / (la * lb)),
-        lambda: r + (la + lb),
+        poses, lambda: (1j * to_a, -1j * to_b), lambda: sides.gap(la, lb), lambda: np.abs(k) * (0.5 / (la * lb)),
+        lambda: np.sqrt(square) + (la + lb),
     )  # fmt: skip
 
 

@@ -29,32 +29,6 @@ INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the pane
 TrainAt = Callable[[Angles], Train]
 
 
-def inertia(train: Train, loading: Loading) -> np.ndarray:
-    """J = Σ m |z'|² + I α'², what the moved bodies are worth at the camshaft, and its derivatives J', J'' by cam angle
-    (3, n) [kg m²]."""
-    out = np.zeros((3, train.theta.size))
-    for name, part in loading.inertias.items():
-        pose = train.bodies[name]
-        _, z1, z2, z3 = pose.at(part.centre)
-        _, a1, a2, a3 = pose.angle
-        m, i = part.mass, part.about_centre
-        out[0] += m * (z1 * z1.conjugate()).real + i * a1 * a1
-        out[1] += 2.0 * (m * (z1.conjugate() * z2).real + i * a1 * a2)
-        out[2] += 2.0 * (m * ((z2 * z2.conjugate()).real + (z1.conjugate() * z3).real) + i * (a2 * a2 + a1 * a3))
-    return out
-
-
-def load(train: Train, loading: Loading) -> np.ndarray:
-    """V' = -F y' - Σ m g·z', the torque that springs, external force and weight ask of the cam, and V'' (2, n) [N m]."""
-    y0, y1, y2, _ = train.motion.y
-    force = loading.along_guide(y0)
-    out = np.array([-force * y1, loading.rate * y1 * y1 - force * y2])
-    for name, part in loading.inertias.items():
-        z = train.bodies[name].at(part.centre)
-        out -= part.mass * (z[1:3] * np.conjugate(loading.gravity)).real
-    return out
-
-
 @dataclass(frozen=True)
 class Sizes:
     """What the coefficients are measured in.
@@ -101,7 +75,7 @@ def sizes(train_at: TrainAt, loading: Loading, program: Program) -> Sizes:
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
         train = train_at(angles)
         y = train.motion.y
-        return {"inertia": inertia(train, loading)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
+        return {"inertia": loading.inertia(train)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
 
     found = find_extremes(quantities, program)
     top = found["inertia"].high.value
@@ -137,8 +111,8 @@ def coefficients(
 
     def functions(angles: Angles) -> np.ndarray:
         train = train_at(angles)
-        d, d1, d2 = inertia(train, loading) / size.inertia
-        u = _valve_spring(train.motion.y, size, spring_factor) if retuned else load(train, loading) / (stiffness * q)
+        d, d1, d2 = loading.inertia(train) / size.inertia
+        u = _valve_spring(train.motion.y, size, spring_factor) if retuned else loading.potential(train) / (stiffness * q)
         # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
         big = 1.0 + heaviest * d
         return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])

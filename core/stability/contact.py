@@ -7,18 +7,17 @@ nothing depends on the wind-up, so dwells are left out of that test.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 
 from core.cam import CamShape
-from core.derivatives import Derivatives
-from core.dynamics import Loading, newton_euler
+from core.dynamics import Loading, OutputForce, newton_euler
 from core.motion import Angles, Program
 from core.stability.coefficients import RETUNED, Sizes
 from core.stability.panels import Panels, fit
-from core.train import Pose, Train
+from core.train import Train
 
 TrainAndShapeAt = Callable[[Angles], tuple[Train, CamShape]]
 
@@ -57,41 +56,20 @@ def contact(
     """The contact forces of a machine: Q, K_s [N m/rad]. Raises NoAnswer where there is no cam."""
     mass = sizes.inertia / sizes.slope**2
     unit = mass * sizes.curvature
-    inertia = replace(loading, force=0.0, rate=0.0, friction=0.0, gravity=0j)
     if spring == RETUNED:
         rate = factor * unit / sizes.stroke
-        held, scale = replace(inertia, force=rate * sizes.lowest, rate=rate), unit
+        held, scale = Loading((), (OutputForce(rate * sizes.lowest, rate),)), unit
     else:
         # F_0 / (M X''m ω²) = η² F_0 I_c / (K_s M X''m)
-        held, scale = replace(loading, friction=0.0), unit * q * stiffness / sizes.inertia
+        held, scale = loading.smooth, unit * q * stiffness / sizes.inertia
+    inertial = loading.inertial
 
     def functions(angles: Angles) -> np.ndarray:
         train, shape = at(angles)
-        rows = (
-            (_with_rates(train, _standing), held, scale),
-            (train, inertia, unit),
-            (_with_rates(train, _speeding_up), inertia, unit),
-        )
-        return np.array([newton_euler(t, shape, loads, 1.0).contact / by for t, loads, by in rows])
+        standing = newton_euler(train, shape, held, 0.0)
+        turning = newton_euler(train, shape, inertial, 1.0)
+        speeding_up = newton_euler(train, shape, inertial, 0.0, acceleration=1.0)
+        return np.array([standing.contact / scale, turning.contact / unit, speeding_up.contact / unit])
 
     panels = fit(functions, program, 3)
     return Contact(panels, spring != RETUNED, program.way_of[panels.piece] != 0.0, unit)
-
-
-def _with_rates(train: Train, change: Callable[[np.ndarray], np.ndarray]) -> Train:
-    """The train with other derivatives: accelerations are read from the second ones."""
-    bodies: Mapping[str, Pose] = {
-        name: replace(pose, origin=Derivatives.of(change(pose.z)), turn=Derivatives.of(change(pose.angle)))
-        for name, pose in train.bodies.items()
-    }
-    return replace(train, bodies=bodies)
-
-
-def _standing(rows: np.ndarray) -> np.ndarray:
-    """Nothing moves: loads only."""
-    return np.concatenate((rows[:1], np.zeros_like(rows[1:])))
-
-
-def _speeding_up(rows: np.ndarray) -> np.ndarray:
-    """θ̈ = 1 from rest: every second derivative by time is the first by cam angle."""
-    return np.stack((rows[0], np.zeros_like(rows[1]), rows[1], np.zeros_like(rows[1])))

@@ -7,7 +7,6 @@ from dataclasses import fields
 from core.design import Elastic, SingleCam, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
-from core.stability.coefficients import inertia
 from core.train import Train
 
 USUAL_Q, USUAL_ETA = 0.05, 10.25  # between two tongues, which stand at halves
@@ -16,7 +15,7 @@ USUAL_Q, USUAL_ETA = 0.05, 10.25  # between two tongues, which stand at halves
 def first_guess(train: Train, loading: Loading, omega: float) -> Elastic | None:
     """A shaft at Q = 0.05 and η = 10.25, both usual: I_c = max J / Q, K_s = I_c (η ω)²; rounded to three digits, for it is a
     guess. None where nothing is moved. omega [rad/s]."""
-    largest = float(inertia(train, loading)[0].max(initial=0.0))
+    largest = float(loading.inertia(train)[0].max(initial=0.0))
     if largest <= 0.0:
         return None
     own = largest / USUAL_Q

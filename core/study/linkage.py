@@ -12,7 +12,7 @@ import numpy as np
 from core import cam, dynamics, mechanism, motion
 from core.cam import CamShape
 from core.design import CRANK, Linkage, LinkageCam, LinkageDesign, LinkageLoads, si
-from core.dynamics import LinkageForces, LinkLoading, link_loading, linkage_forces
+from core.dynamics import Forces, Loading, link_loading
 from core.errors import NoAnswer, NoPosition, angle_list
 from core.extremes import Extreme, Range
 from core.findings import ERROR, NOTE, Finding, Residual
@@ -22,7 +22,7 @@ from core.motion import EPS, Angles, MotionState, Program, degrees, program
 from core.study.base import Study
 from core.study.linkage_quantities import body_of, names_of, quantity
 from core.study.quantities import Quantity
-from core.study.stages import cam_stage, grid, motion_stage, remembered, stage
+from core.study.stages import cam_stage, dynamics_stage, grid, motion_stage, remembered, stage
 from core.train import REVOLUTE, Train
 
 _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
@@ -53,18 +53,9 @@ def centres_of(linkage: Linkage, course: Course, state: MotionState) -> CentreTa
     return all_centres(train, course.plan.size)
 
 
-@stage("dynamics")
-def statics_stage(train: Train, shape: CamShape | None, loading: LinkLoading, omega: float) -> LinkageForces:
-    return linkage_forces(train, loading, omega, _contact(shape))
-
-
 @remembered
-def link_loads(loads: LinkageLoads) -> LinkLoading:
+def link_loads(loads: LinkageLoads) -> Loading:
     return link_loading(loads, body_name)
-
-
-def _contact(shape: CamShape | None) -> tuple[np.ndarray, np.ndarray, float] | None:
-    return None if shape is None else (shape.reference, shape.flank.normal, shape.sense)
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
@@ -186,16 +177,16 @@ class LinkageStudy(Study, of=LinkageDesign):
         return self._cam
 
     @cached_property
-    def dynamics(self) -> LinkageForces:
-        return self._stage(statics_stage, self.linkage, self._shape, self.loading, self.omega)
+    def dynamics(self) -> Forces:
+        return self._stage(dynamics_stage, self.linkage, self._shape, self.loading, self.omega)
 
     @property
     def _shape(self) -> CamShape | None:
         return self.cam if self.design.cam is not None else None
 
     @property
-    def loading(self) -> LinkLoading:
-        loads: LinkLoading = link_loads(self.design.loads)
+    def loading(self) -> Loading:
+        loads: Loading = link_loads(self.design.loads)
         return loads
 
     # -- what stages share ------------------------------------------------------------------------------
@@ -307,10 +298,9 @@ class LinkageStudy(Study, of=LinkageDesign):
             proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, reach), 64.0 * EPS)
         if "dynamics" in wanted:
             bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())
-            parts = (self.linkage, self.dynamics, self.loading)
-            proof["power_balance"] = _worst(dynamics.linkage_power_residual(*parts), bound)
-            momentum = dynamics.linkage_momentum_residual(*parts, _contact(self._shape))
-            proof["momentum_balance"] = _worst(momentum, bound)
+            parts = (self.linkage, self._shape, self.dynamics, self.loading)
+            proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
+            proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
         return proof
 
     def _over_lever(self) -> np.ndarray:

@@ -74,10 +74,10 @@ _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], 
 )  # fmt: skip
 _OWN: Mapping[str, Quantity] = MappingProxyType(
     {
-        "driver_torque": Quantity("dynamics", lambda s: s.dynamics.torque),
-        "driver_force": Quantity("dynamics", lambda s: s.dynamics.torque),
+        "driver_torque": Quantity("dynamics", lambda s: s.dynamics.driver),
+        "driver_force": Quantity("dynamics", lambda s: s.dynamics.driver),
         "roller_force": Quantity("dynamics", lambda s: s.dynamics.contact),
-        "camshaft_torque": Quantity("dynamics", lambda s: s.dynamics.camshaft),
+        "camshaft_torque": Quantity("dynamics", lambda s: s.dynamics.torque),
     }
 )
 
@@ -119,14 +119,14 @@ def names_of(design: LinkageDesign) -> tuple[str, ...]:
 
 
 def _forces(design: LinkageDesign) -> list[str]:
-    from core.mechanism import pair_names, plan_of  # not before there is a linkage
+    from core.mechanism import mechanism_of  # not before there is a linkage
 
     pair = driver_pair(design.linkage)
     if design.cam is not None:
         names = ["roller_force", "camshaft_torque"]
     else:
         names = ["driver_torque" if pair is not None and is_pin(pair) else "driver_force"]
-    for joint, name in pair_names(plan_of(design.linkage)).items():
+    for joint, name in mechanism_of(design.linkage).pair_names().items():
         names += [f"force.{name}_{what}" for what in ("x", "y", "size")]
         names += [] if joint.revolute else [f"couple.{name}"]
     return names

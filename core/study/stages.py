@@ -13,8 +13,9 @@ from core.cam import CamShape, envelope
 from core.design import Cam, Elastic, Follower, Loads, Motion, si
 from core.dynamics import Forces, Loading, loading_of, newton_euler
 from core.errors import NoStability
+from core.followers import built
 from core.keeping import locked
-from core.linkage import train_of
+from core.mechanism.assembly import solve_mechanism
 from core.motion import Angles, MotionState, degrees, program
 from core.train import Train
 
@@ -75,7 +76,7 @@ def motion_stage(motion: Motion, angles: Angles) -> MotionState:
 
 @stage("linkage")
 def linkage_stage(follower: Follower, reach: float, motion: MotionState) -> Train:
-    return train_of(follower, reach, motion)
+    return solve_mechanism(built(follower, reach), motion)
 
 
 @stage("cam")
@@ -84,7 +85,7 @@ def cam_stage(train: Train, cam: Cam, sense: float) -> CamShape:
 
 
 @stage("dynamics")
-def dynamics_stage(train: Train, shape: CamShape, loading: Loading, omega: float) -> Forces:
+def dynamics_stage(train: Train, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
     return newton_euler(train, shape, loading, omega)
 
 
@@ -98,7 +99,7 @@ def shaft_coefficients(
     compiled = program(motion)
     try:
         return coefficients(
-            lambda angles: train_of(follower, reach, compiled.state(angles)),
+            lambda angles: solve_mechanism(built(follower, reach), compiled.state(angles)),
             loading(follower, loads), compiled, inertia, stiffness, spring, factor,
         )  # fmt: skip
     except NoStability as error:
@@ -120,7 +121,7 @@ def stability_stage(
     compiled = program(motion)
 
     def train_and_shape(angles: Angles) -> tuple[Train, CamShape]:
-        train = train_of(follower, reach, compiled.state(angles))
+        train = solve_mechanism(built(follower, reach), compiled.state(angles))
         return train, envelope(train, cam, sense)
 
     return stability(made, elastic, omega, train_and_shape, loading(follower, loads), compiled)

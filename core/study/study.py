@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import cam, dynamics, linkage, motion
+from core import cam, dynamics, followers, motion
 from core.cam import CamShape
 from core.design import SingleCam, kind_of, si
 from core.dynamics import Forces, Loading
@@ -186,7 +186,7 @@ class CamStudy(Study, of=SingleCam):
     def _findings_of(self, stage: str) -> list[Finding]:
         rows: Mapping[str, Callable[[], list[Finding]]] = {
             "motion": lambda: motion.findings(self.program),
-            "linkage": lambda: linkage.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
+            "linkage": lambda: followers.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
             "cam": lambda: cam.findings(
                 self.extremes("cam", ("pressure_angle", "pitch_curvature")),
                 self.linkage.pairs[self.linkage.ground].kind,

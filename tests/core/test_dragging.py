@@ -1,4 +1,4 @@
-"""core.mechanism.joints with core.mechanism.dragging and core.linkage.dragging: a joint is put where it is wanted, and the
+"""core.followers.joints with core.mechanism.dragging and core.followers.dragging: a joint is put where it is wanted, and the
 typed lengths follow."""
 
 import cmath
@@ -16,8 +16,9 @@ from mechanisms import LIFT
 
 from core.design import LAYOUTS, CamSlider, Design, LinkageDesign, SingleCam, faults, put
 from core.errors import NoAssembly
-from core.linkage import base_position
-from core.mechanism import joints_of, move_joint, with_point_at
+from core.followers import base_position
+from core.followers.joints import joints_of, move_joint
+from core.mechanism import with_point_at
 from core.project import load
 from core.study import Study
 from core.train import Train

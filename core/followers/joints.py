@@ -9,7 +9,7 @@ from typing import Any
 
 from core.design import Design, LinkageDesign, SingleCam
 from core.design.linkage_paths import place_of
-from core.linkage.dragging import drags_of, with_joint_at
+from core.followers.dragging import drags_of, with_joint_at
 from core.mechanism.dragging import movable, with_point_at
 from core.train import Train
 

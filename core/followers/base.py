@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from core.design import CamSlider, si
 from core.errors import NoAssembly
-from core.linkage.triangle import opposite_angle
+from core.mechanism.triangle import opposite_angle
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from typing import Any
 from core.design import CamSlider, SingleCam, Translating, put, si
 from core.design.units import split_unit
 from core.errors import NoAssembly
-from core.linkage.base import LAYOUT_TABLE, Layout, base_position
-from core.linkage.triangle import area4_of
+from core.followers.base import LAYOUT_TABLE, Layout, base_position
+from core.mechanism.triangle import area4_of
 from core.train import Train
 
 Changes = Mapping[str, Any]

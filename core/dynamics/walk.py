@@ -1,0 +1,196 @@
+"""One walk of forces through a mechanism: from its outermost dyad or group to the driver, every reaction on the way.
+
+A dyad is cut open where its loop was closed: the force F there does no work in its two coordinates but against the loads,
+dot(c1, F) = -Q1, dot(c2, F) = -Q2, with the columns c1, c2 of the kinematic loop; all other reactions follow by balance.
+Each kind of dyad is one row. A body that nothing loads is passed by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from core.dynamics.elements import Load
+from core.train import FRAME, REVOLUTE, Dyad, Pair, Train
+from core.vectors import cross, dot
+
+Number = float | np.ndarray
+
+
+class Walk:
+    """Loads on each body: resultant force and moment about ``origin``, a point near the bodies, reactions of what is solved
+    included.
+
+    pairs    pair -> (n,) force [N] by ``on`` on ``body``, at the body's point of the pair; friction is not in it
+    couples  sliding pair -> (n,) couple [N m] by ``on`` on ``body``
+    needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
+    """
+
+    def __init__(self, train: Train, loads: Iterable[Load]) -> None:
+        self.train = train
+        self.origin = _near(train)
+        self.force: dict[str, np.ndarray] = {}
+        self.moment: dict[str, np.ndarray] = {}
+        self.pairs: dict[str, np.ndarray] = {}
+        self.couples: dict[str, np.ndarray] = {}
+        for load in loads:
+            self.load(load.body, load.at - self.origin, load.force, load.couple)
+        for dyad in train.dyads:
+            if any(body in self.force for body in dyad.bodies):
+                for body in dyad.bodies:
+                    self.load(body, np.zeros(1), np.zeros(1, dtype=complex))
+                STATICS[dyad.kind](self, dyad)
+        self.needed = self._driver()
+
+    def _driver(self) -> np.ndarray:
+        train = self.train
+        driver, pair = train.output, train.driver_pair
+        if driver not in self.force:
+            return np.zeros(1)
+        if pair.kind == REVOLUTE:
+            needed = -self.about(driver, self.place(pair))
+        else:
+            line = self.line(pair)
+            needed = -dot(line, self.force[driver])
+            self.load(driver, self.place(pair), needed * line)
+            self.react(train.driver_name, driver, -1j * line * dot(1j * line, self.force[driver]))
+            return np.asarray(needed)
+        self.react(train.driver_name, driver, -self.force[driver])
+        return np.asarray(needed)
+
+    def load(self, body: str, at: np.ndarray, force: np.ndarray, couple: Number = 0.0) -> None:
+        """A force at a place [m, from the origin of moments] and a couple on a body; the frame bears anything."""
+        if body == FRAME:
+            return
+        moment = cross(at, force) + couple
+        if body in self.force:
+            force, moment = self.force[body] + force, self.moment[body] + moment
+        self.force[body], self.moment[body] = force, moment
+
+    def place(self, pair: Pair) -> np.ndarray:
+        """Where the body has its point of a pair (n,), from the origin of moments."""
+        return self.train.bodies[pair.body].place(pair.point) - self.origin
+
+    def line(self, pair: Pair) -> np.ndarray:
+        """The direction of a sliding pair (n,)."""
+        return self.train.line(pair)
+
+    def about(self, body: str, at: np.ndarray) -> np.ndarray:
+        """Moment of a body's loads about a place."""
+        return self.moment[body] - cross(at, self.force[body])
+
+    def react(self, name: str, body: str, force: np.ndarray) -> None:
+        """The pair's force on ``body``, one of its two bodies; a sliding pair's couple balances what is left of that
+        body's moment. Both go to the other body too, and into the tables as by ``on`` on ``body`` of the pair."""
+        pair = self.train.pairs[name]
+        at = self.place(pair)
+        other = pair.on if body == pair.body else pair.body
+        sign = 1.0 if body == pair.body else -1.0
+        self.load(body, at, force)
+        couple: Number = 0.0
+        if pair.kind != REVOLUTE:
+            couple = -self.about(body, at)
+            self.couples[name] = sign * couple
+            self.moment[body] = self.moment[body] + couple
+        self.pairs[name] = sign * force
+        self.load(other, at, -force, -couple)
+
+
+def _near(train: Train) -> complex:
+    """A point near the bodies: moments about one far away would lose digits."""
+    pair = train.driver_pair
+    return complex(train.bodies[pair.body].place(pair.point).flat[0])
+
+
+def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -> np.ndarray:
+    """F with dot(c1, F) = -q1 and dot(c2, F) = -q2."""
+    return (1j * c2 * q1 - 1j * c1 * q2) / cross(c1, c2)
+
+
+def _rrr(walk: Walk, dyad: Dyad) -> None:
+    a, b = dyad.bodies
+    outer_a, inner, outer_b = dyad.pairs
+    pin_a, joint, pin_b = (walk.place(walk.train.pairs[name]) for name in dyad.pairs)
+    force = _cut_force(1j * (joint - pin_a), -1j * (joint - pin_b), walk.about(a, pin_a), walk.about(b, pin_b))
+    walk.react(inner, a, force)
+    walk.react(outer_a, a, -walk.force[a])
+    walk.react(outer_b, b, -walk.force[b])
+
+
+def _rrp(walk: Walk, dyad: Dyad) -> None:
+    a, b = dyad.bodies
+    outer, inner, guide = dyad.pairs
+    pin, joint = walk.place(walk.train.pairs[outer]), walk.place(walk.train.pairs[inner])
+    t = walk.line(walk.train.pairs[guide])
+    force = _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b]))
+    walk.react(inner, a, force)
+    walk.react(outer, a, -walk.force[a])
+    walk.react(guide, b, -walk.force[b])
+
+
+def _rpr(walk: Walk, dyad: Dyad) -> None:
+    a, b = dyad.bodies
+    outer_a, inner, outer_b = dyad.pairs
+    pin_a, pin_b = walk.place(walk.train.pairs[outer_a]), walk.place(walk.train.pairs[outer_b])
+    t = walk.line(walk.train.pairs[inner])
+    turning = walk.about(a, pin_b) + walk.about(b, pin_b)
+    walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force[a])))
+    walk.react(inner, a, -walk.force[a])
+    walk.react(outer_b, b, -walk.force[b])
+
+
+def _prp(walk: Walk, dyad: Dyad) -> None:
+    a, b = dyad.bodies
+    guide_a, inner, guide_b = dyad.pairs
+    t1, t2 = walk.line(walk.train.pairs[guide_a]), walk.line(walk.train.pairs[guide_b])
+    walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force[a]), dot(t2, walk.force[b])))
+    walk.react(guide_a, a, -walk.force[a])
+    walk.react(guide_b, b, -walk.force[b])
+
+
+def _rpp(walk: Walk, dyad: Dyad) -> None:
+    a, b = dyad.bodies
+    outer, inner, guide = dyad.pairs
+    t1, t2 = walk.line(walk.train.pairs[inner]), walk.line(walk.train.pairs[guide])
+    both = walk.force[a] + walk.force[b]
+    walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, both)))
+    walk.react(inner, a, -walk.force[a])
+    walk.react(guide, b, -walk.force[b])
+
+
+def _group(walk: Walk, dyad: Dyad) -> None:
+    """All reactions of a group at once, by the balance of each of its bodies."""
+    train, size = walk.train, 3 * len(dyad.bodies)
+    matrix = np.zeros((train.theta.size, size, size))
+    columns: list[tuple[str, np.ndarray, np.ndarray]] = []
+    for i, name in enumerate(dyad.pairs):
+        pair = train.pairs[name]
+        at = walk.place(pair)
+        one = np.ones_like(at)
+        pulls = (
+            ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.line(pair), 0.0), (0.0 * one, 1.0))
+        )
+        for k, (pull, couple) in enumerate(pulls):
+            for body, sign in ((pair.body, 1.0), (pair.on, -1.0)):
+                if body in dyad.bodies:
+                    row = 3 * dyad.bodies.index(body)
+                    matrix[:, row, 2 * i + k], matrix[:, row + 1, 2 * i + k] = sign * pull.real, sign * pull.imag
+                    matrix[:, row + 2, 2 * i + k] = sign * (cross(at, pull) + couple)
+        columns.append((name, *(pull for pull, _ in pulls)))  # type: ignore[arg-type]
+    loads = [part for b in dyad.bodies for part in (walk.force[b].real, walk.force[b].imag, walk.moment[b])]
+    found = np.linalg.solve(matrix, -np.array(loads).T[..., None])[..., 0].T
+    for i, (name, first, second) in enumerate(columns):
+        pair = train.pairs[name]
+        force = found[2 * i] * first + found[2 * i + 1] * second
+        couple = found[2 * i + 1] if pair.kind != REVOLUTE else 0.0 * found[0]
+        walk.pairs[name] = force
+        if pair.kind != REVOLUTE:
+            walk.couples[name] = couple
+        walk.load(pair.on, walk.place(pair), -force, -couple)
+
+
+STATICS: Mapping[str, Callable[[Walk, Dyad], None]] = MappingProxyType(
+    {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "PRP": _prp, "RPP": _rpp, "group": _group}
+)

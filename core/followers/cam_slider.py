@@ -1,0 +1,92 @@
+"""The cam-driven slider: roller arm and slider arm on one pivot, rod, slider on a guide (Shin1995 §2)."""
+
+from __future__ import annotations
+
+import cmath
+
+import numpy as np
+
+from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, Place, Side, Slider, si
+from core.errors import NoAssembly, angle_ranges
+from core.followers.base import base_position
+from core.mechanism.mechanism import Mechanism, Reference
+from core.mechanism.solving import Solved
+from core.motion import MotionState
+
+ARM, ROD, SLIDER = 2, 3, 4
+EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
+
+
+def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
+    """In the guide's frame, origin at the pivot: the slider leads at L = L0 + y on the line y = H; arm and rod follow as a
+    dyad of three pins, Shin1995 (9)-(14), whose triangle needs no tangent substitution.
+
+    reach [m] is Br + Rr. Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
+    """
+    g, base = si(follower), base_position(follower, reach)
+    roller = cmath.rect(follower.roller_arm_mm, g.fixed_angle)
+    linkage = Linkage(
+        (
+            Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
+            Link(ARM, (
+                Place("pivot", 0.0, 0.0), Place("arm_pin", follower.slider_arm_mm, 0.0), Place("roller", roller.real, roller.imag),
+            )),
+            Link(ROD, (Place("arm_pin", 0.0, 0.0), Place("slider_pin", follower.rod_mm, 0.0))),
+            Link(SLIDER, (Place("slider_pin", 0.0, 0.0),)),
+        ),
+        (Slider(link=SLIDER, on=FRAME_LINK, through_y_mm=follower.guide_height_mm),),
+        Driver(SLIDER, "motion"),
+        (Side("arm_pin", round(base.sigma)),),
+    )  # fmt: skip
+    guide = str(SLIDER)
+
+    def across(solved: Solved) -> dict[str, np.ndarray]:
+        """|cos β|: a rod across the guide cannot move the slider."""
+        return {"rod-across-guide": np.abs(solved.poses[ROD].unit.real)}
+
+    def refuse(motion: MotionState, solved: Solved, lost: np.ndarray) -> NoAssembly:
+        return _refusal(follower, base.slider, motion, lost)
+
+    return Mechanism(
+        linkage,
+        {ARM: "arm", ROD: "rod", SLIDER: "slider"},
+        Reference(ARM, "roller"),
+        complex(g.pivot_x, g.pivot_y),
+        g.guide_angle,
+        base.slider,
+        pairs={guide: "guide"},
+        by={"arm_pin": ROD, "slider_pin": ROD},
+        points={guide: "slider_pin"},
+        coordinates={"slider_position": guide, "phi": ARM, "beta": ROD},
+        angles={ARM: base.phi, ROD: base.beta},
+        base={
+            "slider": (base.slider, "mm"),
+            "phi": (base.phi, "deg"),
+            "alpha": (base.alpha, "deg"),
+            "beta": (base.beta, "deg"),
+        },
+        singular={"arm_pin": "dead-centre"},
+        more_singular=across,
+        refuse=refuse,
+    )
+
+
+def _refusal(follower: CamSlider, start: float, motion: MotionState, lost: np.ndarray) -> NoAssembly:
+    """Why arm and rod do not reach the slider, or lie in line, at the angles that are lost (n,)."""
+    g, where = si(follower), angle_ranges(motion.theta, lost)
+    r = np.hypot(start + motion.y[0][lost], g.guide_height) * 1e3
+    low, high = abs(g.slider_arm - g.rod) * 1e3, (g.slider_arm + g.rod) * 1e3
+    if not ((r > high * (1.0 + EPS_LENGTH)) | (r < low * (1.0 - EPS_LENGTH))).any():
+        return NoAssembly(
+            "rod and slider arm lie in line (dead centre): the slider cannot drive the arm",
+            "follower.rod_mm",
+            "change the lengths or the stroke",
+            where,
+        )
+    worst = r.max() if r.max() > high else r.min()
+    return NoAssembly(
+        f"slider arm and rod cannot reach the slider, which comes to {worst:.9g} mm from the pivot,",
+        "follower.rod_mm",
+        f"that distance must stay within {low:.9g} ... {high:.9g} mm: change the lengths or the stroke",
+        where,
+    )

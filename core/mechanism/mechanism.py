@@ -1,0 +1,105 @@
+"""What is solved: a linkage in a frame of its own, where that frame stands, what drives it, and what its parts are called."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.design import FRAME_LINK, Linkage
+from core.errors import NoAnswer
+from core.mechanism.plan import Joint, Plan, plan_of
+from core.mechanism.solving import Solved
+from core.motion import MotionState
+from core.train import FRAME
+
+ROLLER = "roller"
+
+
+def _none() -> Mapping[Any, Any]:
+    return MappingProxyType({})
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The point of a link that the cam acts on: a roller's centre, the centre of a shoe, a knife's edge.
+
+    ``body`` is the name of the body that stands for it: the link's own where the point is its origin.
+    """
+
+    link: int
+    point: str
+    body: str = ROLLER
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """A linkage ready to be solved, and how it is read.
+
+    linkage      links, pairs and driver, in the mechanism's own frame
+    place, turn  of that frame in the global one: its origin [m], complex, and the angle of its x axis [rad]
+    start, sense the driver stands at q = start + sense y, y the motion [m or rad]
+    bodies       link -> name of its body
+    pairs        joint -> name of the pair; by: joint -> link that exerts the force which tables name so (else the one
+                 that is solved first); points: joint of a sliding pair -> name of the point of the link that slides
+    coordinates  name as in tables -> link (its angle in the own frame) or joint of a sliding pair (its slide)
+    angles       link -> its angle in the own frame at the base position [rad], whole turns included
+    base         the base position: name -> (value in SI, unit)
+    singular     joint of a dyad -> code of the finding where the sine of its transmission angle vanishes; more:
+                 further codes, from the solved poses in the own frame
+    refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
+    require      raises NoAnswer for a motion that the mechanism cannot follow although its links meet
+    """
+
+    linkage: Linkage
+    bodies: Mapping[int, str]
+    reference: Reference | None = None
+    place: complex = 0j
+    turn: float = 0.0
+    start: float = 0.0
+    sense: float = 1.0
+    pairs: Mapping[str, str] = field(default_factory=_none)
+    by: Mapping[str, int] = field(default_factory=_none)
+    points: Mapping[str, str] = field(default_factory=_none)
+    coordinates: Mapping[str, int | str] = field(default_factory=_none)
+    angles: Mapping[int, float] = field(default_factory=_none)
+    base: Mapping[str, tuple[float, str]] = field(default_factory=_none)
+    singular: Mapping[str, str] = field(default_factory=_none)
+    more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
+    refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
+    require: Callable[[MotionState], None] | None = None
+
+    @property
+    def plan(self) -> Plan:
+        return plan_of(self.linkage)
+
+    def pair_names(self) -> Mapping[Joint, str]:
+        """Every pair with its name, the driver's first; further links on one pin add theirs."""
+        names: dict[Joint, str] = {}
+        for joint in self.plan.joints:
+            name = self.pairs.get(joint.name, joint.name)
+            taken = name in names.values()
+            names[joint] = f"{name}_{self.bodies[joint.second.link]}" if taken else name
+        return MappingProxyType(names)
+
+
+def body_name(link: int) -> str:
+    """The name of a link of a [linkage] among the bodies."""
+    return FRAME if link == FRAME_LINK else f"link{link}"
+
+
+def link_number(body: str) -> int:
+    """The number of the link that is this body of a [linkage]."""
+    return FRAME_LINK if body == FRAME else int(body.removeprefix("link"))
+
+
+def mechanism_of(linkage: Linkage, reference: Reference | None = None) -> Mechanism:
+    """A [linkage] of the file as it stands: its frame is the global one, its bodies are called by their links' numbers."""
+    sliding = {str(s.link): s.link for s in linkage.sliders}
+    names = MappingProxyType({n: body_name(n) for n in sorted(linkage.by_number)})
+    coordinates: dict[str, int | str] = {name: n for n, name in names.items() if n != FRAME_LINK}
+    coordinates.update({f"slide{joint}": joint for joint in sliding})
+    return Mechanism(linkage, names, reference, coordinates=MappingProxyType(coordinates))
