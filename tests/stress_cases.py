@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -45,12 +44,11 @@ from references import (
     sensitivity,
     two_circles,
 )
+from rods import arm_and_rod, metres
 from shafts import KIM, coefficients
 
 from core.cam import relative_motion
 from core.design import SingleCam, si
-from core.linkage import rod_and_arm
-from core.linkage.base import BasePosition
 from core.motion import TURN, Program
 from core.stability import Coefficients, tongues
 from core.study import Study
@@ -236,20 +234,22 @@ def _half_angle(p: float, q: float, r: float, goal: Any) -> float:
 
 
 def triangle(l1: float, l2: float, height: float, slider: float, sigma: float) -> Sample:
-    """Both angles of arm and rod; the bound is 1.3 eps (1 + S/K), and half an ulp of an angle."""
+    """Both angles of arm and rod; the bound is 3 eps (1 + S/K), and half an ulp of an angle."""
+    a, b, h = l1, l2, height
+    l1, l2, height = map(metres, (l1, l2, height))
     pin_a = Series([slider + 1j * MP.mpf(height), 0, 0, 0])
     pin_b = two_circles(Series([0, 0, 0, 0]), MP.mpf(l1), pin_a, MP.mpf(l2), int(sigma))
     exact = [direction(pin_b).c[0], direction(pin_a - pin_b).c[0]]
-    g = SimpleNamespace(slider_arm=l1, rod=l2, guide_height=height)
-    base = BasePosition(slider, float(exact[0]), 0.0, float(exact[1]), sigma)
-    got = rod_and_arm(g, base, np.array([[0.0], [1.0], [0.0], [0.0]]))
+    got = arm_and_rod(l1, l2, height, slider, sigma, float(exact[0]), float(exact[1]))
     r2 = slider**2 + height**2
-    bound = 1.3 * EPS * (1.0 + (r2 + l1**2 + l2**2) / float(got.area[0])) + EPS * 0.5 * math.pi
-    error = max(apart(got.phi[0][0], exact[0]), apart(got.beta[0][0], exact[1]))
-    vectors = max(off(complex(got.arm[0]), MP.expj(exact[0])), off(complex(got.rod[0]), MP.expj(exact[1])))
+    area = 2.0 * l1 * l2 * float(got.singular["pin"][0])
+    bound = 3.0 * EPS * (1.0 + (r2 + l1**2 + l2**2) / area) + EPS * 0.5 * math.pi
+    error = max(apart(got.coordinates[name][0, 0], angle) for name, angle in zip(("phi", "beta"), exact, strict=True))
+    poses = zip((got.bodies["arm"], got.bodies["rod"]), exact, strict=True)
+    vectors = max(off(complex(pose.unit[0]), MP.expj(angle)) for pose, angle in poses)
     printed = max(
-        _half_angle(2 * slider * l1, 2 * height * l1, l2**2 - slider**2 - l1**2 - height**2, exact[0]),
-        _half_angle(2 * slider * l2, 2 * height * l2, l1**2 - slider**2 - l2**2 - height**2, exact[1]),
+        _half_angle(2 * slider * a, 2 * h * a, b**2 - slider**2 - a**2 - h**2, exact[0]),
+        _half_angle(2 * slider * b, 2 * h * b, a**2 - slider**2 - b**2 - h**2, exact[1]),
     )
     return Sample(max(error, vectors), bound, printed)
 
@@ -259,13 +259,13 @@ def rates(l1: float, l2: float, height: float, slider: float, sigma: float) -> S
 
     The k-th falls like K^-(2k-1): of sides that are given K keeps 4 eps, what it is divided into some ten more.
     """
+    l1, l2, height = map(metres, (l1, l2, height))
     pin_a = Series([slider + 1j * MP.mpf(height), 1, 0, 0])
     pin_b = two_circles(Series([0, 0, 0, 0]), MP.mpf(l1), pin_a, MP.mpf(l2), int(sigma))
     exact = [direction(pin_b).derivatives, direction(pin_a - pin_b).derivatives]
-    g = SimpleNamespace(slider_arm=l1, rod=l2, guide_height=height)
-    base = BasePosition(slider, float(exact[0][0]), 0.0, float(exact[1][0]), sigma)
-    got = rod_and_arm(g, base, np.array([[0.0], [1.0], [0.0], [0.0]]))
-    told = [(float(got[k][0]), reference[k], k) for got, reference in zip((got.phi, got.beta), exact, strict=True) for k in (1, 2, 3)]
+    got = arm_and_rod(l1, l2, height, slider, sigma, float(exact[0][0]), float(exact[1][0]))
+    rows = zip((got.coordinates["phi"], got.coordinates["beta"]), exact, strict=True)
+    told = [(float(row[k, 0]), reference[k], k) for row, reference in rows for k in (1, 2, 3)]
     return worst([Sample(off(value, right) / float(abs(right)), (10 + 4 * (2 * k - 1)) * EPS) for value, right, k in told])
 
 

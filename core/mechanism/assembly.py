@@ -78,7 +78,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
 def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Train:
     """Every link of a [linkage], and of a cam's roller, at the driver's positions motion.y (4, n). Raises NoPosition, naming
     the driver angles, where links do not meet."""
-    return solve_mechanism(mechanism_of(linkage, cam and Reference(cam.link, cam.point)), motion, course)
+    return solve_mechanism(mechanism_of(linkage, None if cam is None else Reference(cam.link, cam.point)), motion, course)
 
 
 def unit_speed_train(linkage: Linkage, positions: np.ndarray, course: Course) -> Train:

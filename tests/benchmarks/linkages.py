@@ -23,14 +23,15 @@ from benchmarks.plain import (
 )
 from benchmarks.table import Channels, Kernel, Method
 
-from core.linkage import train_of
+from core.followers import built
+from core.mechanism import solve_mechanism
 
 START = np.array([PHI0, BETA0])
 
 
 def ours(there: Any, setting: None) -> Channels:
     """Third derivatives, which only the cam's curvature asks for, are not made."""
-    train = train_of(there.follower, there.reach, there.motion)
+    train = solve_mechanism(built(there.follower, there.reach), there.motion)
     rod = train.bodies["rod"]
     return [*(pose.origin[order] for pose in (rod, train.follower) for order in range(3)), rod.unit]
 

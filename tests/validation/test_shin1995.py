@@ -7,16 +7,14 @@ import json
 import math
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mechanisms import LIFT, with_drive
 from references import EPS, MP, apart, cam_shape, off, solved, two_circles
+from rods import arm_and_rod
 
 from core.design import SingleCam, entries, put
-from core.linkage import rod_and_arm
-from core.linkage.base import BasePosition
 from core.project import load
 from core.study import Study
 
@@ -216,18 +214,17 @@ def test_the_tangent_substitution_divides_by_zero_where_the_rod_lies_level() -> 
         _ = numerator / denominator
     # atan2 saves this root and loses the other one: 0/0
     assert _rod(-1345.0, 1300.0, 845.0, 1200.0, 1.0) == (0.0, 0.0)
-    g = SimpleNamespace(slider_arm=1.300, rod=0.845, guide_height=1.200)
     s = 1.345**2 + 1.2**2 + 1.3**2 + 0.845**2
     for side in (1, -1):
         pin_b = two_circles(MP.mpc(0), MP.mpf(1.3), MP.mpc(-1.345, 1.2), MP.mpf(0.845), -side)
         phi, beta = MP.arg(pin_b), MP.arg(MP.mpc(-1.345, 1.2) - pin_b)
-        base = BasePosition(-1.345, float(phi), 0.0, float(beta), -float(side))
-        ours = rod_and_arm(g, base, np.zeros((4, 1)))
-        bound = 1.3 * EPS * (1.0 + s / float(ours.area[0])) + EPS * math.pi
-        assert apart(ours.phi[0][0], phi) <= bound
-        assert apart(ours.beta[0][0], beta) <= bound
-    level = math.degrees(rod_and_arm(g, BasePosition(-1.345, 1.9656, 0.0, math.pi, 1.0), np.zeros((4, 1))).beta[0][0])
-    other = math.degrees(rod_and_arm(g, BasePosition(-1.345, 2.8, 0.0, 1.2, -1.0), np.zeros((4, 1))).beta[0][0])
+        ours = arm_and_rod(1.3, 0.845, 1.2, -1.345, -float(side), float(phi), float(beta))
+        area = 2.0 * 1.3 * 0.845 * float(ours.singular["pin"][0])
+        bound = 3.0 * EPS * (1.0 + s / area) + EPS * math.pi
+        assert apart(ours.coordinates["phi"][0, 0], phi) <= bound
+        assert apart(ours.coordinates["beta"][0, 0], beta) <= bound
+    level = math.degrees(arm_and_rod(1.3, 0.845, 1.2, -1.345, 1.0, 1.9656, math.pi).coordinates["beta"][0, 0])
+    other = math.degrees(arm_and_rod(1.3, 0.845, 1.2, -1.345, -1.0, 2.8, 1.2).coordinates["beta"][0, 0])
     told = sorted(abs(x) for x in (level, other))
     assert told[1] == pytest.approx(180.0, abs=1e-12)
     assert told[0] < 170.0
