@@ -6,15 +6,14 @@ The quantity itself stands in ``core.study.quantities``; here is what a reader o
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
-from core.design import FOLLOWER_KINDS, Design, LinkageDesign, SingleCam, Unit, kind_of, split_unit
+from core.design import FOLLOWER_KINDS, Design, Unit, split_unit
 from core.study import QUANTITIES, Study, quantity
 from core.study.linkage_quantities import names_of
 
@@ -171,10 +170,10 @@ _TABLES: Mapping[str, str] = MappingProxyType({"motion": KINEMATICS, "linkage": 
 
 
 @lru_cache(maxsize=64)
-def linkage_channels(design: LinkageDesign) -> tuple[Channel, ...]:
+def linkage_channels(design: Design) -> tuple[Channel, ...]:
     """A row for each quantity of this very linkage."""
     shared = {row.quantity: row for row in _ROWS}
-    unit = design.motion.unit if design.motion is not None else ""
+    unit = design.drive.motion.unit if design.drive.motion is not None else ""
     return tuple(
         _for_unit(shared[name], unit) if name in shared else _linkage_row(name) for name in names_of(design)
     )
@@ -190,15 +189,14 @@ def _linkage_row(name: str) -> Channel:
     raise KeyError(name)
 
 
-ROWS_OF: Mapping[type, Callable[[Any], tuple[Channel, ...]]] = MappingProxyType(
-    {SingleCam: lambda design: CHANNELS[kind_of(design.drive.follower)], LinkageDesign: linkage_channels}
-)
-"""The rows of each kind of design."""
+
+def _rows_of(design: Design) -> tuple[Channel, ...]:
+    return linkage_channels(design) if design.drive.is_linkage else CHANNELS[design.drive.kind]
 
 
 def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:
     """The rows of this design, of the named stages or of all."""
-    rows, wanted = ROWS_OF[type(design)](design), tuple(stages)
+    rows, wanted = _rows_of(design), tuple(stages)
     return tuple(row for row in rows if not wanted or row.stage in wanted)
 
 

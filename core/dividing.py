@@ -14,6 +14,7 @@ import numpy as np
 from core.curves import shape_of
 from core.design import (
     Curve,
+    Design,
     End,
     Motion,
     Point,
@@ -26,7 +27,6 @@ from core.design import (
     with_motion,
 )
 from core.design.edits import rest
-from core.design.kinds import D
 from core.design.motions import with_marks_of
 from core.laws import LAWS, PieceTable, find_law
 
@@ -74,22 +74,22 @@ def with_segment_copied(motion: Motion, index: int) -> Motion:
     return _with_two(motion, index, (rest(segment.span_deg / 2.0, ()), segment.rise * height), (curve, curve))
 
 
-def split_segment(design: D, index: int, angle: float | None = None) -> D:
+def split_segment(design: Design, index: int, angle: float | None = None) -> Design:
     """``with_segment_split`` in a design: what is assumed of the segment is assumed of both parts."""
     return _doubled(design, with_segment_split(require_motion(design), index, angle), index)
 
 
-def copy_segment(design: D, index: int) -> D:
+def copy_segment(design: Design, index: int) -> Design:
     """``with_segment_copied`` in a design: what is assumed of the segment is assumed of its copy."""
     return _doubled(design, with_segment_copied(require_motion(design), index), index)
 
 
-def _doubled(design: D, motion: Motion, index: int) -> D:
+def _doubled(design: Design, motion: Motion, index: int) -> Design:
     old = range(len(require_motion(design).segments))
     return with_marks_of(with_motion(design, motion), [*old[: index + 1], index, *old[index + 1 :]])
 
 
-def add_point(design: D, index: int, angle: float | None = None) -> D:
+def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     """A point more for the spline of a segment, where it runs already: nothing moves until the point is moved. At a
     cam angle [deg] inside of the segment; None, or where a point stands already: in the middle of the longest stretch
     without one. Raises NoSpline where its points contradict."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
-from core.design import Design, SingleCam
+from core.design import Design
 from core.files import write_all
 from core.study import Study
 from core.summary import summary, to_json
@@ -40,7 +40,7 @@ def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
 def names(design: Design) -> tuple[str, ...]:
     """The files that a design can give; a quantity that does not exist may leave one out."""
     there = {row.table for row in channels(design)}
-    tongues = isinstance(design, SingleCam) and design.shaft.elastic is not None
+    tongues = design.shaft is not None and design.shaft.elastic is not None
     return (*(name for name in TABLES if name in there), *([TONGUES] if tongues else []), SUMMARY)
 
 

@@ -10,9 +10,8 @@ from itertools import accumulate
 from typing import Any
 
 from core.blend import Blended
-from core.design import Motion, Segment, SingleCam, join_levels, mirrored, require_motion, with_motion
+from core.design import Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
 from core.design.edits import back_at_start, rest, still
-from core.design.kinds import D, Design
 from core.design.motions import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
@@ -119,13 +118,13 @@ Numbered = tuple[Segment, int | None]
 """A segment, and its number in the motion it comes from; None where it is new."""
 
 
-def into_design(design: D, blended: Blended) -> D:
+def into_design(design: Design, blended: Blended) -> Design:
     """The design with a blended motion: over the whole turn where that comes back to where it starts, else in place of
     what the motion does between its angles. Raises DesignError."""
     return over_the_turn(design, blended) if abs(_gain(blended)) <= CLOSING else in_place(design, blended)
 
 
-def over_the_turn(design: D, blended: Blended) -> D:
+def over_the_turn(design: Design, blended: Blended) -> Design:
     """The design with its motion replaced by dwell - blended curves - dwell. Raises DesignError where the blended
     motion does not come back to where it starts, or is in another unit."""
     _require_unit(design, blended)
@@ -137,7 +136,7 @@ def over_the_turn(design: D, blended: Blended) -> D:
     return _turn(design, [(request.start, blended.segments)], 360.0 - request.end, _first_level(blended))
 
 
-def in_place(design: D, blended: Blended) -> D:
+def in_place(design: Design, blended: Blended) -> Design:
     """The design with the blended curves in place of what its motion does between their angles; the rest stays, and
     dwells that reach over an end are cut there.
 
@@ -174,7 +173,7 @@ def _require_unit(design: Design, blended: Blended) -> None:
         raise _refused("motion", f"a blend in {blended.request.unit}", "not the unit of this design's motion", unit)
 
 
-def _turn(design: D, runs: Sequence[tuple[float, Sequence[Segment]]], after: float, start: float) -> D:
+def _turn(design: Design, runs: Sequence[tuple[float, Sequence[Segment]]], after: float, start: float) -> Design:
     """The design with a motion of its own: runs of curves, each behind a dwell of so many degrees, and a last dwell."""
     segments: list[Segment] = []
     for dwell, curves in runs:
@@ -186,10 +185,10 @@ def _turn(design: D, runs: Sequence[tuple[float, Sequence[Segment]]], after: flo
 
 def _lowest(design: Design) -> float:
     """Where a motion over the whole turn has its lowest level: a cam's on the base circle, that of a link where it was."""
-    return 0.0 if isinstance(design, SingleCam) else min(join_levels(require_motion(design)))
+    return 0.0 if not design.drive.is_linkage else min(join_levels(require_motion(design)))
 
 
-def _there_and_back(design: D, blended: Blended) -> D:
+def _there_and_back(design: Design, blended: Blended) -> Design:
     """The blended stroke and its mirror image, about 180 degrees where both fit so, else in what is left of the turn."""
     request, curves = blended.request, blended.segments
     start, end = request.start, request.end

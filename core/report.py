@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from core.channels import Channel, channels
-from core.design import CRANK, UNITS, entries, kind_row
+from core.design import CRANK, UNITS, entries
 from core.findings import Finding
 from core.laws import find_law
 from core.study import LinkageStudy, Study
@@ -53,9 +53,14 @@ def _heading(text: str) -> list[str]:
     return ["", text, "-" * len(text)]
 
 
+_APART = ("motion", "linkage")  # which have tables of their own
+
+
 def _inputs(study: Study) -> list[str]:
     lines = []
-    for name in kind_row(study.design).report_sections:
+    for name in study.design.tables:
+        if name in _APART:
+            continue
         rows = []
         for entry in entries(study.design, name):
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
@@ -70,7 +75,7 @@ def _inputs(study: Study) -> list[str]:
 
 def linkage_inputs(study: LinkageStudy) -> list[str]:
     """Links with their points, sliding pairs, driver and branches, and what follows from how they hang together."""
-    linkage, assumed = study.design.linkage, study.design.assumed
+    linkage, assumed = study.design.drive.mechanism, study.design.assumed
     rows: list[Sequence[str]] = [("Link", "point", "x mm", "y mm", "")]
     for i, link in enumerate(linkage.links):
         for place in link.points:

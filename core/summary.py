@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.channels import channels, existing
-from core.design import UNITS, kind_row
+from core.design import UNITS
 from core.design.topology import mobility
 from core.errors import NoAnswer, NoStability
 from core.mechanism import four_bar
@@ -23,7 +23,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "name": study.design.name,
-        "kind": kind_row(study.design).slug,
+        "kind": "linkage" if study.design.drive.is_linkage else "cam",
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
             f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
@@ -99,7 +99,7 @@ def flywheel(study: Study) -> dict[str, float | None]:
 
 def mechanism(study: LinkageStudy) -> dict[str, Any]:
     """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
-    course, linkage = study.course, study.design.linkage
+    course, linkage = study.course, study.design.drive.mechanism
     unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
     suffix = "deg" if course.plan.driver.revolute else "mm"
     bar = four_bar(course.plan)

@@ -8,7 +8,7 @@ from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
 from core.blend import Blended
 from core.channels import channels
-from core.design import UNITS, Design, speed_rpm
+from core.design import UNITS, Design
 from core.study import Study
 from kindyna_gui.blend_fields import quiet
 from kindyna_gui.blend_words import HEADINGS, figures, table
@@ -110,7 +110,7 @@ class AnswerPanel(QFrame):
         """The curves, and the motion of a design that has them, over that of the design before; None: that has no
         place for them."""
         self.headline.setText("–".join(blended.curves))
-        self.figures.setText("\n".join(figures(blended, speed_rpm(before.design))))
+        self.figures.setText("\n".join(figures(blended, before.design.speed_rpm)))
         rows = table(blended)
         self.table.show_rows([Row(cells) for cells in rows])
         self._keep_height()

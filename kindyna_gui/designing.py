@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
 
-from core.design import Design, Elastic, SingleCam, motion_of, with_elastic
+from core.design import Design, Elastic, motion_of, with_elastic
 from core.errors import KindynaError
 from kindyna_gui.session import Refusal
 from kindyna_gui.shown_kinds import NO_MOTION, NO_SHAFT, only_cams
@@ -111,7 +111,7 @@ class Designing(QObject):
     @property
     def _elastic(self) -> Elastic | None:
         design = self._session.design
-        return design.shaft.elastic if isinstance(design, SingleCam) else None
+        return design.shaft.elastic if design.shaft is not None else None
 
     def make_rigid(self) -> None:
         """Take the elasticity out of the design."""

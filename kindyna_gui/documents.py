@@ -9,8 +9,7 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, Segment, SingleCam, kind_of
-from core.design.paths import with_section
+from core.design import FOLLOWER_KINDS, Design, Segment, with_drive
 from core.errors import KindynaError
 from core.project import load
 from kindyna_gui import dialogs
@@ -65,7 +64,7 @@ class Documents(QObject):
             return
         for _, path in examples():
             design = load(path)
-            if isinstance(design, SingleCam) and kind_of(design.drive.follower) == kind:
+            if design.drive.kind == kind:
                 self._session.start(_at_rest(design, FOLLOWER_KINDS[kind].label))
                 self.told.emit(f"Began with the lengths of {path.stem}; its motion is still to be laid out")
                 return
@@ -134,12 +133,12 @@ class Documents(QObject):
         dialogs.show_faults(self._window, what, str(error).splitlines())
 
 
-def _at_rest(design: SingleCam, label: str) -> SingleCam:
+def _at_rest(design: Design, label: str) -> Design:
     """The design without its motion: one dwell at the base position."""
     motion = replace(design.drive.motion, start=0.0, segments=(Segment(360.0, 0.0),))
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     renamed = replace(design, name=f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
-    return with_section(renamed, "motion", motion)
+    return with_drive(renamed, motion=motion)
 
 
 def dropped_design(event: QDropEvent) -> Path | None:

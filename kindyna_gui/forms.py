@@ -10,8 +10,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, Entry, SingleCam, entries, kind_of, kind_row
-from core.design.paths import section as section_of
+from core.design import FOLLOWER_KINDS, Design, Entry, entries, kind_of
 from core.findings import ERROR
 from core.project import to_table
 from core.study import Study
@@ -35,7 +34,7 @@ menu Compo."""
 
 def specs_of(design: Design, section: str) -> list[Spec]:
     """The rows of a section, in the order of the file."""
-    if isinstance(design, SingleCam):
+    if not design.drive.is_linkage:
         specs = {entry.path: Spec.of(entry) for entry in entries(design, section)}
         order = [f"{section}.{key}" for key in to_table(design)[section]]
         return [specs[path] for path in order if path in specs]
@@ -54,9 +53,7 @@ def _named(design: Design, entry: Entry) -> Spec:
 
 def _part(design: Design, section: str) -> Any:
     """The table of the design that a form shows; None where its kind has none of that name."""
-    if section not in kind_row(design).sections:
-        return None
-    return section_of(design, section) if isinstance(design, SingleCam) else getattr(design, section)
+    return design.tables.get(section)
 
 
 class Heading(QLabel):
@@ -130,9 +127,9 @@ class Form(QScrollArea):
 def kind_label(study: Study) -> str:
     """What kind of mechanism a design is, in a few words."""
     if is_linkage(study.design):
-        links = len(study.design.linkage.links)
-        return f"Linkage of {links} links{' and a cam' if study.design.cam is not None else ''}"
-    return FOLLOWER_KINDS[kind_of(study.design.drive.follower)].label
+        links = len(study.design.drive.mechanism.links)
+        return f"Linkage of {links} links{' and a cam' if study.design.drive.cam is not None else ''}"
+    return FOLLOWER_KINDS[kind_of(study.design.drive.mechanism)].label
 
 
 class ParametersView(View):

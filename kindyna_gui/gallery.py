@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, LinkageDesign, edited
+from core.design import Design, edited
 from core.errors import KindynaError
 from core.project import load
 from core.study import Study
@@ -80,7 +80,7 @@ def presets() -> list[Choice]:
     found = []
     for name, path in examples():
         design = load(path)
-        if isinstance(design, LinkageDesign):
+        if design.drive.is_linkage:
             found.append(Choice(name, design.name, partial(_loaded, path)))
     return found
 

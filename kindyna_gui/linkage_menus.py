@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
 
-from core.design import CRANK, Design, Driver, LinkageDesign
+from core.design import CRANK, Design, Driver
 from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from kindyna_gui.player import TURN
 from kindyna_gui.wording import driver_text
@@ -22,7 +22,7 @@ def fill_drivers(window: MainWindow, menu: QMenu) -> None:
     design = _linkage(window, menu)
     if design is None:
         return
-    group, now = QActionGroup(menu), design.linkage.driver
+    group, now = QActionGroup(menu), design.drive.mechanism.driver
     for driver in drivers(design):
         action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
         action.setStatusTip("The linkage goes on from the position in which it stands now")
@@ -36,7 +36,7 @@ def _same(one: Driver, other: Driver) -> bool:
 def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     """Let another link lead; the drawing stays as it stands."""
     session, player = window.session, window.player
-    if _same(driver, session.design.linkage.driver):
+    if _same(driver, session.design.drive.mechanism.driver):
         return
     before = session.design
     player.play(False)
@@ -47,7 +47,7 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     train = session.at(player.theta).linkage
     window.designing.change(changed, f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}")
     if session.design is not before:
-        player.set_theta(driver_place(session.design.linkage, train) % TURN if driver.kind == CRANK else 0.0)
+        player.set_theta(driver_place(session.design.drive.mechanism, train) % TURN if driver.kind == CRANK else 0.0)
 
 
 def fill_rollers(window: MainWindow, menu: QMenu) -> None:
@@ -55,17 +55,17 @@ def fill_rollers(window: MainWindow, menu: QMenu) -> None:
     design = _linkage(window, menu)
     if design is None:
         return
-    group, cam = QActionGroup(menu), design.cam
+    group, cam = QActionGroup(menu), design.drive.cam
     none = _choice(menu, group, "No cam", cam is None)
     none.triggered.connect(partial(_change, window, without_roller(design), "Take the cam away"))
     menu.addSeparator()
     for link, point in roller_places(design):
         here = cam is not None and cam.point == point
         action = _choice(menu, group, f"{point} on link {link}", here)
-        action.setEnabled(design.motion is not None)
+        action.setEnabled(design.drive.motion is not None)
         told = "A cam about the origin under a roller here makes the linkage follow its motion"
-        action.setStatusTip(told if design.motion is not None else "First let a link follow a motion: Compo > Driver")
-        if design.motion is not None and not here:
+        action.setStatusTip(told if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver")
+        if design.drive.motion is not None and not here:
             made = with_roller(design, link, point)
             action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))
 
@@ -74,11 +74,11 @@ def _change(window: MainWindow, design: Design, text: str, *_: object) -> None:
     window.designing.change(lambda: design, text)
 
 
-def _linkage(window: MainWindow, menu: QMenu) -> LinkageDesign | None:
+def _linkage(window: MainWindow, menu: QMenu) -> Design | None:
     """The design, where it is a linkage; else the menu is not there."""
     design = window.session.design
-    menu.menuAction().setVisible(isinstance(design, LinkageDesign))
-    return design if isinstance(design, LinkageDesign) else None
+    menu.menuAction().setVisible(design.drive.is_linkage)
+    return design if design.drive.is_linkage else None
 
 
 def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QAction:

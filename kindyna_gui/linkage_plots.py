@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.design import LinkageDesign
+from core.design import Design
 from core.errors import NoAnswer
 from core.study import Study
 from core.study.linkage_quantities import names_of
@@ -105,7 +105,7 @@ _TITLES: Mapping[str, str] = MappingProxyType(
 """Names of quantities, as patterns -> what a plot of them is called."""
 
 
-def title_for(design: LinkageDesign, usual: str, title: str) -> str:
+def title_for(design: Design, usual: str, title: str) -> str:
     """What a plot of the window is called for a linkage; ``title`` where it shows what it does for a cam, or nothing."""
     pick = _PLOTS.get(usual)
     found = next((name for name in pick(names_of(design)) if name), "") if pick is not None else ""
@@ -122,7 +122,7 @@ def lacking(study: Study, usual: Sequence[str]) -> str:
     """Why a plot of the window is empty for a linkage, in a sentence."""
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
-        led = isinstance(study.design, LinkageDesign) and study.design.motion is not None
+        led = study.design.drive.is_linkage and study.design.drive.motion is not None
         way = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
         return f"No cam makes this linkage move: there is no {name}. {way}."
     if usual[0] == "jerk":

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Info, require_motion, speed_rpm
+from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.files import read_bytes
 from core.measured import Fit, figures, into_design
@@ -61,7 +61,7 @@ class MeasuredDialog(PutDialog):
         self.ask()
 
     def _read(self, data: bytes) -> Reader:
-        return Reader(self._path.name, data, self._unit, speed_rpm(self._session.design))
+        return Reader(self._path.name, data, self._unit, self._session.design.speed_rpm)
 
     # -- building -------------------------------------------------------------------------------------------
 

@@ -68,7 +68,7 @@ def _edit_and_undo(window: MainWindow) -> None:
 
 def _speed_and_undo(window: MainWindow) -> None:
     session = window.session
-    before, wanted = session.study.omega, session.design.linkage.driver.speed_rpm * LONGER
+    before, wanted = session.study.omega, session.design.drive.mechanism.driver.speed_rpm * LONGER
     _must(session.edit("linkage.driver.speed_rpm", wanted, "Change speed"), "a higher speed was refused")
     rest(window)
     _must(abs(session.study.omega / before - LONGER) < 1e-12, "the driver does not turn at the speed")

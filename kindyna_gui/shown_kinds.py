@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from core.design import Design, LinkageDesign, Motion, SingleCam, motion_of
+from core.design import Design, Motion, motion_of
 from core.errors import KindynaError
 from core.study import Study
 
@@ -20,12 +20,12 @@ class NotHere(KindynaError):
 
 def is_linkage(design: Design) -> bool:
     """A general linkage, with or without a cam that makes it move."""
-    return isinstance(design, LinkageDesign)
+    return design.drive.is_linkage
 
 
-def only_cams(design: Design, instead: str) -> SingleCam:
+def only_cams(design: Design, instead: str) -> Design:
     """The design of a cam and its follower; raises NotHere, with the sentence, for any other kind."""
-    if isinstance(design, SingleCam):
+    if not design.drive.is_linkage:
         return design
     raise NotHere(instead)
 

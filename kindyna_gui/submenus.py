@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
-from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider, SingleCam
+from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider
 from kindyna_gui import dialogs
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.places import examples
@@ -56,7 +56,7 @@ def fill_examples(window: MainWindow, menu: QMenu) -> None:
 def fill_layouts(window: MainWindow, menu: QMenu) -> None:
     """The layouts of the follower, where its kind has any."""
     design = window.session.design
-    follower = design.drive.follower if isinstance(design, SingleCam) else None
+    follower = None if design.drive.is_linkage else design.drive.mechanism
     menu.menuAction().setVisible(isinstance(follower, CamSlider))
     if not isinstance(follower, CamSlider):
         return

@@ -9,10 +9,10 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CRANK, CURVES, Design, Driver, Entry, LinkageDesign, Unit, entries, kind_row
+from core.design import CRANK, CURVES, Design, Driver, Entry, Unit, entries
 from core.errors import KindynaError
-from core.laws import find_law
 from core.followers import LAYOUT_TABLE
+from core.laws import find_law
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads"}
@@ -104,35 +104,30 @@ def segment_of(path: str) -> int | None:
     return int(match[1]) if match else None
 
 
-def _has(design: Design, section: str) -> bool:
-    """Whether a design has a table: a linkage may lack motion and cam."""
-    return not isinstance(design, LinkageDesign) or getattr(design, section) is not None
-
-
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
 
 
 def heading_of(design: Design, path: str) -> str:
     """What the value at a path belongs to, of a design that lists its parts: ``Link 3``, ``Link 4 slides on link 1``."""
-    if not isinstance(design, LinkageDesign):
+    if not design.drive.is_linkage:
         return ""
     point, row = _OF_LINK.match(path), _OF_LIST.match(path)
     if point is not None:
-        number = design.linkage.links[int(point[1])].number
+        number = design.drive.mechanism.links[int(point[1])].number
         return "Link 1, the frame" if number == 1 else f"Link {number}"
     if row is not None:
         index = int(row[2])
         if row[1] == "linkage.sliders":
-            slider = design.linkage.sliders[index]
+            slider = design.drive.mechanism.sliders[index]
             return f"Link {slider.link} slides on link {slider.on}"
         if row[1] == "loads.masses":
-            return f"Mass of link {design.loads.masses[index].link}"
-        force = design.loads.forces[index]
+            return f"Mass of link {design.drive.loads.masses[index].link}"
+        force = design.drive.loads.forces[index]
         return f"Force at {force.point} of link {force.link}"
     if path.startswith("linkage.branch."):
         return "Way of assembly"
-    return driver_text(design.linkage.driver) if path.startswith("linkage.driver.") else ""
+    return driver_text(design.drive.mechanism.driver) if path.startswith("linkage.driver.") else ""
 
 
 def driver_text(driver: Driver) -> str:
@@ -167,7 +162,7 @@ def name_of(design: Design, path: str) -> str:
         return prefix
     if path.endswith(".law"):
         return f"{prefix}, law"
-    for entry in entries(design, top) if top in kind_row(design).sections and _has(design, top) else ():
+    for entry in entries(design, top):
         if entry.path == path:
             label, head = entry_label(design, entry), heading_of(design, path)
             if head:
@@ -179,8 +174,8 @@ def name_of(design: Design, path: str) -> str:
 
 def named(design: Design, text: str) -> str:
     """A text with the keys of the file in it, ``rod_mm``, as the forms name them."""
-    for top in kind_row(design).sections:
-        for entry in entries(design, top) if _has(design, top) else ():
+    for top in design.tables:
+        for entry in entries(design, top):
             key, label = entry.path.rpartition(".")[2], entry.info.label
             if "_" in key and key in text:
                 text = re.sub(rf"\b{re.escape(key)}\b", f"{label[:1].lower()}{label[1:]}", text)

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from linkages import KINDS, assembly
 
-from core.design import LinkageDesign
+from core.design import Design
 from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, course_of, unit_speed_train
 from core.train import FRAME, Train
@@ -24,7 +24,7 @@ class Case:
     """A linkage at one driver angle q [rad], its driver at unit speed."""
 
     name: str
-    design: LinkageDesign
+    design: Design
     q: float
     course: Course
     train: Train
@@ -60,8 +60,8 @@ def case(kinds: tuple[str, ...], number: int) -> Case:
     """A linkage whose dyads are of these kinds, hung on what is there before them."""
     name = f"{'-'.join(kinds)}/{number}"
     design, q = assembly(zlib.crc32(name.encode()), kinds)
-    course = course_of(design.linkage)
-    return Case(name, design, q, course, unit_speed_train(design.linkage, np.array([q]), course))
+    course = course_of(design.drive.mechanism)
+    return Case(name, design, q, course, unit_speed_train(design.drive.mechanism, np.array([q]), course))
 
 
 def cases(first: str, most: int = 2) -> list[Case]:

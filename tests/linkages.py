@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from references import MP, Series
 from references import exp as series_exp
 
-from core.design import Driver, Link, Linkage, LinkageDesign, Place, Side, Slider, faults
+from core.design import Design, Drive, Driver, Link, Linkage, LinkageLoads, Place, Side, Slider, faults, with_drive
 
 FRAME = 1
 
@@ -28,7 +28,7 @@ def sides(**by_joint: int) -> tuple[Side, ...]:
     return tuple(Side(name, side) for name, side in by_joint.items())
 
 
-def four_bar(ground: float, crank: float, coupler: float, rocker: float, side: int = 1) -> LinkageDesign:
+def four_bar(ground: float, crank: float, coupler: float, rocker: float, side: int = 1) -> Design:
     """The frame along x, the crank at its origin."""
     links = (
         link(1, O2=(0, 0), O4=(ground, 0)),
@@ -36,20 +36,18 @@ def four_bar(ground: float, crank: float, coupler: float, rocker: float, side: i
         link(3, A=(0, 0), B=(coupler, 0)),
         link(4, O4=(0, 0), B=(rocker, 0)),
     )
-    return LinkageDesign("four-bar", Linkage(links, (), Driver(2), sides(B=side)))
+    return Design("four-bar", None, (Drive(None, Linkage(links, (), Driver(2), sides(B=side)), None, LinkageLoads()),))
 
 
-def slider_crank(crank: float, rod: float, offset: float = 0.0, side: int = 1) -> LinkageDesign:
+def slider_crank(crank: float, rod: float, offset: float = 0.0, side: int = 1) -> Design:
     """The guide along x, ``offset`` above the crank's pin."""
     links = (link(1, O2=(0, 0)), link(2, O2=(0, 0), A=(crank, 0)), link(3, A=(0, 0), B=(rod, 0)), link(4, B=(0, 0)))
     sliders = (Slider(link=4, on=1, through_y_mm=offset),)
-    return LinkageDesign("slider-crank", Linkage(links, sliders, Driver(2), sides(B=side)))
+    return Design("slider-crank", None, (Drive(None, Linkage(links, sliders, Driver(2), sides(B=side)), None, LinkageLoads()),))
 
 
 # Stephenson III driven at its far end: no dyad hangs on the crank, four links must be solved at once
-INSIDE_OUT = LinkageDesign(
-    "Stephenson III driven inside",
-    Linkage(
+INSIDE_OUT = Design("Stephenson III driven inside", None, (Drive(None, Linkage(
         (
             link(1, O2=(0, 0), O4=(60, 0), O6=(110, 10)),
             link(2, O2=(0, 0), A=(30, 0)),
@@ -60,14 +58,11 @@ INSIDE_OUT = LinkageDesign(
         ),
         (),
         Driver(6),
-    ),
-)
+    ), None, LinkageLoads()),))
 
 
 # the same with a block on a guide for the rocker, and the driver's rod sliding on the middle link
-SLIDING_GROUP = LinkageDesign(
-    "group with guides",
-    Linkage(
+SLIDING_GROUP = Design("group with guides", None, (Drive(None, Linkage(
         (
             link(1, O2=(0, 0), O6=(110, 10)),
             link(2, O2=(0, 0), A=(40, 0)),
@@ -81,8 +76,7 @@ SLIDING_GROUP = LinkageDesign(
             Slider(link=5, on=3, angle_deg=-30.0),
         ),
         Driver(6),
-    ),
-)
+    ), None, LinkageLoads()),))
 
 
 # -- drawn backwards from a pose --------------------------------------------------------------------------
@@ -191,18 +185,18 @@ class Builder:
         if abs(math.sin(self.poses[a][1] - self.poses[b][1])) < 0.3:
             raise Poor
 
-    def design(self) -> LinkageDesign:
+    def design(self) -> Design:
         links = tuple(
             Link(n, tuple(Place(name, at.real, at.imag) for name, at in self.points[n].items()))
             for n in sorted(self.poses)
         )
-        return LinkageDesign("random", Linkage(links, tuple(self.sliders), Driver(2), tuple(self.sides)))
+        return Design("random", None, (Drive(None, Linkage(links, tuple(self.sliders), Driver(2), tuple(self.sides)), None, LinkageLoads()),))
 
 
 KINDS = ("rrr", "rrp", "rpr", "prp", "rpp")
 
 
-def assembly(seed: int, kinds: tuple[str, ...]) -> tuple[LinkageDesign, float]:
+def assembly(seed: int, kinds: tuple[str, ...]) -> tuple[Design, float]:
     """A crank with dyads of these kinds, and a driver angle [rad] at which it stands well."""
     rng = np.random.default_rng(seed)
     while True:
@@ -220,7 +214,7 @@ def assembly(seed: int, kinds: tuple[str, ...]) -> tuple[LinkageDesign, float]:
             return design, q
 
 
-def assemblies(kinds: tuple[str, ...] = KINDS, most: int = 2) -> st.SearchStrategy[tuple[LinkageDesign, float]]:
+def assemblies(kinds: tuple[str, ...] = KINDS, most: int = 2) -> st.SearchStrategy[tuple[Design, float]]:
     """One to ``most`` dyads of these kinds."""
     some = st.lists(st.sampled_from(kinds), min_size=1, max_size=most).map(tuple)
     return st.builds(assembly, st.integers(0, 2**32 - 1), some)
@@ -233,12 +227,12 @@ def cross(a: complex, b: complex) -> float:
 # -- Newton on all loop equations -------------------------------------------------------------------------
 
 
-def closure(design: LinkageDesign, q: Any, x: list[Any], turn: Callable[[Any], tuple[Any, Any]]) -> list[Any]:
+def closure(design: Design, q: Any, x: list[Any], turn: Callable[[Any], tuple[Any, Any]]) -> list[Any]:
     """Every equation of the linkage for the poses x (x, y [mm], angle of every moving link, lowest number first).
 
     turn gives cosine and sine, so that numbers may be complex or power series: no complex number stands for a vector.
     """
-    linkage = design.linkage
+    linkage = design.drive.mechanism
     moving = [n for n in sorted(linkage.by_number) if n != FRAME]
     poses = {FRAME: (0.0, 0.0, 0.0)} | {n: tuple(x[3 * i : 3 * i + 3]) for i, n in enumerate(moving)}
 
@@ -276,7 +270,7 @@ def plain_turn(angle: Any) -> tuple[Any, Any]:
     return np.cos(angle), np.sin(angle)
 
 
-def jacobian(design: LinkageDesign, q: float, x: np.ndarray) -> np.ndarray:
+def jacobian(design: Design, q: float, x: np.ndarray) -> np.ndarray:
     """By complex steps."""
     columns = []
     for k in range(x.size):
@@ -286,7 +280,7 @@ def jacobian(design: LinkageDesign, q: float, x: np.ndarray) -> np.ndarray:
     return np.array(columns).T
 
 
-def complex_step(design: LinkageDesign, q: float, x: np.ndarray) -> np.ndarray:
+def complex_step(design: Design, q: float, x: np.ndarray) -> np.ndarray:
     """dx/dq: Newton for a driver at q + ih from the real position x; only the imaginary part is followed."""
     h = 1e-40
     matrix = jacobian(design, q, x)
@@ -297,7 +291,7 @@ def complex_step(design: LinkageDesign, q: float, x: np.ndarray) -> np.ndarray:
     return np.imag(there) / h
 
 
-def in_series(design: LinkageDesign, q: Any, start: np.ndarray, rates: tuple[float, ...] = (1.0,)) -> list[list[Any]]:
+def in_series(design: Design, q: Any, start: np.ndarray, rates: tuple[float, ...] = (1.0,)) -> list[list[Any]]:
     """Every pose number with its three derivatives at fifty digits: Newton on power series of the driver's q + Σ r t^k/k!.
 
     start: a position in doubles; the matrix of doubles serves every step, each of which gains fourteen digits.
@@ -313,7 +307,7 @@ def in_series(design: LinkageDesign, q: Any, start: np.ndarray, rates: tuple[flo
     return [v.derivatives for v in x]
 
 
-def in_digits(design: LinkageDesign, q: Any, start: np.ndarray) -> list[Any]:
+def in_digits(design: Design, q: Any, start: np.ndarray) -> list[Any]:
     """Every pose number at fifty digits."""
     exact = _in_digits(design)
     x = [MP.mpf(float(v)) for v in start]
@@ -331,10 +325,10 @@ def _series_turn(angle: Any) -> tuple[Any, Any]:
     return turned.real, turned.imag
 
 
-def _in_digits(design: LinkageDesign) -> LinkageDesign:
+def _in_digits(design: Design) -> Design:
     """The numbers of the design as MP's, each the double that it is; angles of lines too."""
-    linkage = design.linkage
+    linkage = design.drive.mechanism
     links = tuple(
         replace(k, points=tuple(Place(p.name, MP.mpf(p.x_mm), MP.mpf(p.y_mm)) for p in k.points)) for k in linkage.links
     )
-    return replace(design, linkage=replace(linkage, links=links))
+    return with_drive(design, mechanism=replace(linkage, links=links))

@@ -14,24 +14,22 @@ from hypothesis import strategies as st
 from core.design import (
     CamSlider,
     CamSliderLoads,
+    Design,
     Drive,
     Motion,
     Named,
     RollerCam,
     Segment,
     Shaft,
-    SingleCam,
     Translating,
     TranslatingLoads,
+    with_drive,
 )
 
 SMOOTH = ("simple-harmonic", "cycloidal", "modified-sine", "modified-trapezoid", "3-4-5", "4-5-6-7")
 
 # The lift of Shin1995, Tables 2 and 3; masses as in the example, what the paper does not give being assumed.
-LIFT = SingleCam(
-    "lift",
-    Shaft("ccw", 20.0),
-    Drive(
+LIFT = Design("lift", Shaft("ccw", 20.0), (Drive(
         Motion(
             150.0,
             (
@@ -65,14 +63,10 @@ LIFT = SingleCam(
             friction=0.1,
             external_force_n=-20000.0,
         ),
-    ),
-)
+    ),))
 
 # A translating follower with an offset, off the vertical.
-PUSHER = SingleCam(
-    "pusher",
-    Shaft("ccw", 300.0),
-    Drive(
+PUSHER = Design("pusher", Shaft("ccw", 300.0), (Drive(
         Motion(
             0.0,
             (
@@ -85,8 +79,7 @@ PUSHER = SingleCam(
         Translating(offset_mm=7.0, direction_deg=70.0),
         RollerCam(45.0, 12.0),
         TranslatingLoads(follower_mass_kg=1.5, spring_rate_n_per_mm=4.0, preload_n=120.0, friction=0.12),
-    ),
-)
+    ),))
 
 
 def levels(start: float, *steps: tuple[float, float, str]) -> Motion:
@@ -98,23 +91,19 @@ def levels(start: float, *steps: tuple[float, float, str]) -> Motion:
     return Motion(start, tuple(segments))
 
 
-def with_drive(design: SingleCam, **parts: Any) -> SingleCam:
-    return replace(design, drive=replace(design.drive, **parts))
-
-
-def with_loads(design: SingleCam, **values: float) -> SingleCam:
+def with_loads(design: Design, **values: float) -> Design:
     return with_drive(design, loads=replace(design.drive.loads, **values))
 
 
-def with_follower(design: SingleCam, **values: Any) -> SingleCam:
-    return with_drive(design, follower=replace(design.drive.follower, **values))
+def with_follower(design: Design, **values: Any) -> Design:
+    return with_drive(design, mechanism=replace(design.drive.mechanism, **values))
 
 
-def with_cam(design: SingleCam, **values: Any) -> SingleCam:
+def with_cam(design: Design, **values: Any) -> Design:
     return with_drive(design, cam=replace(design.drive.cam, **values))
 
 
-def with_shaft(design: SingleCam, **values: Any) -> SingleCam:
+def with_shaft(design: Design, **values: Any) -> Design:
     return replace(design, shaft=replace(design.shaft, **values))
 
 
@@ -177,10 +166,7 @@ for _i, _letter in enumerate("abcdefgh"):
         spread=0.6 + 0.02 * _i,
         roller_share=0.2,
     )
-    LAYOUT_DESIGNS[_letter] = SingleCam(
-        f"layout {_letter}",
-        Shaft("ccw" if _i % 3 else "cw", 90.0),
-        Drive(
+    LAYOUT_DESIGNS[_letter] = Design(f"layout {_letter}", Shaft("ccw" if _i % 3 else "cw", 90.0), (Drive(
             levels(5.0, (40.0, 5.0, "dwell"), (110.0, 45.0, SMOOTH[_i % 6]), (60.0, 20.0, SMOOTH[(_i + 3) % 6]),
                    (150.0, 5.0, SMOOTH[(_i + 1) % 6])),
             _follower,
@@ -191,23 +177,22 @@ for _i, _letter in enumerate("abcdefgh"):
                 roller_inertia_kg_m2=4e-4, friction=0.15, external_force_n=-200.0, spring_rate_n_per_mm=1.5,
                 gravity_angle_deg=-75.0,
             ),
-        ),
-    )  # fmt: skip
+        ),))  # fmt: skip
 
 
-def mirrored(design: SingleCam) -> SingleCam:
+def mirrored(design: Design) -> Design:
     """What a mirror standing on the y axis shows of a design: left for right, clockwise for counter-clockwise.
 
     The mirrored guide points backwards, so the same slider moves against it: the signs of motion and force along the
     guide change.
     """
     drive, flip = design.drive, {"ccw": "cw", "cw": "ccw"}
-    g, loads, motion = drive.follower, drive.loads, drive.motion
+    g, loads, motion = drive.mechanism, drive.loads, drive.motion
     gravity = replace(loads, gravity_angle_deg=_degrees(math.pi - math.radians(loads.gravity_angle_deg)))
     shaft = replace(design.shaft, rotation=flip[design.shaft.rotation])
     if isinstance(g, Translating):
         follower: Any = replace(g, offset_mm=-g.offset_mm, direction_deg=180.0 - g.direction_deg)
-        return replace(design, shaft=shaft, drive=replace(drive, follower=follower, loads=gravity))
+        return with_drive(replace(design, shaft=shaft), mechanism=follower, loads=gravity)
     follower = replace(
         g,
         layout=dict(zip("abcdefgh", "dcbahgfe", strict=True))[g.layout],
@@ -219,12 +204,8 @@ def mirrored(design: SingleCam) -> SingleCam:
     gravity = replace(
         gravity, external_force_n=-loads.external_force_n, arm_centre_angle_deg=-loads.arm_centre_angle_deg
     )
-    return replace(
-        design,
-        shaft=shaft,
-        drive=replace(
-            drive, motion=replace(motion, start=-motion.start, segments=segments), follower=follower, loads=gravity
-        ),
+    return with_drive(
+        replace(design, shaft=shaft), motion=replace(motion, start=-motion.start, segments=segments), mechanism=follower, loads=gravity
     )
 
 
@@ -258,7 +239,7 @@ def _shafts() -> st.SearchStrategy[Shaft]:
 
 
 @st.composite
-def cam_sliders(draw: st.DrawFn) -> SingleCam:
+def cam_sliders(draw: st.DrawFn) -> Design:
     """A cam-driven slider well away from its dead centres over the whole motion, with any loads."""
     arm = 10.0 ** draw(between(1.5, 3.2))
     rod = arm * draw(between(0.5, 2.0))
@@ -297,7 +278,7 @@ def cam_sliders(draw: st.DrawFn) -> SingleCam:
         spring_rate_n_per_mm=draw(between(0.0, 20.0)),
         gravity_angle_deg=draw(between(-180.0, 180.0)),
     )
-    return SingleCam("drawn", draw(_shafts()), Drive(motion, follower, cam, loads))
+    return Design("drawn", draw(_shafts()), (Drive(motion, follower, cam, loads),))
 
 
 def _assume_clear(follower: CamSlider, cam: RollerCam, at_base: float, beta: float, stroke: float) -> None:
@@ -317,7 +298,7 @@ def _assume_clear(follower: CamSlider, cam: RollerCam, at_base: float, beta: flo
 
 
 @st.composite
-def pushers(draw: st.DrawFn) -> SingleCam:
+def pushers(draw: st.DrawFn) -> Design:
     """A translating follower, with any loads."""
     reach = 10.0 ** draw(between(1.0, 3.0))
     share = draw(between(0.05, 0.4))
@@ -331,13 +312,13 @@ def pushers(draw: st.DrawFn) -> SingleCam:
         gravity_angle_deg=draw(between(-180.0, 180.0)),
     )
     cam = RollerCam(reach * (1.0 - share), reach * share)
-    return SingleCam("drawn", draw(_shafts()), Drive(motion, follower, cam, loads))
+    return Design("drawn", draw(_shafts()), (Drive(motion, follower, cam, loads),))
 
 
 # Nobody asks for an angle that is not a normal number, and there relative errors mean nothing.
 ANGLES = st.one_of(st.just(0.0), between(1e-9, 6.28))
 
 
-def buildable() -> st.SearchStrategy[SingleCam]:
+def buildable() -> st.SearchStrategy[Design]:
     """A design of either kind that has an answer at every cam angle."""
     return st.one_of(cam_sliders(), pushers())

@@ -16,7 +16,7 @@ from typing import Any
 import mpmath
 import numpy as np
 
-from core.design import CamSlider, Motion, SingleCam, Translating, entries, get, put
+from core.design import CamSlider, Design, Motion, Translating, entries, get, put
 
 MP = mpmath.mp.clone()
 MP.dps = 50
@@ -330,13 +330,13 @@ class Solved:
     base: Mapping[str, Any]
 
 
-def reach_of(design: SingleCam) -> Any:
+def reach_of(design: Design) -> Any:
     cam = design.drive.cam
     return (MP.convert(cam.base_radius_mm) + MP.convert(cam.roller_radius_mm)) * MM
 
 
-def _cam_slider(design: SingleCam, theta: Any, y: Series) -> Solved:
-    g: CamSlider = design.drive.follower
+def _cam_slider(design: Design, theta: Any, y: Series) -> Solved:
+    g: CamSlider = design.drive.mechanism
     l1, l2, height, arm = (
         MP.convert(x) * MM for x in (g.slider_arm_mm, g.rod_mm, g.guide_height_mm, g.roller_arm_mm)
     )
@@ -370,8 +370,8 @@ def _cam_slider(design: SingleCam, theta: Any, y: Series) -> Solved:
     )
 
 
-def _translating(design: SingleCam, theta: Any, y: Series) -> Solved:
-    g: Translating = design.drive.follower
+def _translating(design: Design, theta: Any, y: Series) -> Solved:
+    g: Translating = design.drive.mechanism
     guide = MP.expj(MP.convert(g.direction_deg) * DEG)
     roller0 = circle_and_line(MP.mpc(0), reach_of(design), 1j * MP.convert(g.offset_mm) * MM * guide, guide, 1)
     roller = roller0 + y * guide
@@ -381,17 +381,17 @@ def _translating(design: SingleCam, theta: Any, y: Series) -> Solved:
     )
 
 
-def solved(design: SingleCam, theta: Any, segment: int | None = None, piece: int | None = None) -> Solved:
+def solved(design: Design, theta: Any, segment: int | None = None, piece: int | None = None) -> Solved:
     """The mechanism about a cam angle [rad], as one segment of the motion drives it."""
     motion = design.drive.motion
     segment = segment_at(motion, theta) if segment is None else segment
     return placed(design, theta, motion_series(motion, theta, segment, piece))
 
 
-def placed(design: SingleCam, theta: Any, y: Series) -> Solved:
+def placed(design: Design, theta: Any, y: Series) -> Solved:
     """The mechanism where its output stands at y."""
     kinds = {CamSlider: _cam_slider, Translating: _translating}
-    return kinds[type(design.drive.follower)](design, MP.convert(theta), y)
+    return kinds[type(design.drive.mechanism)](design, MP.convert(theta), y)
 
 
 # -- the cam ----------------------------------------------------------------------------------------------
@@ -409,11 +409,11 @@ class Shape:
     profile_curvature: Any
 
 
-def sense_of(design: SingleCam) -> int:
+def sense_of(design: Design) -> int:
     return 1 if design.shaft.rotation == "ccw" else -1
 
 
-def cam_shape(design: SingleCam, there: Solved) -> Shape:
+def cam_shape(design: Design, there: Solved) -> Shape:
     """Seen from the cam, the world turns the other way: the pitch curve is where the roller centre goes.
 
     The cam is the body that the curve encloses: counter-clockwise round the centre where the world goes so (a cam
@@ -460,7 +460,7 @@ class Mass:
     angle: Series
 
 
-def masses(design: SingleCam, there: Solved) -> dict[str, Mass]:
+def masses(design: Design, there: Solved) -> dict[str, Mass]:
     """All bodies that move; arm and roller apart though they turn as one."""
     loads: Any = design.drive.loads
     still = Series([0] * (ORDER + 1))
@@ -483,18 +483,18 @@ def masses(design: SingleCam, there: Solved) -> dict[str, Mass]:
     }
 
 
-def push_on_output(design: SingleCam, y: Any) -> Any:
+def push_on_output(design: Design, y: Any) -> Any:
     """The given force along the guide."""
     loads: Any = design.drive.loads
     given = loads.external_force_n if hasattr(loads, "external_force_n") else -MP.convert(loads.preload_n)
     return MP.convert(given) - MP.convert(loads.spring_rate_n_per_mm) / MM * y
 
 
-def speed_of(design: SingleCam) -> Any:
+def speed_of(design: Design) -> Any:
     return MP.convert(design.shaft.speed_rpm) * 2 * MP.pi / 60
 
 
-def gravity_of(design: SingleCam) -> Any:
+def gravity_of(design: Design) -> Any:
     loads = design.drive.loads
     return MP.convert(loads.gravity_m_s2) * MP.expj(loads.gravity_angle_deg * DEG)
 
@@ -503,7 +503,7 @@ class Jammed(Exception):
     """No direction of the guide's force agrees with the friction that it makes."""
 
 
-def free_bodies(design: SingleCam, there: Solved, way: int) -> dict[str, Any]:
+def free_bodies(design: Design, there: Solved, way: int) -> dict[str, Any]:
     """Every reaction by cutting all bodies free: one linear system of forces and moments about the cam centre.
 
     Unknown: force of the frame on the arm, of rod on arm, of rod on slider, normal force of the guide, contact force,
@@ -520,7 +520,7 @@ def free_bodies(design: SingleCam, there: Solved, way: int) -> dict[str, Any]:
     return found[0]
 
 
-def _free_bodies(design: SingleCam, there: Solved, way: int, sign: int) -> dict[str, Any]:
+def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str, Any]:
     d, w2, g = sense_of(design), speed_of(design) ** 2, gravity_of(design)
     normal = cam_shape(design, there).normal
     parts = masses(design, there)
@@ -586,7 +586,7 @@ def _free_bodies(design: SingleCam, there: Solved, way: int, sign: int) -> dict[
     return told
 
 
-def torque_by_energy(design: SingleCam, there: Solved, normal_force: Any) -> Any:
+def torque_by_energy(design: Design, there: Solved, normal_force: Any) -> Any:
     """The torque that the change of kinetic and potential energy, the given force and friction ask for."""
     w2, g = speed_of(design) ** 2, gravity_of(design)
     total = MP.zero
@@ -620,8 +620,8 @@ def conditioned(
 
 
 def sensitivity(
-    function: Callable[[SingleCam, Solved], Sequence[Any]],
-    design: SingleCam,
+    function: Callable[[Design, Solved], Sequence[Any]],
+    design: Design,
     theta: float,
     y: np.ndarray,
     sections: Sequence[str] = ("follower", "cam"),

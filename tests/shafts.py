@@ -12,6 +12,7 @@ import numpy as np
 from mechanisms import LAYOUT_DESIGNS, LIFT, levels, with_drive
 
 from core.design import (
+    Design,
     Drive,
     Elastic,
     Motion,
@@ -19,7 +20,6 @@ from core.design import (
     RollerCam,
     Segment,
     Shaft,
-    SingleCam,
     Translating,
     TranslatingLoads,
 )
@@ -29,10 +29,7 @@ from core.study import Study
 A = 1.5  # Kim1990's safety factor
 KIM_SHAFT = Elastic(0.000324, 85.0, spring="retuned", spring_factor=A)
 
-KIM = SingleCam(
-    "Kim1990",
-    Shaft("ccw", 1500.0, elastic=KIM_SHAFT),
-    Drive(
+KIM = Design("Kim1990", Shaft("ccw", 1500.0, elastic=KIM_SHAFT), (Drive(
         Motion(
             0.0,
             (
@@ -44,25 +41,24 @@ KIM = SingleCam(
         Translating(),
         RollerCam(30.0, 10.0),
         TranslatingLoads(follower_mass_kg=0.2, spring_rate_n_per_mm=15.0, preload_n=20.0),
-    ),
-)
+    ),))
 
 
-def with_elastic(design: SingleCam, **values: Any) -> SingleCam:
+def with_elastic(design: Design, **values: Any) -> Design:
     """The design with some numbers of its flexible shaft changed; Kim's shaft where it has none."""
     elastic = replace(design.shaft.elastic or KIM_SHAFT, **values)
     return replace(design, shaft=replace(design.shaft, elastic=elastic))
 
 
-def of(design: SingleCam) -> Stability:
+def of(design: Design) -> Stability:
     return Study(design).flexible_shaft()
 
 
-def coefficients(design: SingleCam) -> Coefficients:
+def coefficients(design: Design) -> Coefficients:
     return of(design).coefficients
 
 
-def moved(*steps: tuple[float, float, str], spring: str = "retuned") -> SingleCam:
+def moved(*steps: tuple[float, float, str], spring: str = "retuned") -> Design:
     """Kim's machine with another motion, by (span, level at its end, law)."""
     return with_elastic(with_drive(KIM, motion=levels(0.0, *steps)), spring=spring)
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from core.design import (
     FOLLOWER_KINDS,
+    SECTIONS,
     CamSlider,
     Curve,
     Design,
@@ -23,12 +24,10 @@ from core.design import (
     Scca,
     Segment,
     Shaft,
-    SingleCam,
     Spline,
     entries,
     info_of,
 )
-from core.design.paths import SECTIONS
 from core.laws import LAWS
 
 
@@ -107,6 +106,6 @@ def designs(draw: st.DrawFn) -> Design:
     )
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
     shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(Elastic)))
-    design = SingleCam(name, shaft, drive)
+    design = Design(name, shaft, (drive,))
     paths = [entry.path for section in SECTIONS for entry in entries(design, section)]
     return replace(design, assumed=tuple(draw(st.lists(st.sampled_from(paths), unique=True, max_size=5))))

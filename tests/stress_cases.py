@@ -48,7 +48,7 @@ from rods import arm_and_rod, metres
 from shafts import KIM, coefficients
 
 from core.cam import relative_motion
-from core.design import SingleCam, si
+from core.design import Design, si
 from core.motion import TURN, Program
 from core.stability import Coefficients, tongues
 from core.study import Study
@@ -118,11 +118,11 @@ def _samples(got: Sequence[complex], exact: Sequence[Any], sizes: Sequence[float
     return worst(found)
 
 
-def linkage(design: SingleCam, theta: float) -> Sample:
+def linkage(design: Design, theta: float) -> Sample:
     """Points of the linkage with three derivatives."""
     there, _ = there_at(Study(design), theta)
 
-    def figures(design: SingleCam, at: Solved) -> list[Any]:
+    def figures(design: Design, at: Solved) -> list[Any]:
         return [d for p in at.points.values() for d in p.derivatives]
 
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0])
@@ -138,11 +138,11 @@ def linkage(design: SingleCam, theta: float) -> Sample:
 FLANK = ("pitch", "profile", "normal", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
 
 
-def cam(design: SingleCam, theta: float) -> Sample:
+def cam(design: Design, theta: float) -> Sample:
     """Pitch curve, profile, normal, pressure angle and curvatures."""
     there, _ = there_at(Study(design), theta)
 
-    def figures(design: SingleCam, at: Solved) -> list[Any]:
+    def figures(design: Design, at: Solved) -> list[Any]:
         s = cam_shape(design, at)
         return [s.pitch.c[0], s.profile, s.normal, s.pressure_angle, s.curvature.derivative(0), s.curvature.derivative(1),
                 s.profile_curvature]  # fmt: skip
@@ -159,13 +159,13 @@ def cam(design: SingleCam, theta: float) -> Sample:
     return _samples(got, exact, sizes, CAM_ROUNDINGS)
 
 
-def forces(design: SingleCam, theta: float) -> Sample:
+def forces(design: Design, theta: float) -> Sample:
     """Contact force, guide force and drive torque."""
     there, _ = there_at(Study(design), theta)
     way = int(there.motion.way[0])
     names = ("normal", "contact", "torque")
 
-    def figures(design: SingleCam, at: Solved) -> list[Any]:
+    def figures(design: Design, at: Solved) -> list[Any]:
         told = free_bodies(design, at, way)
         return [told[n] for n in names]
 
@@ -176,7 +176,7 @@ def forces(design: SingleCam, theta: float) -> Sample:
     return _samples([f.guide.normal[0], f.contact[0], f.torque[0]], exact, sizes, FORCE_ROUNDINGS)
 
 
-def motion(design: SingleCam, theta: float) -> Sample:
+def motion(design: Design, theta: float) -> Sample:
     """Displacement and three derivatives."""
     program, drive = Program(design.drive.motion), design.drive.motion
     state = program.state(program.angles(np.array([theta])))
@@ -192,7 +192,7 @@ def motion(design: SingleCam, theta: float) -> Sample:
 # -- where something takes a value ------------------------------------------------------------------------
 
 
-def angle_where(design: SingleCam, quantity: Callable[[Study], np.ndarray], value: float, segment: int) -> float:
+def angle_where(design: Design, quantity: Callable[[Study], np.ndarray], value: float, segment: int) -> float:
     """A cam angle within a segment at which the quantity has this value, by halving the interval."""
     study = Study(design)
     theta = np.linspace(*_inside(study, segment), 4000)
@@ -374,12 +374,12 @@ def _printed_profile(there: Study, here: Solved) -> float:
     return min(off(c, exact) for c in contacts) / float(abs(exact))
 
 
-def swinging(spread: float) -> SingleCam:
+def swinging(spread: float) -> Design:
     """A long swing, from this angle between roller arm and line of centres on."""
     follower, cam_ = posed("a", slider_arm=300.0, rod=420.0, arm_angle=2.2, rod_angle=-0.2, guide=0.3, pivot=complex(400.0, -30.0),
                            roller_arm=110.0, spread=spread, roller_share=0.15)  # fmt: skip
     motion_ = levels(0.0, (180.0, 440.0, "3-4-5"), (180.0, 0.0, "cycloidal"))
-    return with_loads(with_drive(LAYOUT_DESIGNS["a"], follower=follower, cam=cam_, motion=motion_), friction=0.0)
+    return with_loads(with_drive(LAYOUT_DESIGNS["a"], mechanism=follower, cam=cam_, motion=motion_), friction=0.0)
 
 
 # The roller passes from one side of the line of centres to the other, beyond the pivot; and at right angles to it.
@@ -461,7 +461,7 @@ def _stroke(mm: float) -> Sample:
     return worst([f(design, t) for t in (0.7, 4.1) for f in (motion, cam)])
 
 
-def many_segments(count: int) -> SingleCam:
+def many_segments(count: int) -> Design:
     """So many segments of one length, up and down in turn."""
     span, laws = 360.0 / count, ("cycloidal", "3-4-5", "modified-sine")
     steps = [(span, 1e-2 * ((7 * i) % 11) * (i < count - 1), laws[i % 3]) for i in range(count)]
@@ -497,7 +497,7 @@ def _nearly_jammed(left: float) -> Sample:
     return forces(with_loads(design, friction=(1.0 - left) / abs(slope)) if feeds else _backwards(design, left, slope), theta)
 
 
-def _backwards(design: SingleCam, left: float, slope: float) -> SingleCam:
+def _backwards(design: Design, left: float, slope: float) -> Design:
     """With an outer force that turns the guide's force round."""
     return with_loads(design, friction=(1.0 - left) / abs(slope), external_force_n=-design.drive.loads.external_force_n * 20.0)
 
@@ -506,7 +506,7 @@ def _backwards(design: SingleCam, left: float, slope: float) -> SingleCam:
 _LEVEL, _LEVEL_CAM = posed("a", slider_arm=300.0, rod=200.0, arm_angle=0.6, rod_angle=-math.asin(1.5 * math.sin(0.6)), guide=0.0,
                            pivot=complex(210.0, -40.0), roller_arm=180.0, spread=0.6, roller_share=0.2)  # fmt: skip
 ACROSS = with_loads(
-    with_drive(LAYOUT_DESIGNS["a"], follower=replace(_LEVEL, guide_height_mm=0.0), cam=_LEVEL_CAM,
+    with_drive(LAYOUT_DESIGNS["a"], mechanism=replace(_LEVEL, guide_height_mm=0.0), cam=_LEVEL_CAM,
                motion=levels(0.0, (180.0, -170.0, "cycloidal"), (180.0, 0.0, "3-4-5"))),
     friction=0.0,
 )  # fmt: skip
@@ -526,7 +526,7 @@ def _friction_turns(away: float) -> Sample:
     return forces(PUSHER, theta + away)
 
 
-def scaled(design: SingleCam, by: float) -> SingleCam:
+def scaled(design: Design, by: float) -> Design:
     """The same machine so many times as large, of the same stuff at the same speed: masses by the cube, forces by the
     fourth power, so that every ratio stays."""
     drive = design.drive
@@ -545,11 +545,11 @@ def scaled(design: SingleCam, by: float) -> SingleCam:
         start=drive.motion.start * by,
         segments=tuple(replace(s, rise=s.rise * by) for s in drive.motion.segments),
     )
-    parts = {"follower": larger(drive.follower), "cam": larger(drive.cam), "loads": larger(drive.loads), "motion": motion_}
+    parts = {"follower": larger(drive.mechanism), "cam": larger(drive.cam), "loads": larger(drive.loads), "motion": motion_}
     return with_drive(with_shaft(design, flywheel_inertia_kg_m2=design.shaft.flywheel_inertia_kg_m2 * by**5), **parts)
 
 
-def figures(design: SingleCam, by: float, samples: int = 24) -> dict[str, np.ndarray]:
+def figures(design: Design, by: float, samples: int = 24) -> dict[str, np.ndarray]:
     """What a design gives, each divided by the power of the scale that it grows with."""
     study = Study(design, samples)
     train, flank, force = study.linkage, study.cam.flank, study.dynamics

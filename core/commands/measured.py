@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.commands import DONE, Painter
 from core.commands.common import number
-from core.design import require_motion, speed_rpm
+from core.design import require_motion
 from core.files import read_bytes
 from core.measured import (
     ANGLE_UNITS,
@@ -66,7 +66,7 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
     design = load(words.into) if words.into is not None else None
     unit = "mm" if design is None else require_motion(design).unit
-    speed = words.speed if words.speed is not None or design is None else speed_rpm(design)
+    speed = words.speed if words.speed is not None or design is None else design.speed_rpm
     wish = Wish(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
     sheet = read_sheet(read_bytes(words.table), words.table.name, words.delimiter, words.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)

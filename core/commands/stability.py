@@ -9,7 +9,7 @@ from collections.abc import Callable
 from core.charting import paper_files, stability_files
 from core.commands import DONE, Painter
 from core.commands.common import design_file, folder, pictures, verdict
-from core.design import require_single_cam
+from core.design import require_follower
 from core.errors import NoStability
 from core.files import write_all
 from core.project import load
@@ -95,7 +95,7 @@ def words(parser: argparse.ArgumentParser) -> None:
 
 def run(words: argparse.Namespace, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
-    study = Study(require_single_cam(load(words.design)))
+    study = Study(require_follower(load(words.design)))
     if words.guess and study.design.shaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     try:

@@ -1,7 +1,9 @@
 """Inputs: what the user typed, its units, ranges and rules."""
 
 from core.design.edits import (
+    edited,
     stroke,
+    with_elastic,
     with_law,
     with_layout,
     with_rise,
@@ -19,22 +21,6 @@ from core.design.joins import (
     joins_of_level,
     with_join_moved,
 )
-from core.design.kinds import (
-    KINDS,
-    Design,
-    Kind,
-    edited,
-    entries,
-    faults,
-    get,
-    is_assumed,
-    kind_row,
-    put,
-    require_linkage,
-    require_single_cam,
-    speed_rpm,
-    with_assumed,
-)
 from core.design.linkage import (
     CRANK,
     DRIVERS,
@@ -44,7 +30,6 @@ from core.design.linkage import (
     Link,
     Linkage,
     LinkageCam,
-    LinkageDesign,
     LinkageLoads,
     LinkForce,
     LinkMass,
@@ -74,7 +59,6 @@ from core.design.parts import (
     CamSlider,
     CamSliderLoads,
     Curve,
-    Drive,
     Elastic,
     End,
     Follower,
@@ -88,16 +72,16 @@ from core.design.parts import (
     Scca,
     Segment,
     Shaft,
-    SingleCam,
     Spline,
     Translating,
     TranslatingLoads,
     curve_of,
     kind_of,
 )
-from core.design.paths import Entry, with_elastic
-from core.design.rules import part_faults
+from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed
+from core.design.rules import faults, part_faults
 from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
+from core.design.whole import SECTIONS, Design, Drive, require_follower, require_linkage, with_drive, with_table
 
 __all__ = [
     "CRANK",
@@ -107,11 +91,11 @@ __all__ = [
     "FOLLOWER_KINDS",
     "FORMS",
     "FRAME_LINK",
-    "KINDS",
     "LAYOUTS",
     "LEAST_SPAN",
     "MOTION",
     "NO_UNIT",
+    "SECTIONS",
     "SENSES",
     "SI",
     "SPRINGS",
@@ -129,13 +113,11 @@ __all__ = [
     "Follower",
     "FollowerKind",
     "Info",
-    "Kind",
     "Link",
     "LinkForce",
     "LinkMass",
     "Linkage",
     "LinkageCam",
-    "LinkageDesign",
     "LinkageLoads",
     "Loads",
     "Motion",
@@ -148,12 +130,12 @@ __all__ = [
     "Segment",
     "Shaft",
     "Side",
-    "SingleCam",
     "Slider",
     "Spline",
     "Translating",
     "TranslatingLoads",
     "Unit",
+    "all_paths",
     "curve_of",
     "edited",
     "entries",
@@ -169,7 +151,6 @@ __all__ = [
     "join_range",
     "joins_of_level",
     "kind_of",
-    "kind_row",
     "mirror_stroke",
     "mirrored",
     "motion_of",
@@ -177,16 +158,16 @@ __all__ = [
     "part_faults",
     "put",
     "remove_segment",
+    "require_follower",
     "require_linkage",
     "require_motion",
-    "require_single_cam",
     "si",
-    "speed_rpm",
     "split_unit",
     "stretched",
     "stroke",
     "unit_of",
     "with_assumed",
+    "with_drive",
     "with_elastic",
     "with_join_moved",
     "with_law",
@@ -197,5 +178,6 @@ __all__ = [
     "with_span",
     "with_stroke",
     "with_stroke_mirrored",
+    "with_table",
     "without_segment",
 ]  # fmt: skip

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import fsum, nan
 from types import MappingProxyType
 from typing import Any
 
-from core.design.parts import CamSlider, Motion, Segment, SingleCam, curve_of
-from core.design.paths import SECTIONS, entries, put, with_section
+from core.design.parts import CamSlider, Elastic, Motion, Segment, curve_of
+from core.design.paths import put
+from core.design.whole import Design, with_drive
 from core.laws import find_law
 
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
@@ -105,26 +106,6 @@ def without_segment(motion: Motion, index: int) -> Motion:
     return replace(motion, segments=back_at_start(segments, order))
 
 
-def with_assumed(design: SingleCam, path: str, on: bool) -> SingleCam:
-    """A path marked as assumed, in the order of the file, or no longer."""
-    kept = [p for p in design.assumed if p != path]
-    if not on:
-        return replace(design, assumed=tuple(kept))
-    order = {p: i for i, p in enumerate(all_paths(design))}
-    place = order.get(path, len(order))
-    at = next((i for i, p in enumerate(kept) if order.get(p, -1) > place), len(kept))
-    return replace(design, assumed=(*kept[:at], path, *kept[at:]))
-
-
-def all_paths(design: SingleCam) -> Iterable[str]:
-    """Every path of the design in the order of the file; a segment's law comes first."""
-    for name in SECTIONS:
-        for entry in entries(design, name):
-            if re.search(r"\]\.span_deg$", entry.path):
-                yield entry.path.replace("span_deg", "law")
-            yield entry.path
-
-
 def with_layout(follower: CamSlider, layout: str) -> CamSlider:
     """The layout changed; the pivot goes to the other side of the cam where the letter asks for it."""
     left = layout in "abef"
@@ -158,11 +139,19 @@ def motion_edited(motion: Motion | None, path: str, value: Any) -> Motion | None
     return None
 
 
-def edited(design: SingleCam, path: str, value: Any) -> SingleCam:
+def edited(design: Design, path: str, value: Any) -> Design:
     """The design with the value at a path changed and what goes with it. It may have faults: ask ``faults``."""
     motion = motion_edited(design.drive.motion, path, value)
     if motion is not None:
-        return with_section(design, "motion", motion)
-    if path == "follower.layout" and isinstance(design.drive.follower, CamSlider):
-        return with_section(design, "follower", with_layout(design.drive.follower, value))
+        return with_drive(design, motion=motion)
+    if path == "follower.layout" and isinstance(design.drive.mechanism, CamSlider):
+        return with_drive(design, mechanism=with_layout(design.drive.mechanism, value))
     return put(design, path, value)
+
+
+def with_elastic(design: Design, elastic: Elastic | None) -> Design:
+    """The design with a flexible shaft, or with a rigid one: then nothing is assumed of its elasticity any more."""
+    assert design.shaft is not None
+    gone = {f"shaft.{field.name}" for field in fields(Elastic)} if elastic is None else set()
+    assumed = tuple(path for path in design.assumed if path not in gone)
+    return replace(design, shaft=replace(design.shaft, elastic=elastic), assumed=assumed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, cast
@@ -96,6 +96,36 @@ def coordinate(label: str, *, help: str = "", default: Any = dataclasses.MISSING
 def choice(label: str, choices: tuple[str, ...], *, default: Any = dataclasses.MISSING, help: str = "") -> Any:
     """A dataclass field for one word of several."""
     return dataclasses.field(default=default, metadata={_KEY: Info(label, help, choices=choices)})
+
+
+@dataclass(frozen=True)
+class Placing:
+    """Where the parts in a field stand in the file.
+
+    inside  the keys of the part stand in the table of the whole
+    key     rows are told by this field of theirs, as ``points.A``; else by number
+    single  a row is one value; row: makes one from name and value
+    """
+
+    inside: bool = False
+    key: str = ""
+    single: bool = False
+    row: Callable[[str, Any], Any] | None = None
+
+
+_PLACING = "kindyna-placing"
+_PLAIN = Placing()
+
+
+def placed(placing: Placing, default: Any = dataclasses.MISSING) -> Any:
+    """A dataclass field for a part or a list of parts."""
+    return dataclasses.field(default=default, metadata={_PLACING: placing})
+
+
+def placing_of(field: dataclasses.Field[Any]) -> Placing:
+    """Where the parts in a field stand in the file."""
+    placing: Placing = field.metadata.get(_PLACING, _PLAIN)
+    return placing
 
 
 def info_of(field: dataclasses.Field[Any]) -> Info | None:

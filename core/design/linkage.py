@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import ClassVar
 
-from core.design.fields import choice, coordinate, length, number, whole
-from core.design.parts import FORMS, Motion
+from core.design.fields import Placing, choice, coordinate, length, number, placed, whole
+from core.design.parts import FORMS
 
 FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""
@@ -33,7 +34,7 @@ class Link:
     """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
 
     number: int = whole("Number", 1, 999, help="1 = frame")
-    points: tuple[Place, ...] = ()
+    points: tuple[Place, ...] = placed(Placing(key="name"), ())
 
     @property
     def places(self) -> Mapping[str, complex]:
@@ -77,6 +78,8 @@ class Side:
     the crank's angle 0, or from the driver's lowest position.
     """
 
+    SINGLE: ClassVar[str] = "side"
+
     joint: str
     side: int = whole("Side", -1, 1)
 
@@ -85,10 +88,12 @@ class Side:
 class Linkage:
     """Links, sliding pairs, driver and branches, in the order of the file."""
 
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "links", "sliders")
+
     links: tuple[Link, ...]
     sliders: tuple[Slider, ...] = ()
     driver: Driver = Driver(2)
-    branch: tuple[Side, ...] = ()
+    branch: tuple[Side, ...] = placed(Placing(key="joint", single=True, row=Side), ())
 
     @property
     def by_number(self) -> Mapping[int, Link]:
@@ -141,16 +146,3 @@ class LinkageLoads:
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
     masses: tuple[LinkMass, ...] = ()
     forces: tuple[LinkForce, ...] = ()
-
-
-@dataclass(frozen=True)
-class LinkageDesign:
-    """A linkage with its driver. ``motion`` where it drives a link, ``cam`` where a cam makes it; ``assumed`` lists the
-    field paths whose values are guesses."""
-
-    name: str
-    linkage: Linkage
-    motion: Motion | None = None
-    cam: LinkageCam | None = None
-    loads: LinkageLoads = LinkageLoads()
-    assumed: tuple[str, ...] = ()

@@ -6,49 +6,21 @@ Each is asked whatever the others say, so it must bear any number, nan included.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import combinations
 
-from core.design.fields import field_faults
-from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageDesign, LinkageLoads
-from core.design.rules import part_faults
+from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageLoads
 from core.design.topology import GROUP, driver_pair, is_pin, mobility, pair_count, pins, solving_order
+from core.design.whole import Drive
 from core.errors import MISSING, Fault
 
 LONGEST_NAME = 40
 _WITH_SIDES = ("RRR", "RRP", "RPR")
 
 
-def linkage_faults(design: LinkageDesign) -> list[Fault]:
-    """Every fault of a linkage, in the order of the file."""
-    found = list(_part_ranges(design))
-    told = {fault.path for fault in found}
-    for rule in (_links, _sliders, _driver, _structure, _branches, _motion, _cam, _loads):
-        for fault in rule(design):
-            if fault.path not in told:
-                told.add(fault.path)
-                found.append(fault)
-    if design.motion is not None:
-        found += part_faults(design.motion, "motion")
-    return found
-
-
-def _part_ranges(design: LinkageDesign) -> Iterator[Fault]:
-    linkage = design.linkage
-    for i, link in enumerate(linkage.links):
-        at = f"linkage.links[{i}]"
-        yield from field_faults(link, at)
-        for place in link.points:
-            yield from field_faults(place, f"{at}.points.{place.name}")
-    for i, slider in enumerate(linkage.sliders):
-        yield from field_faults(slider, f"linkage.sliders[{i}]")
-    yield from field_faults(linkage.driver, "linkage.driver")
-    if design.cam is not None:
-        yield from field_faults(design.cam, "cam")
-    yield from field_faults(design.loads, "loads")
-    for name, rows in (("masses", design.loads.masses), ("forces", design.loads.forces)):
-        for i, row in enumerate(rows):
-            yield from field_faults(row, f"loads.{name}[{i}]")
+def _linkage(drive: Drive) -> Linkage:
+    assert isinstance(drive.mechanism, Linkage)
+    return drive.mechanism
 
 
 def _numbers(linkage: Linkage) -> list[int]:
@@ -59,9 +31,9 @@ def _known_links(linkage: Linkage) -> str:
     return " | ".join(str(n) for n in _numbers(linkage))
 
 
-def _links(design: LinkageDesign) -> Iterator[Fault]:
+def _links(drive: Drive) -> Iterator[Fault]:
     """Every link once, the frame among them, names that can head a column, pins that lie apart."""
-    links = design.linkage.links
+    links = _linkage(drive).links
     if not any(link.number == FRAME_LINK for link in links):
         yield Fault("linkage.links", MISSING, "no frame", f"a link with number = {FRAME_LINK}")
     seen: set[int] = set()
@@ -75,7 +47,7 @@ def _links(design: LinkageDesign) -> Iterator[Fault]:
                     f"linkage.links[{i}].points", place.name, "no name of a point",
                     f"letters, digits and _, a letter first, at most {LONGEST_NAME}",
                 )  # fmt: skip
-    yield from _pins_apart(design.linkage)
+    yield from _pins_apart(_linkage(drive))
 
 
 def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
@@ -96,8 +68,8 @@ def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
             yield Fault(f"linkage.links[{i}].points", told, "two pins make them one body", "one shared point")
 
 
-def _sliders(design: LinkageDesign) -> Iterator[Fault]:
-    linkage = design.linkage
+def _sliders(drive: Drive) -> Iterator[Fault]:
+    linkage = _linkage(drive)
     numbers = set(_numbers(linkage))
     sliding = Counter(s.link for s in linkage.sliders)
     seen: set[int] = set()
@@ -118,8 +90,8 @@ def _sliders(design: LinkageDesign) -> Iterator[Fault]:
         seen.add(slider.link)
 
 
-def _driver(design: LinkageDesign) -> Iterator[Fault]:
-    linkage = design.linkage
+def _driver(drive: Drive) -> Iterator[Fault]:
+    linkage = _linkage(drive)
     driver = linkage.driver
     moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
     if driver.speed_rpm == 0.0:
@@ -139,9 +111,9 @@ def _driver(design: LinkageDesign) -> Iterator[Fault]:
         yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
 
 
-def _structure(design: LinkageDesign) -> Iterator[Fault]:
+def _structure(drive: Drive) -> Iterator[Fault]:
     """One degree of freedom, and every link held by the others."""
-    linkage = design.linkage
+    linkage = _linkage(drive)
     numbers = _numbers(linkage)
     if not _sound(linkage):
         return
@@ -199,8 +171,8 @@ def sided_joints(linkage: Linkage) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _branches(design: LinkageDesign) -> Iterator[Fault]:
-    linkage = design.linkage
+def _branches(drive: Drive) -> Iterator[Fault]:
+    linkage = _linkage(drive)
     for side in linkage.branch:
         if side.side not in (-1, 1):
             yield Fault(f"linkage.branch.{side.joint}", side.side, "no side", "1 | -1")
@@ -213,20 +185,20 @@ def _branches(design: LinkageDesign) -> Iterator[Fault]:
             yield Fault(f"linkage.branch.{side.joint}", side.side, "no joint with two sides", allowed)
 
 
-def _motion(design: LinkageDesign) -> Iterator[Fault]:
-    driver = design.linkage.driver
-    if driver.kind == MOTION and design.motion is None:
+def _motion(drive: Drive) -> Iterator[Fault]:
+    driver = _linkage(drive).driver
+    if driver.kind == MOTION and drive.motion is None:
         yield Fault("motion", MISSING, "missing", "a table [motion] that the driver follows")
-    if driver.kind == CRANK and design.motion is not None:
+    if driver.kind == CRANK and drive.motion is not None:
         yield Fault("motion", "[motion]", "nothing follows it", f'driver with kind = "{MOTION}"')
 
 
-def _cam(design: LinkageDesign) -> Iterator[Fault]:
-    if design.cam is None:
+def _cam(drive: Drive) -> Iterator[Fault]:
+    if drive.cam is None:
         return
-    if design.linkage.driver.kind != MOTION:
+    if _linkage(drive).driver.kind != MOTION:
         yield Fault("cam", "[cam]", "a cam needs a motion to be made for", f'driver with kind = "{MOTION}"')
-    yield from _point_of(design.linkage, design.cam.link, design.cam.point, "cam")
+    yield from _point_of(_linkage(drive), drive.cam.link, drive.cam.point, "cam")
 
 
 def _point_of(linkage: Linkage, link: int, point: str, path: str) -> Iterator[Fault]:
@@ -238,9 +210,9 @@ def _point_of(linkage: Linkage, link: int, point: str, path: str) -> Iterator[Fa
         yield Fault(f"{path}.point", point, f"link {link} has no such point", allowed)
 
 
-def _loads(design: LinkageDesign) -> Iterator[Fault]:
-    loads: LinkageLoads = design.loads
-    linkage = design.linkage
+def _loads(drive: Drive) -> Iterator[Fault]:
+    loads: LinkageLoads = drive.loads
+    linkage = _linkage(drive)
     seen: set[int] = set()
     for i, mass in enumerate(loads.masses):
         if mass.link not in linkage.by_number or mass.link == FRAME_LINK:
@@ -251,3 +223,9 @@ def _loads(design: LinkageDesign) -> Iterator[Fault]:
         seen.add(mass.link)
     for i, force in enumerate(loads.forces):
         yield from _point_of(linkage, force.link, force.point, f"loads.forces[{i}]")
+
+
+DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (
+    _links, _sliders, _driver, _structure, _branches, _motion, _cam, _loads
+)  # fmt: skip
+"""What must hold of a drive with a linkage; a rule must bear any number, nan included."""

@@ -8,16 +8,17 @@ from dataclasses import replace
 
 from core.design.edits import with_segment_inserted, without_segment
 from core.design.joins import with_join_moved
-from core.design.kinds import D, Design, kind_row
 from core.design.linkage import CRANK, MOTION
 from core.design.mirror import stroke_mirrored
 from core.design.parts import Motion
+from core.design.paths import all_paths
+from core.design.whole import Design, with_drive
 from core.errors import DesignError, Fault
 
 
 def motion_of(design: Design) -> Motion | None:
     """The motion program; None of a linkage whose crank turns at speed."""
-    return kind_row(design).motion(design)
+    return design.drive.motion
 
 
 def require_motion(design: Design) -> Motion:
@@ -29,18 +30,17 @@ def require_motion(design: Design) -> Motion:
     return motion
 
 
-def with_motion(design: D, motion: Motion) -> D:
+def with_motion(design: Design, motion: Motion) -> Design:
     """The design with another motion."""
-    changed: D = kind_row(design).with_motion(design, motion)
-    return changed
+    return with_drive(design, motion=motion)
 
 
-def without_marks(design: D) -> D:
+def without_marks(design: Design) -> Design:
     """The design with nothing assumed of its motion any more."""
     return replace(design, assumed=tuple(path for path in design.assumed if not path.startswith("motion.")))
 
 
-def with_marks_of(design: D, before: Sequence[int | None]) -> D:
+def with_marks_of(design: Design, before: Sequence[int | None]) -> Design:
     """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
     of, had, None where it is new. What was assumed of segments that are gone is dropped."""
     kept: dict[str, None] = {}
@@ -52,12 +52,12 @@ def with_marks_of(design: D, before: Sequence[int | None]) -> D:
         for new, old in enumerate(before):
             if old == int(match[1]):
                 kept[f"motion.segments[{new}]{path[match.end() :]}"] = None
-    order = {path: i for i, path in enumerate(kind_row(design).paths(design))}
+    order = {path: i for i, path in enumerate(all_paths(design))}
     moved = iter(sorted((p for p in kept if p.startswith("motion.segments[")), key=lambda p: order.get(p, len(order))))
     return replace(design, assumed=tuple(next(moved) if p.startswith("motion.segments[") else p for p in kept))
 
 
-def insert_segment(design: D, index: int) -> D:
+def insert_segment(design: Design, index: int) -> Design:
     """``with_segment_inserted`` in a design."""
     motion = require_motion(design)
     old = range(len(motion.segments))
@@ -65,7 +65,7 @@ def insert_segment(design: D, index: int) -> D:
     return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
 
 
-def remove_segment(design: D, index: int) -> D:
+def remove_segment(design: Design, index: int) -> Design:
     """``without_segment`` in a design."""
     before = require_motion(design)
     motion = without_segment(before, index)
@@ -74,12 +74,12 @@ def remove_segment(design: D, index: int) -> D:
     return with_marks_of(with_motion(design, motion), [i for i in range(len(before.segments)) if i != index])
 
 
-def move_join(design: D, join: int, angle: float | None = None, level: float | None = None) -> D:
+def move_join(design: Design, join: int, angle: float | None = None, level: float | None = None) -> Design:
     """``with_join_moved`` in a design."""
     return with_motion(design, with_join_moved(require_motion(design), join, angle, level))
 
 
-def mirror_stroke(design: D, index: int) -> D:
+def mirror_stroke(design: Design, index: int) -> Design:
     """``with_stroke_mirrored`` in a design: what is assumed of the stroke is assumed of its image."""
     before = require_motion(design)
     motion, numbers = stroke_mirrored(before, index)

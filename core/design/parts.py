@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
-from core.design.fields import choice, coordinate, length, number
+from core.design.fields import Placing, choice, coordinate, length, number, placed
 from core.design.units import UNITS
 
 # -- motion ----------------------------------------------------------------------------------------------
@@ -97,7 +97,7 @@ class Segment:
 
     span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle this segment takes")
     rise: float = number("Rise", help="end minus start; negative for a return", step=1.0)
-    curve: Curve = Named("dwell")
+    curve: Curve = placed(Placing(inside=True), Named("dwell"))
 
 
 @dataclass(frozen=True)
@@ -205,7 +205,7 @@ class Shaft:
     motor_slope_nm_s_per_rad: float = number(
         "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
     )
-    elastic: Elastic | None = None
+    elastic: Elastic | None = placed(Placing(inside=True), None)
 
     @property
     def sense(self) -> float:
@@ -220,8 +220,9 @@ def _mass(label: str, help: str = "") -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Loads:
-    """What every follower's loads share."""
+    """What every follower's loads share; in a file what a follower adds stands first."""
 
+    FILE_ORDER: ClassVar[tuple[str, ...]] = ()
     friction: float = number(
         "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
     )
@@ -232,6 +233,12 @@ class Loads:
 @dataclass(frozen=True, kw_only=True)
 class CamSliderLoads(Loads):
     """Masses and forces of the cam-driven slider."""
+
+    FILE_ORDER = (
+        "slider_mass_kg", "rod_mass_kg", "rod_inertia_kg_m2", "rod_centre", "arm_mass_kg", "arm_inertia_kg_m2", "arm_centre_mm",
+        "arm_centre_angle_deg", "roller_mass_kg", "roller_inertia_kg_m2", "friction", "external_force_n",
+        "spring_rate_n_per_mm",
+    )  # fmt: skip
 
     slider_mass_kg: float = _mass("Slider mass")
     rod_mass_kg: float = _mass("Rod mass")
@@ -253,32 +260,14 @@ class CamSliderLoads(Loads):
 class TranslatingLoads(Loads):
     """Masses and closing spring of a translating follower."""
 
+    FILE_ORDER = ("follower_mass_kg", "friction", "spring_rate_n_per_mm", "preload_n")
+
     follower_mass_kg: float = _mass("Follower mass", "with its roller")
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
     preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
 
 
-# -- the whole --------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Drive:
-    """Motion, follower, cam and loads: one cam and what it moves. Speed and sense belong to the shaft."""
-
-    motion: Motion
-    follower: Follower
-    cam: Cam
-    loads: Loads
-
-
-@dataclass(frozen=True)
-class SingleCam:
-    """One cam on its shaft. ``assumed`` lists the field paths whose values are guesses."""
-
-    name: str
-    shaft: Shaft
-    drive: Drive
-    assumed: tuple[str, ...] = ()
+# -- kinds of followers ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.design.fields import field_faults
-from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Shaft, SingleCam, Spline
+from core.design.fields import field_faults, placing_of
+from core.design.linkage import Linkage
+from core.design.linkage_rules import DRIVE_RULES
+from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Spline
+from core.design.paths import fields_in_order
+from core.design.whole import Design
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
 
@@ -143,28 +147,22 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
         )
 
 
-def _elastic_part(shaft: Shaft, path: str) -> Iterator[Fault]:
-    """Its keys stand in the shaft's own table."""
-    if shaft.elastic is not None:
-        yield from field_faults(shaft.elastic, path)
-
-
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
         Motion: (_segment_faults, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
-        Shaft: (_elastic_part,),
     }
 )
 
 
 def part_faults(part: Any, path: str) -> list[Fault]:
-    """Every fault of one part: its fields' ranges, then the rules that tie them together.
+    """Every fault of one table: the ranges of its fields, then the rules that tie them together.
 
     A rule is asked even where a range is not kept, so that it hides nothing: it must bear any number, nan included.
     """
-    found = field_faults(part, path)
+    found = [fault for at, inner in _parts_of(part, path) for fault in field_faults(inner, at)]
     if isinstance(part, Motion):
+        found = field_faults(part, path)
         found = [Fault(_with_unit(f.path, part.unit), f.value, f.problem, f.allowed) for f in found]
     told = {f.path for f in found}
     for rule in RULES.get(type(part), ()):
@@ -172,14 +170,26 @@ def part_faults(part: Any, path: str) -> list[Fault]:
     return found
 
 
-def single_cam_faults(design: SingleCam) -> list[Fault]:
-    """Every fault of a single cam, in the order of the file."""
-    drive = design.drive
-    parts = {
-        "motion": drive.motion,
-        "follower": drive.follower,
-        "cam": drive.cam,
-        "shaft": design.shaft,
-        "loads": drive.loads,
-    }
-    return [fault for path, part in parts.items() for fault in part_faults(part, path)]
+def _parts_of(part: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """A part and every part in it with its path, in the order of the file."""
+    yield path, part
+    for field in fields_in_order(type(part)):
+        value, placing = getattr(part, field.name), placing_of(field)
+        if dataclasses.is_dataclass(value):
+            yield from _parts_of(value, path if placing.inside else f"{path}.{field.name}")
+        elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]) and not placing.single:
+            for i, row in enumerate(value):
+                at = f"{path}.{field.name}.{getattr(row, placing.key)}" if placing.key else f"{path}.{field.name}[{i}]"
+                yield from _parts_of(row, at)
+
+
+def faults(design: Design) -> list[Fault]:
+    """Every fault of a design, in the order of the file."""
+    found = [fault for name, part in design.tables.items() for fault in part_faults(part, name)]
+    told = {fault.path for fault in found}
+    for rule in DRIVE_RULES if isinstance(design.drive.mechanism, Linkage) else ():
+        for fault in rule(design.drive):
+            if fault.path not in told:
+                told.add(fault.path)
+                found.append(fault)
+    return found

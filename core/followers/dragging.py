@@ -14,7 +14,7 @@ from math import pi
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, SingleCam, Translating, put, si
+from core.design import CamSlider, Design, Translating, put, si
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.base import LAYOUT_TABLE, Layout, base_position
@@ -34,15 +34,15 @@ class Drag:
 
     label: str
     field: str
-    changes: Callable[[SingleCam, Train, complex], Changes]
+    changes: Callable[[Design, Train, complex], Changes]
 
 
-def _pivot(design: SingleCam, train: Train, to: complex) -> Changes:
+def _pivot(design: Design, train: Train, to: complex) -> Changes:
     """It moves alone; all lengths stay."""
     return {"follower.pivot_x_mm": to.real * 1e3, "follower.pivot_y_mm": to.imag * 1e3}
 
 
-def _arm_pin(design: SingleCam, train: Train, to: complex) -> Changes:
+def _arm_pin(design: Design, train: Train, to: complex) -> Changes:
     """Slider arm, rod and fixed angle: pivot and slider stay where they are, the roller on the base circle."""
     pivot, slider = _at(train, "pivot"), _at(train, "slider_pin")
     return {
@@ -52,10 +52,10 @@ def _arm_pin(design: SingleCam, train: Train, to: complex) -> Changes:
     }
 
 
-def _slider_pin(design: SingleCam, train: Train, to: complex) -> Changes:
+def _slider_pin(design: Design, train: Train, to: complex) -> Changes:
     """Rod, guide height and fixed angle: pivot and arm pin stay where they are, the roller on the base circle."""
     pivot, pin = _at(train, "pivot"), _at(train, "arm_pin")
-    along = cmath.exp(1j * si(design.drive.follower).guide_angle)
+    along = cmath.exp(1j * si(design.drive.mechanism).guide_angle)
     return {
         "follower.rod_mm": abs(to - pin) * 1e3,
         "follower.guide_height_mm": ((to - pivot) / along).imag * 1e3,
@@ -63,10 +63,10 @@ def _slider_pin(design: SingleCam, train: Train, to: complex) -> Changes:
     }
 
 
-def _turned_arm(design: SingleCam, train: Train, pivot: complex, pin: complex, slider: complex) -> Changes:
+def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slider: complex) -> Changes:
     """Fixed angle and layout with which the pins of arm and rod stand at these places: γ = α0 - φ0 - δ, Shin1995 (5), with
     φ0 of the triangle whose slider is back at the base position. Raises NoAssembly where there is none."""
-    follower = design.drive.follower
+    follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
     along = cmath.exp(1j * g.guide_angle)
@@ -90,9 +90,9 @@ def _turned_arm(design: SingleCam, train: Train, pivot: complex, pin: complex, s
     }
 
 
-def _roller(design: SingleCam, train: Train, to: complex) -> Changes:
+def _roller(design: Design, train: Train, to: complex) -> Changes:
     """Roller arm, fixed angle and base radius: arm, rod and slider stay where they are."""
-    follower = design.drive.follower
+    follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
     pivot = _at(train, "pivot")
@@ -108,9 +108,9 @@ def _roller(design: SingleCam, train: Train, to: complex) -> Changes:
     }
 
 
-def _on_guide(design: SingleCam, train: Train, to: complex) -> Changes:
+def _on_guide(design: Design, train: Train, to: complex) -> Changes:
     """Offset and base radius: the roller has gone as far as the motion says."""
-    g = si(design.drive.follower)
+    g = si(design.drive.mechanism)
     place = to * cmath.exp(-1j * g.direction)
     back = place.real - float(train.motion.y[0, 0])
     if back <= 0.0:
@@ -140,12 +140,12 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 """Kind of follower -> the joints that can be drawn elsewhere, by the names of their points."""
 
 
-def drags_of(design: SingleCam) -> Mapping[str, Drag]:
+def drags_of(design: Design) -> Mapping[str, Drag]:
     """The joints of a design that can be drawn elsewhere."""
-    return DRAGS[type(design.drive.follower)]
+    return DRAGS[type(design.drive.mechanism)]
 
 
-def with_joint_at(design: SingleCam, train: Train, name: str, to: complex, decimals: int = 6) -> SingleCam:
+def with_joint_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
     """The design with a joint at ``to`` [m] in the position that ``train`` shows (n = 1). Lengths are rounded to so many
     decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError, NoAssembly."""
     for path, value in drags_of(design)[name].changes(design, train, to).items():
@@ -161,7 +161,7 @@ def _at(train: Train, point: str) -> complex:
     return complex(body.place(point)[0])
 
 
-def _reach(design: SingleCam) -> float:
+def _reach(design: Design) -> float:
     parts = si(design.drive.cam)
     reach: float = parts.base_radius + parts.roller_radius
     return reach

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import require_motion, with_motion
-from core.design.kinds import D
+from core.design import Design, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import DesignError, Fault
 from core.measured.columns import column_name
@@ -23,7 +22,7 @@ WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows tha
 MOST_LINES = 12  # of suspects before the rest is counted only
 
 
-def into_design(design: D, fit: Fit) -> D:
+def into_design(design: Design, fit: Fit) -> Design:
     """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
     unit = require_motion(design).unit
     if fit.motion.unit != unit:

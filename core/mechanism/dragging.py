@@ -6,21 +6,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from core.design import FRAME_LINK, Link, LinkageDesign, Place, Side
+from core.design import FRAME_LINK, Design, Link, Place, Side, with_drive
 from core.mechanism.mechanism import body_name
 from core.train import Train
 
 _MM = 1e-3
 
 
-def movable(design: LinkageDesign, name: str) -> bool:
+def movable(design: Design, name: str) -> bool:
     """Whether a point can be put elsewhere: all but those of a driver that slides, whose place the motion gives."""
-    sliding = {s.link for s in design.linkage.sliders}
-    driver = design.linkage.driver.link
-    return not (driver in sliding and name in design.linkage.by_number[driver].places)
+    sliding = {s.link for s in design.drive.mechanism.sliders}
+    driver = design.drive.mechanism.driver.link
+    return not (driver in sliding and name in design.drive.mechanism.by_number[driver].places)
 
 
-def with_point_at(design: LinkageDesign, train: Train, name: str, to: complex, decimals: int = 6) -> LinkageDesign:
+def with_point_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
     """The design with a named point at ``to`` [m] in the position that ``train`` shows (n = 1).
 
     A point of the frame moves alone, all links keep their lengths. Of any other the links that have it change where it
@@ -28,7 +28,7 @@ def with_point_at(design: LinkageDesign, train: Train, name: str, to: complex, d
     link that slides to the guide. A link whose frame begins at its first point, with the second on its x axis, keeps it so.
     Coordinates are rounded to so many decimals [mm]. Raises KeyError for a point there is none of.
     """
-    linkage = design.linkage
+    linkage = design.drive.mechanism
     having = [link for link in linkage.links if name in link.places]
     if not having:
         raise KeyError(name)
@@ -44,7 +44,7 @@ def with_point_at(design: LinkageDesign, train: Train, name: str, to: complex, d
             to = _along_crank(linkage.by_number[FRAME_LINK], link, train, name, to)
     changed = {link.number: _moved(design, link, train, name, to, decimals) for link in having if link.number not in sliding}
     links = tuple(changed.get(link.number, link) for link in linkage.links)
-    return replace(design, linkage=replace(linkage, links=links))
+    return with_drive(design, mechanism=replace(linkage, links=links))
 
 
 def _pose(train: Train, link: int) -> tuple[complex, complex]:
@@ -68,7 +68,7 @@ def _along_crank(frame: Link, link: Link, train: Train, name: str, to: complex) 
     return start + along * ((to - start) * along.conjugate()).real
 
 
-def _moved(design: LinkageDesign, link: Link, train: Train, name: str, to: complex, decimals: int) -> Link:
+def _moved(design: Design, link: Link, train: Train, name: str, to: complex, decimals: int) -> Link:
     origin, axis = _pose(train, link.number)
     places = dict(link.places)
     tidy = _is_tidy(design, link)
@@ -83,18 +83,18 @@ def _moved(design: LinkageDesign, link: Link, train: Train, name: str, to: compl
     return replace(link, points=rounded)
 
 
-def _is_tidy(design: LinkageDesign, link: Link) -> bool:
+def _is_tidy(design: Design, link: Link) -> bool:
     """Whether a link's frame begins at its first point and leads to the second, and nothing else stands in it."""
-    linkage = design.linkage
-    fixed = {FRAME_LINK, linkage.driver.link} | {s.on for s in linkage.sliders} | {m.link for m in design.loads.masses}
+    linkage = design.drive.mechanism
+    fixed = {FRAME_LINK, linkage.driver.link} | {s.on for s in linkage.sliders} | {m.link for m in design.drive.loads.masses}
     first, *rest = link.places.values()
     return link.number not in fixed and first == 0 and bool(rest) and rest[0].imag == 0.0 and rest[0].real > 0.0
 
 
-def other_side(design: LinkageDesign, joint: str) -> LinkageDesign:
+def other_side(design: Design, joint: str) -> Design:
     """The design assembled the other way at a joint; one that was not stated stood at +1."""
-    side = -design.linkage.sides.get(joint, 1)
-    kept = tuple(s if s.joint != joint else replace(s, side=side) for s in design.linkage.branch)
-    if joint not in design.linkage.sides:
+    side = -design.drive.mechanism.sides.get(joint, 1)
+    kept = tuple(s if s.joint != joint else replace(s, side=side) for s in design.drive.mechanism.branch)
+    if joint not in design.drive.mechanism.sides:
         kept = (*kept, Side(joint, side))
-    return replace(design, linkage=replace(design.linkage, branch=kept))
+    return with_drive(design, mechanism=replace(design.drive.mechanism, branch=kept))

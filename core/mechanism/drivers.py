@@ -13,17 +13,18 @@ from core.design import (
     CRANK,
     FRAME_LINK,
     MOTION,
+    Design,
     Driver,
     Linkage,
     LinkageCam,
-    LinkageDesign,
     Motion,
     Segment,
     Side,
+    all_paths,
     curve_of,
     faults,
+    with_drive,
 )
-from core.design.kinds import kind_row
 from core.design.linkage_rules import sided_joints
 from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
@@ -43,37 +44,37 @@ _NEAR = 1e-3  # of a range: a position this near to its end is its dead centre
 _MOST = 256  # ways of assembly that are tried
 
 
-def drivers(design: LinkageDesign) -> Iterator[Driver]:
+def drivers(design: Design) -> Iterator[Driver]:
     """Every way to drive the linkage: a link pinned to the frame at speed or by a motion, one that slides there by a
     motion; those whose linkage could be solved."""
-    speed = design.linkage.driver.speed_rpm
-    for link in sorted(n for n in design.linkage.by_number if n != FRAME_LINK):
+    speed = design.drive.mechanism.driver.speed_rpm
+    for link in sorted(n for n in design.drive.mechanism.by_number if n != FRAME_LINK):
         for kind in (CRANK, MOTION):
             driver = Driver(link, kind, speed)
-            changed = replace(design.linkage, driver=driver, branch=())
+            changed = replace(design.drive.mechanism, driver=driver, branch=())
             motion = None if kind == CRANK else Motion(0.0, (Segment(360.0, 0.0),), _unit(changed))
-            cam = design.cam if kind == MOTION else None
-            if not faults(replace(design, linkage=changed, motion=motion, cam=cam)):
+            cam = design.drive.cam if kind == MOTION else None
+            if not faults(with_drive(design, mechanism=changed, motion=motion, cam=cam)):
                 yield driver
 
 
-def with_driver(design: LinkageDesign, driver: Driver, train: Train) -> LinkageDesign:
+def with_driver(design: Design, driver: Driver, train: Train) -> Design:
     """The design led by ``driver`` from the position that ``train`` shows (n = 1), in which it stays assembled.
 
     A link that comes to follow a motion gets one to begin with, from this position: dwell, rise, dwell, return, as far
     as the linkage lets it, all of it assumed. A crank at speed has neither motion nor cam. Raises NoPosition where the
     linkage cannot be led so from here.
     """
-    old = design.linkage.driver
+    old = design.drive.mechanism.driver
     if (driver.link, driver.kind) == (old.link, old.kind):
-        return replace(design, linkage=replace(design.linkage, driver=driver))
-    linkage = replace(design.linkage, driver=driver, branch=())
+        return with_drive(design, mechanism=replace(design.drive.mechanism, driver=driver))
+    linkage = replace(design.drive.mechanism, driver=driver, branch=())
     place = driver_place(linkage, train)
     if driver.kind == CRANK:
         linkage, _ = _assembled(linkage, train, place % TURN, 0.0, TURN)
         gone = ("motion.", "cam.")
         assumed = tuple(path for path in design.assumed if not path.startswith(gone))
-        return replace(design, linkage=linkage, motion=None, cam=None, assumed=assumed)
+        return with_drive(design, mechanism=linkage, motion=None, cam=None, assumed=assumed)
     half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
     _, room = _assembled(linkage, train, place, place - half, place + half)
     motion = _first_motion(linkage, room, place)
@@ -81,37 +82,37 @@ def with_driver(design: LinkageDesign, driver: Driver, train: Train) -> LinkageD
     low, high = swept(program(motion))
     linkage, _ = _assembled(linkage, train, min(max(place, low), high), low, high)  # its start is rounded
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
-    changed = replace(design, linkage=linkage, motion=motion, assumed=assumed)
-    marks = tuple(path for path in kind_row(changed).paths(changed) if path.startswith("motion."))
+    changed = with_drive(design, mechanism=linkage, motion=motion, assumed=assumed)
+    marks = tuple(path for path in all_paths(changed) if path.startswith("motion."))
     return replace(changed, assumed=(*marks, *assumed))
 
 
-def with_roller(design: LinkageDesign, link: int, point: str) -> LinkageDesign:
+def with_roller(design: Design, link: int, point: str) -> Design:
     """The design with its cam under a roller at this point; a first roller has a radius to begin with, assumed.
 
     Raises NoPosition where no motion drives the linkage.
     """
-    if design.cam is not None:
-        return replace(design, cam=replace(design.cam, link=link, point=point))
-    if design.motion is None:
+    if design.drive.cam is not None:
+        return with_drive(design, cam=replace(design.drive.cam, link=link, point=point))
+    if design.drive.motion is None:
         raise NoPosition("a cam needs a motion to be made for", "linkage.driver.kind", "let a link follow a motion first")
-    radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.linkage).size)
+    radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.drive.mechanism).size)
     mark = "cam.roller_radius_mm"
     assumed = (*(path for path in design.assumed if path != mark), mark)
-    return replace(design, cam=LinkageCam(link=link, point=point, roller_radius_mm=radius), assumed=assumed)
+    return with_drive(design, cam=LinkageCam(link=link, point=point, roller_radius_mm=radius), assumed=assumed)
 
 
-def without_roller(design: LinkageDesign) -> LinkageDesign:
+def without_roller(design: Design) -> Design:
     """The design without its cam."""
     assumed = tuple(path for path in design.assumed if not path.startswith("cam."))
-    return replace(design, cam=None, assumed=assumed)
+    return with_drive(design, cam=None, assumed=assumed)
 
 
-def roller_places(design: LinkageDesign) -> tuple[tuple[int, str], ...]:
+def roller_places(design: Design) -> tuple[tuple[int, str], ...]:
     """Link and point of every place that a roller can have: each point that moves, once, on the first link that has it."""
-    fixed = set(design.linkage.by_number[FRAME_LINK].places)
+    fixed = set(design.drive.mechanism.by_number[FRAME_LINK].places)
     found: dict[str, int] = {}
-    for link in design.linkage.links:
+    for link in design.drive.mechanism.links:
         for name in link.places:
             if name not in fixed:
                 found.setdefault(name, link.number)

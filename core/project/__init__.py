@@ -8,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from core.design import Design, LinkageDesign
+from core.design import Design
 from core.errors import MISSING, DesignError, Fault
 from core.files import AnyPath, read_text, write
 from core.project.linkage_writing import linkage_tables, section_text
@@ -43,7 +43,7 @@ def save(design: Design, path: AnyPath) -> None:
 
 def dumps(design: Design) -> str:
     """The file's text: keys in the order of the contract, every number with all its digits."""
-    if isinstance(design, LinkageDesign):
+    if design.drive.is_linkage:
         sections = (section_text(name, table) for name, table in linkage_tables(design).items())
         return _text(linkage_head(design)) + "".join(sections)
     return _text(to_table(design))

@@ -9,11 +9,12 @@ from typing import Any
 
 from core.design import (
     MOTION,
+    Design,
+    Drive,
     Driver,
     Link,
     Linkage,
     LinkageCam,
-    LinkageDesign,
     LinkageLoads,
     LinkForce,
     LinkMass,
@@ -24,7 +25,7 @@ from core.design import (
     faults,
     info_of,
 )
-from core.design.linkage_paths import PAIRS, paths
+from core.design.paths import PAIRS, all_paths
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, Fault
 from core.project.hooks import NO_NUMBER, NO_WORD
@@ -38,7 +39,7 @@ _STRUCTURE = r"linkage|linkage\.links\[\d+\]|linkage\.branch\..*|linkage\.driver
 ReadMotion = Callable[[Mapping[str, Any], str], tuple[Any, list[Fault]]]
 
 
-def linkage_from_table(table: Mapping[str, Any], read_motion: ReadMotion) -> tuple[LinkageDesign, list[Fault]]:
+def linkage_from_table(table: Mapping[str, Any], read_motion: ReadMotion) -> tuple[Design, list[Fault]]:
     """The design as far as it can be read, and all that is wrong but for the head of the file; ``read_motion`` reads
     [motion] in a unit."""
     found: list[Fault] = []
@@ -57,7 +58,7 @@ def linkage_from_table(table: Mapping[str, Any], read_motion: ReadMotion) -> tup
     name = table.get("name", "")
     assumed = table.get("assumed", ())
     plain = tuple(p for p in assumed if isinstance(p, str)) if isinstance(assumed, list | tuple) else ()
-    design = LinkageDesign(name, linkage, motion, cam, loads, plain)
+    design = Design(name, None, (Drive(motion, linkage, cam, loads),), plain)
     found += _rule_faults(design, found, "motion" in table)
     found += _assumed_faults(assumed, design)
     return design, found
@@ -133,7 +134,7 @@ def _unit(linkage: Linkage, motion: Any) -> str:
     return "deg" if is_pin(pair) else "mm"
 
 
-def _rule_faults(design: LinkageDesign, found: list[Fault], motion_there: bool) -> Iterator[Fault]:
+def _rule_faults(design: Design, found: list[Fault], motion_there: bool) -> Iterator[Fault]:
     """What the rules say of what could be read; of a part that is already told nothing more."""
     told = {fault.path for fault in found}
     broken = any(re.match(r"linkage($|\.(links|sliders|driver)\b)", path) for path in told)
@@ -154,11 +155,11 @@ def _as_in_file(path: str) -> str:
     return re.sub(r"\.(through|centre)_[xy]_mm$", r".\1", path)
 
 
-def _assumed_faults(assumed: Any, design: LinkageDesign) -> Iterator[Fault]:
+def _assumed_faults(assumed: Any, design: Design) -> Iterator[Fault]:
     if not isinstance(assumed, list | tuple):
         yield Fault("assumed", assumed, "must be a list of field paths")
         return
-    known = dict.fromkeys(paths(design))
+    known = dict.fromkeys(all_paths(design))
     for i, path in enumerate(assumed):
         if not isinstance(path, str):
             yield Fault(f"assumed[{i}]", path, "must be a field path, as text")

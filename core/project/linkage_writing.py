@@ -9,13 +9,13 @@ from typing import Any
 
 import tomli_w
 
-from core.design import LinkageDesign, LinkageLoads
-from core.design.linkage_paths import PAIRS
+from core.design import Design, LinkageLoads
+from core.design.paths import PAIRS
 
 
-def linkage_tables(design: LinkageDesign) -> dict[str, Any]:
+def linkage_tables(design: Design) -> dict[str, Any]:
     """The tables [linkage], [cam] and [loads], each only where there is something to say."""
-    linkage = design.linkage
+    linkage = design.drive.mechanism
     table: dict[str, Any] = {"driver": _flat(linkage.driver)}
     if linkage.branch:
         table["branch"] = {s.joint: s.side for s in linkage.branch}
@@ -26,10 +26,10 @@ def linkage_tables(design: LinkageDesign) -> dict[str, Any]:
     if linkage.sliders:
         table["sliders"] = [_flat(slider) for slider in linkage.sliders]
     told = {"linkage": table}
-    if design.cam is not None:
-        told["cam"] = _flat(design.cam)
-    if repr(design.loads) != repr(LinkageLoads()):  # which tells 0.0 from -0.0
-        told["loads"] = _flat(design.loads)
+    if design.drive.cam is not None:
+        told["cam"] = _flat(design.drive.cam)
+    if repr(design.drive.loads) != repr(LinkageLoads()):  # which tells 0.0 from -0.0
+        told["loads"] = _flat(design.drive.loads)
     return told
 
 

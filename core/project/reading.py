@@ -19,10 +19,8 @@ from core.design import (
     Named,
     Segment,
     Shaft,
-    SingleCam,
     part_faults,
 )
-from core.design.paths import SECTIONS
 from core.errors import DesignError, Fault
 from core.project.hooks import NO_NUMBER, NO_WORD, converter, keys_of, required_keys
 from core.project.linkage_reading import linkage_from_table
@@ -31,7 +29,7 @@ from core.project.writing import FORMAT
 
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
 _OPTIONAL = ("loads",)
-_KNOWN = ("format", "name", "assumed", *SECTIONS)
+_KNOWN = ("format", "name", "assumed", "motion", "follower", "cam", "shaft", "loads")
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 
 
@@ -54,7 +52,7 @@ def from_table(table: Mapping[str, Any]) -> Design:
     if found:
         raise DesignError(found)
     drive = Drive(parts["motion"], parts["follower"], parts["cam"], parts["loads"])
-    return SingleCam(table["name"], parts["shaft"], drive, tuple(table.get("assumed", ())))
+    return Design(table["name"], parts["shaft"], (drive,), tuple(table.get("assumed", ())))
 
 
 # -- the head of the file ---------------------------------------------------------------------------------

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, LinkageDesign, kind_of
-from core.design.paths import SECTIONS, section
+from core.design import FOLLOWER_KINDS, Design, kind_of
 from core.project.hooks import converter
 from core.project.linkage_writing import linkage_tables
 
@@ -14,22 +13,22 @@ FORMAT = 1
 
 def to_table(design: Design) -> dict[str, Any]:
     """The tables of the file."""
-    if isinstance(design, LinkageDesign):
+    if design.drive.is_linkage:
         return {**linkage_head(design), **linkage_tables(design)}
-    kind = kind_of(design.drive.follower)
+    kind = kind_of(design.drive.mechanism)
     made = converter(FOLLOWER_KINDS[kind].motion_unit)
     table = _head(design)
-    for name in SECTIONS:
-        table[name] = made.unstructure(section(design, name))
+    for name, part in design.tables.items():
+        table[name] = made.unstructure(part)
     table["follower"] = {"kind": kind, **table["follower"]}
     return table
 
 
-def linkage_head(design: LinkageDesign) -> dict[str, Any]:
+def linkage_head(design: Design) -> dict[str, Any]:
     """What stands before [linkage]: head and motion."""
     table = _head(design)
-    if design.motion is not None:
-        table["motion"] = converter(design.motion.unit).unstructure(design.motion)
+    if design.drive.motion is not None:
+        table["motion"] = converter(design.drive.motion.unit).unstructure(design.drive.motion)
     return table
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 
-from core.design import Elastic, SingleCam, with_assumed, with_elastic
+from core.design import Design, Elastic, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
 from core.train import Train
@@ -22,7 +22,7 @@ def first_guess(train: Train, loading: Loading, omega: float) -> Elastic | None:
     return Elastic(float(f"{own:.3g}"), float(f"{own * (USUAL_ETA * omega) ** 2:.3g}"))
 
 
-def flexible(design: SingleCam, train: Train, loading: Loading, omega: float) -> SingleCam:
+def flexible(design: Design, train: Train, loading: Loading, omega: float) -> Design:
     """The design with a first guess of its shaft's elasticity, marked as assumed; omega [rad/s]. Raises NoStability where
     nothing is moved."""
     guess = first_guess(train, loading, omega)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from core.design import Design, LinkageDesign, SingleCam
+from core.design import Design
 from core.errors import NoAnswer, NoSuchStage, at_angles
 from core.extremes import Range, find_extremes
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -21,7 +21,7 @@ from core.study.stages import memory
 
 SAMPLES = 3600
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
-_MODULES: Mapping[type, str] = MappingProxyType({SingleCam: "core.study.study", LinkageDesign: "core.study.linkage"})
+_MODULES: Mapping[bool, str] = MappingProxyType({False: "core.study.study", True: "core.study.linkage"})
 """What studies each kind of design: a cam does without the mechanics of linkages, which are loaded with the first one."""
 
 
@@ -35,13 +35,13 @@ class Study:
 
     stages: tuple[str, ...] = ("motion", "linkage", "cam", "dynamics", "stability")
     angle_column, angle_name = "cam_angle_deg", "cam angle"
-    _kinds: ClassVar[dict[type, type[Study]]] = {}
+    _kinds: ClassVar[dict[bool, type[Study]]] = {}
 
-    def __init_subclass__(cls, of: type) -> None:
+    def __init_subclass__(cls, of: bool) -> None:
         Study._kinds[of] = cls
 
     def __new__(cls, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> Study:
-        kind = type(design)
+        kind = design.drive.is_linkage
         if kind not in Study._kinds:
             import_module(_MODULES[kind])
         return object.__new__(Study._kinds[kind])

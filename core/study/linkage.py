@@ -11,7 +11,7 @@ import numpy as np
 
 from core import cam, dynamics, mechanism, motion
 from core.cam import CamShape
-from core.design import CRANK, Linkage, LinkageCam, LinkageDesign, LinkageLoads, si
+from core.design import CRANK, Design, Linkage, LinkageCam, LinkageLoads, si
 from core.dynamics import Forces, Loading, link_loading
 from core.errors import NoAnswer, NoPosition, angle_list
 from core.extremes import Extreme, Range
@@ -64,19 +64,19 @@ def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
     return Residual(float(residual[i]), float(bound[i]))
 
 
-class LinkageStudy(Study, of=LinkageDesign):
+class LinkageStudy(Study, of=True):
     """Stages ``linkage`` and ``dynamics``; ``motion`` where it drives a link, ``cam`` where a cam makes it.
 
     The angle is the crank's own, or the cam's (the turn of the motion). A crank that cannot turn fully is looked at where
     it can: then there are fewer angles than samples. ``centres`` belongs to the stage ``linkage``, and is counted by itself.
     """
 
-    design: LinkageDesign
+    design: Design
     angle_column, angle_name = "driver_angle_deg", "driver angle"
 
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
-        there = {"motion": self.design.motion, "linkage": True, "cam": self.design.cam, "dynamics": True}
+        there = {"motion": self.design.drive.motion, "linkage": True, "cam": self.design.drive.cam, "dynamics": True}
         return tuple(name for name, has in there.items() if has is not None)
 
     # -- stages -----------------------------------------------------------------------------------------
@@ -84,25 +84,25 @@ class LinkageStudy(Study, of=LinkageDesign):
     @property
     def by_crank(self) -> bool:
         """The driver turns at speed, and no motion tells it how."""
-        return self.design.linkage.driver.kind == CRANK
+        return self.design.drive.mechanism.driver.kind == CRANK
 
     @cached_property
     def _places(self) -> Linkage:
         """The linkage at a speed of 1: no place and no derivative by the angle depends on it, so that another speed solves
         nothing anew."""
-        linkage = self.design.linkage
+        linkage = self.design.drive.mechanism
         return replace(linkage, driver=replace(linkage.driver, speed_rpm=1.0))
 
     @cached_property
     def _roller(self) -> LinkageCam | None:
         """The roller's centre, which is where it is whatever its radius."""
-        part: LinkageCam | None = self.design.cam
+        part: LinkageCam | None = self.design.drive.cam
         return part and replace(part, roller_radius_mm=1.0)
 
     @cached_property
     def course(self) -> Course:
         """Ranges, change points and turning of the links. Raises NoPosition where they meet nowhere."""
-        ends = () if self.by_crank else swept(program(self.design.motion))
+        ends = () if self.by_crank else swept(program(self.design.drive.motion))
         found = course_of(self._places, *ends)
         if not found.ranges:
             raise NoPosition(
@@ -125,13 +125,13 @@ class LinkageStudy(Study, of=LinkageDesign):
     @cached_property
     def program(self) -> Program | CrankProgram:
         """What the driver does over one turn: its pieces and joins."""
-        return CrankProgram(self.course) if self.by_crank else program(self.design.motion)
+        return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
     def angles(self) -> Angles:
         if self._given is not None:
             return self._given
-        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.motion, self.samples)
+        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.drive.motion, self.samples)
 
     @property
     def angle_degrees(self) -> np.ndarray:
@@ -142,7 +142,7 @@ class LinkageStudy(Study, of=LinkageDesign):
         """Where the driver is (4, n) [rad or m]."""
         if self.by_crank:
             return self._stage(crank_state, self.course, self.angles)
-        return self._stage(motion_stage, self.design.motion, self.angles)
+        return self._stage(motion_stage, self.design.drive.motion, self.angles)
 
     @property
     def motion(self) -> MotionState:
@@ -164,7 +164,7 @@ class LinkageStudy(Study, of=LinkageDesign):
     @cached_property
     def _cam(self) -> CamShape:
         try:
-            shape: CamShape = self._stage(cam_stage, self.linkage, self.design.cam, self.sense)
+            shape: CamShape = self._stage(cam_stage, self.linkage, self.design.drive.cam, self.sense)
             if self._given is None:
                 cam.require_hold(self.linkage)
             return shape
@@ -182,11 +182,11 @@ class LinkageStudy(Study, of=LinkageDesign):
 
     @property
     def _shape(self) -> CamShape | None:
-        return self.cam if self.design.cam is not None else None
+        return self.cam if self.design.drive.cam is not None else None
 
     @property
     def loading(self) -> Loading:
-        loads: Loading = link_loads(self.design.loads)
+        loads: Loading = link_loads(self.design.drive.loads)
         return loads
 
     # -- what stages share ------------------------------------------------------------------------------
@@ -198,13 +198,13 @@ class LinkageStudy(Study, of=LinkageDesign):
     @property
     def omega(self) -> float:
         """[rad/s] of the crank, negative clockwise; of a motion's shaft, which is counted as it turns, positive."""
-        speed: float = si(self.design.linkage.driver).speed
+        speed: float = si(self.design.drive.mechanism.driver).speed
         return speed if self.by_crank else abs(speed)
 
     @property
     def sense(self) -> float:
         """+1 where crank or cam turns counter-clockwise, -1 clockwise."""
-        return float(np.sign(self.design.linkage.driver.speed_rpm))
+        return float(np.sign(self.design.drive.mechanism.driver.speed_rpm))
 
     def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
         rows = {name: quantity(name) for name in names_of(self.design)}
@@ -218,8 +218,8 @@ class LinkageStudy(Study, of=LinkageDesign):
 
     def _figures_depend_on(self, stage: str) -> Any:
         design = self.design
-        loads = design.loads if stage == "dynamics" else None
-        return design.linkage, design.motion, design.cam if stage != "motion" else None, loads
+        loads = design.drive.loads if stage == "dynamics" else None
+        return design.drive.mechanism, design.drive.motion, design.drive.cam if stage != "motion" else None, loads
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -249,7 +249,7 @@ class LinkageStudy(Study, of=LinkageDesign):
 
     def _findings_of(self, stage: str) -> list[Finding]:
         rows: Mapping[str, Callable[[], list[Finding]]] = {
-            "motion": lambda: motion.findings(program(self.design.motion)),
+            "motion": lambda: motion.findings(program(self.design.drive.motion)),
             "linkage": self._linkage_findings,
             "cam": self._cam_findings,
             "dynamics": self._dynamics_findings,
@@ -259,7 +259,7 @@ class LinkageStudy(Study, of=LinkageDesign):
     def _dynamics_findings(self) -> list[Finding]:
         if self.loading.empty:
             return [Finding("no-load", NOTE, "loads", None)]
-        if self.design.cam is None:
+        if self.design.drive.cam is None:
             return []
         least = self.extremes("dynamics", ("roller_force",))["roller_force"].low
         if least.value > 0.0:
@@ -267,7 +267,7 @@ class LinkageStudy(Study, of=LinkageDesign):
         return [Finding("separation", ERROR, "loads", float(np.rad2deg(least.theta)), {"force_n": least.value})]
 
     def _cam_findings(self) -> list[Finding]:
-        part, train = self.design.cam, self.linkage
+        part, train = self.design.drive.cam, self.linkage
         assert part is not None
         ground = train.pairs[train.ground].kind if train.ground else REVOLUTE
         return cam.findings(self.extremes("cam", ("pressure_angle", "pitch_curvature")), ground, part)
@@ -293,7 +293,7 @@ class LinkageStudy(Study, of=LinkageDesign):
         if "cam" in wanted:
             centre = cam.centre_residual(self.linkage, self.cam)
             proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
-            radius: float = si(self.design.cam).roller_radius
+            radius: float = si(self.design.drive.cam).roller_radius
             reach = float(np.abs(self.cam.flank.pitch).max())
             proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, reach), 64.0 * EPS)
         if "dynamics" in wanted:
@@ -315,13 +315,13 @@ class LinkageStudy(Study, of=LinkageDesign):
     def angular_velocities(self) -> dict[int, np.ndarray]:
         """Link -> (n,) [rad/s], the frame included."""
         bodies = self.linkage.bodies
-        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.linkage.by_number)}
+        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.drive.mechanism.by_number)}
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""
         train, found = self.linkage, {}
-        for n in sorted(self.design.linkage.by_number):
-            for name in self.design.linkage.by_number[n].places:
+        for n in sorted(self.design.drive.mechanism.by_number):
+            for name in self.design.drive.mechanism.by_number[n].places:
                 if name not in found:
                     z = train.bodies[body_of(train, name)].point(name)
                     found[name] = (z[0], z[1] * self.omega)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.design import CRANK, FRAME_LINK, LinkageDesign
+from core.design import CRANK, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.study.quantities import QUANTITIES, Quantity
 from core.train import SLIDING, Train
@@ -100,9 +100,9 @@ def quantity(name: str) -> Quantity:
 
 
 @lru_cache(maxsize=64)
-def names_of(design: LinkageDesign) -> tuple[str, ...]:
+def names_of(design: Design) -> tuple[str, ...]:
     """Every quantity of a design, in the order of the tables."""
-    linkage = design.linkage
+    linkage = design.drive.mechanism
     crank = linkage.driver.kind == CRANK
     moving = [n for n in sorted(linkage.by_number) if n != FRAME_LINK and not (crank and n == linkage.driver.link)]
     names = [] if crank else list(_MOTION)
@@ -112,21 +112,21 @@ def names_of(design: LinkageDesign) -> tuple[str, ...]:
     points = dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed)
     names += [f"point.{p}_{what}" for p in points for what in ("x", "y", "vx", "vy", "ax", "ay", "speed")]
     names += [f"transmission.{step.joint}" for step in solving_order(linkage).steps if step.kind != GROUP]
-    if design.cam is not None:
+    if design.drive.cam is not None:
         names += _CAM
     names += _forces(design)
     return tuple(names)
 
 
-def _forces(design: LinkageDesign) -> list[str]:
+def _forces(design: Design) -> list[str]:
     from core.mechanism import mechanism_of  # not before there is a linkage
 
-    pair = driver_pair(design.linkage)
-    if design.cam is not None:
+    pair = driver_pair(design.drive.mechanism)
+    if design.drive.cam is not None:
         names = ["roller_force", "camshaft_torque"]
     else:
         names = ["driver_torque" if pair is not None and is_pin(pair) else "driver_force"]
-    for joint, name in mechanism_of(design.linkage).pair_names().items():
+    for joint, name in mechanism_of(design.drive.mechanism).pair_names().items():
         names += [f"force.{name}_{what}" for what in ("x", "y", "size")]
         names += [] if joint.revolute else [f"couple.{name}"]
     return names

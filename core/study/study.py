@@ -10,7 +10,7 @@ import numpy as np
 
 from core import cam, dynamics, followers, motion
 from core.cam import CamShape
-from core.design import SingleCam, kind_of, si
+from core.design import Design, kind_of, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoStability
 from core.findings import NOTE, Finding, Residual
@@ -35,12 +35,12 @@ if TYPE_CHECKING:
     from core.stability import Stability
 
 
-class CamStudy(Study, of=SingleCam):
+class CamStudy(Study, of=False):
     """Stages ``motion``, ``linkage``, ``cam``, ``dynamics``, ``stability``, which is None where the shaft is rigid or nothing
     excites it; ``flywheel`` belongs to the stage ``dynamics``."""
 
     stages = ("motion", "linkage", "cam", "dynamics", "stability")
-    design: SingleCam
+    design: Design
 
     # -- stages -----------------------------------------------------------------------------------------
 
@@ -60,7 +60,7 @@ class CamStudy(Study, of=SingleCam):
     @cached_property
     def linkage(self) -> Train:
         try:
-            return self._stage(linkage_stage, self.design.drive.follower, self.reach, self.motion)
+            return self._stage(linkage_stage, self.design.drive.mechanism, self.reach, self.motion)
         except NoAnswer as error:
             raise self._located(error, "linkage") from None
 
@@ -89,7 +89,7 @@ class CamStudy(Study, of=SingleCam):
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         try:
             found = stability_stage(
-                drive.motion, drive.follower, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
+                drive.motion, drive.mechanism, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
             )
         except NoStability:
             raise
@@ -143,7 +143,7 @@ class CamStudy(Study, of=SingleCam):
     @property
     def kind(self) -> str:
         """Slug of the follower's kind."""
-        return kind_of(self.design.drive.follower)
+        return kind_of(self.design.drive.mechanism)
 
     @property
     def omega(self) -> float:
@@ -160,7 +160,7 @@ class CamStudy(Study, of=SingleCam):
 
     @property
     def loading(self) -> Loading:
-        loads: Loading = loading(self.design.drive.follower, self.design.drive.loads)
+        loads: Loading = loading(self.design.drive.mechanism, self.design.drive.loads)
         return loads
 
     def _depends_on(self, stage: str) -> tuple[Any, ...]:
@@ -168,8 +168,8 @@ class CamStudy(Study, of=SingleCam):
         drive, shaft = self.design.drive, self.design.shaft
         parts = {
             "motion": (drive.motion, self.omega),
-            "linkage": (drive.motion, self.omega, drive.follower, self.reach),
-            "cam": (drive.motion, drive.follower, drive.cam, shaft.rotation),
+            "linkage": (drive.motion, self.omega, drive.mechanism, self.reach),
+            "cam": (drive.motion, drive.mechanism, drive.cam, shaft.rotation),
             "dynamics": (drive, shaft.rotation, self.omega),
             "stability": (drive, shaft.rotation, self.omega, shaft.elastic),
         }

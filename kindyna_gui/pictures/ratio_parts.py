@@ -116,7 +116,7 @@ class RatioDimensions:
     ) -> None:
         self._reading, self._sight, self._room = reading, sight, room
         self._table = reading.study.centres
-        driver = body_name(reading.study.design.linkage.driver.link)
+        driver = body_name(reading.study.design.drive.mechanism.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
         for number, (body, base) in enumerate(pairs(self._table, driver)):
             colour = COLOURS[number % len(COLOURS)]

@@ -30,7 +30,7 @@ from benchmarks.exact_shafts import OF_SHAFTS
 from mechanisms import LIFT, with_shaft
 from references import LAW_TERMS, MP, Series, cam_shape, free_bodies, joins_of, law, law_joins, motion_series, placed
 
-from core.design import SingleCam, entries, get, put
+from core.design import Design, entries, get, put
 from core.motion import Program
 
 FILE = Path(__file__).with_name("exact.json")
@@ -40,7 +40,7 @@ FITTED = with_shaft(LIFT, flywheel_inertia_kg_m2=300.0, motor_slope_nm_s_per_rad
 SHARES = (0.11373, 0.52719, 0.93131)  # of each piece of the motion: on no table's knots
 STEP = MP.mpf(10) ** -20
 
-Figures = Callable[[SingleCam, Any, int], Sequence[Any]]
+Figures = Callable[[Design, Any, int], Sequence[Any]]
 
 
 @dataclass(frozen=True)
@@ -91,22 +91,22 @@ def _way(segment: int) -> int:
     return (rise > 0) - (rise < 0)
 
 
-def linkage(design: SingleCam, there: Any, way: int) -> list[Any]:
+def linkage(design: Design, there: Any, way: int) -> list[Any]:
     """Arm pin and roller centre with velocity and acceleration, and the rod's direction."""
     rod = there.points["slider_pin"].c[0] - there.points["arm_pin"].c[0]
     return [*(there.points[name].derivative(k) for name in ("arm_pin", "roller") for k in range(3)), rod / abs(rod)]
 
 
-def profile(design: SingleCam, there: Any, way: int) -> list[Any]:
+def profile(design: Design, there: Any, way: int) -> list[Any]:
     shape = cam_shape(design, there)
     return [shape.profile, shape.pressure_angle + 0j]
 
 
-def curvature(design: SingleCam, there: Any, way: int) -> list[Any]:
+def curvature(design: Design, there: Any, way: int) -> list[Any]:
     return [cam_shape(design, there).curvature.c[0] + 0j]
 
 
-def torque(design: SingleCam, there: Any, way: int) -> list[Any]:
+def torque(design: Design, there: Any, way: int) -> list[Any]:
     told = free_bodies(design, there, way)
     return [told["contact"] + 0j, told["torque"] + 0j]
 
@@ -137,7 +137,7 @@ def _moved(figures: Figures, sections: Sequence[str], theta: float) -> tuple[lis
     y = motion_series(LIFT.drive.motion, theta, segment).derivatives
     paths = [e.path for section in sections for e in entries(LIFT, section) if not e.info.choices]
 
-    def values(design: SingleCam, at: Any, series: list[Any]) -> Sequence[Any]:
+    def values(design: Design, at: Any, series: list[Any]) -> Sequence[Any]:
         made = Series([d / MP.factorial(k) for k, d in enumerate(series)])
         return figures(design, placed(design, at, made), way)
 

@@ -14,7 +14,7 @@ from core.design import si
 from core.motion import TURN
 from core.study import Study
 
-G = si(LIFT.drive.follower)
+G = si(LIFT.drive.mechanism)
 PIVOT = complex(G.pivot_x, G.pivot_y)
 ROLLER_RADIUS = si(LIFT.drive.cam).roller_radius
 K = 1.0 / (4.0 + np.pi)
@@ -40,7 +40,7 @@ def given(theta: np.ndarray, fitted: bool = False) -> SimpleNamespace:
     drive = LIFT.drive
     return SimpleNamespace(
         theta=theta, angles=there.angles, motion=there.motion, train=train, shape=there.cam, study=study,
-        follower=drive.follower, cam=drive.cam, reach=study.reach, loading=study.loading, omega=study.omega,
+        follower=drive.mechanism, cam=drive.cam, reach=study.reach, loading=study.loading, omega=study.omega,
     )  # fmt: skip
 
 

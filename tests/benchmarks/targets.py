@@ -49,7 +49,7 @@ def _chain() -> Callable[[], object]:
 
     def run() -> object:
         by = 1e-6 * next(tries)
-        design = put(put(LIFT, "motion.start_mm", by), "follower.rod_mm", LIFT.drive.follower.rod_mm + by)
+        design = put(put(LIFT, "motion.start_mm", by), "follower.rod_mm", LIFT.drive.mechanism.rod_mm + by)
         return Study(design, USUAL, angles).dynamics.torque
 
     return run

@@ -25,7 +25,7 @@ from scipy.optimize import minimize_scalar
 
 from core.cam import centre_residual, envelope, relative_motion, tangency_residual
 from core.derivatives import Derivatives
-from core.design import SingleCam
+from core.design import Design
 from core.errors import NoCam
 from core.findings import ERROR, WARNING
 from core.instant_centres import cam_follower_centre
@@ -45,7 +45,7 @@ PEAKED = with_drive(PUSHER, motion=levels(0.0, (60.0, 0.0, "dwell"), (60.0, 20.0
 ROUNDINGS = 34 + 10 + 12
 
 
-def figures(design: SingleCam, there: Solved) -> list[object]:
+def figures(design: Design, there: Solved) -> list[object]:
     s: Shape = cam_shape(design, there)
     return [s.pitch.c[0], s.profile, s.normal, s.pressure_angle, s.curvature.derivative(0), s.curvature.derivative(1),
             s.profile_curvature]  # fmt: skip
@@ -54,7 +54,7 @@ def figures(design: SingleCam, there: Solved) -> list[object]:
 NAMES = ("pitch", "profile", "normal", "pressure_angle", "pitch_curvature", "pitch_curvature_slope", "profile_curvature")
 
 
-def check_shape(design: SingleCam, theta: float) -> None:
+def check_shape(design: Design, theta: float) -> None:
     study = Study(design).at_theta(np.array([theta]))
     exact, size = sensitivity(figures, design, theta, study.motion.y[:, 0])
     t, w, x = (float(abs(c[0])) for c in relative_motion(study.linkage, study.design.shaft.sense).all[1:])
@@ -74,7 +74,7 @@ def test_profile_pressure_angle_and_curvatures_follow_from_the_pitch_curve(name:
 
 @settings(max_examples=25)
 @given(buildable(), ANGLES)
-def test_any_cam_follows_from_its_pitch_curve(design: SingleCam, theta: float) -> None:
+def test_any_cam_follows_from_its_pitch_curve(design: Design, theta: float) -> None:
     check_shape(design, theta)
 
 
@@ -85,7 +85,7 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
     theta = 2.5
     study = Study(design).at_theta(np.array([theta]))
 
-    def turned_back(design: SingleCam, there: Solved) -> list[object]:
+    def turned_back(design: Design, there: Solved) -> list[object]:
         pitch = cam_shape(design, there).pitch
         return [pitch.derivative(k) * MP.expj(sense_of(design) * there.theta) for k in (1, 2, 3)]
 
@@ -139,7 +139,7 @@ def test_the_certificates_tangency_sees_a_dent_a_wrong_radius_and_an_undercut() 
 # -- instant centre ---------------------------------------------------------------------------------------
 
 
-def check_centre(design: SingleCam, theta: float) -> None:
+def check_centre(design: Design, theta: float) -> None:
     """At Q the point of the cam and the point of the follower have one velocity: i d Q = R' + iφ'(Q - R)."""
     study = Study(design).at_theta(np.array([theta]))
     train, d = study.linkage, design.shaft.sense
@@ -166,7 +166,7 @@ def test_cam_and_follower_move_alike_at_their_instant_centre(name: str) -> None:
 
 @settings(max_examples=60)
 @given(buildable(), ANGLES)
-def test_any_instant_centre_has_one_velocity(design: SingleCam, theta: float) -> None:
+def test_any_instant_centre_has_one_velocity(design: Design, theta: float) -> None:
     check_centre(design, theta)
 
 
@@ -226,7 +226,7 @@ def test_the_certificates_centre_sees_a_wrong_centre() -> None:
 # -- mirrors ----------------------------------------------------------------------------------------------
 
 
-def check_mirror(design: SingleCam) -> None:
+def check_mirror(design: Design) -> None:
     one, other = (Study(d, 24).cam.flank for d in (design, mirrored(design)))
     condition = Study(design, 24).linkage.condition.max()
     bound = 2 * ROUNDINGS * EPS * condition * float(reach_of(design)) * 8.0
@@ -245,7 +245,7 @@ def test_the_cam_of_a_mirrored_design_is_the_mirror_image(name: str) -> None:
 
 @settings(max_examples=25)
 @given(buildable())
-def test_any_mirrored_cam_is_the_mirror_image(design: SingleCam) -> None:
+def test_any_mirrored_cam_is_the_mirror_image(design: Design) -> None:
     check_mirror(design)
 
 
@@ -304,7 +304,7 @@ def test_a_dwell_gives_a_circle_about_the_cam_centre() -> None:
 # -- limits -----------------------------------------------------------------------------------------------
 
 
-def sharpest(design: SingleCam, low: float, high: float) -> tuple[float, float]:
+def sharpest(design: Design, low: float, high: float) -> tuple[float, float]:
     """The largest pitch curvature within a segment and its cam angle, by the root of its slope at fifty digits."""
     grid = np.linspace(low, high, 200)
     best = max(grid, key=lambda t: float(cam_shape(design, solved(design, t)).curvature.c[0]))
@@ -336,7 +336,7 @@ def test_undercut_is_told_from_the_sharpest_place_on_and_not_before() -> None:
     ("design", "bases", "limit"), [(PUSHER, (45.0, 35.0, 25.0, 18.0), 30.0), (LIFT, (400.0, 300.0, 150.0, 100.0), 45.0)]
 )
 def test_the_pressure_angle_is_measured_against_the_limit_of_its_follower(
-    design: SingleCam, bases: tuple[float, ...], limit: float
+    design: Design, bases: tuple[float, ...], limit: float
 ) -> None:
     """30 degrees for a guide, 45 for an arm: the same motion on smaller and smaller base circles."""
     told = []
@@ -388,7 +388,7 @@ def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
 @given(buildable())
 @example(LIFT)
 @example(PUSHER)
-def test_every_cam_carries_its_own_proof(design: SingleCam) -> None:
+def test_every_cam_carries_its_own_proof(design: Design) -> None:
     study = Study(design, 180)
     proof = study.certificate(("linkage", "cam"))
     assert set(proof) == {"loop_closure", "instant_centre", "roller_tangency"}

@@ -13,7 +13,7 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_fo
 from references import MP, Solved, cam_shape, free_bodies, solved, speed_of
 
 from core.channels import CHANNELS, channel, channels
-from core.design import FOLLOWER_KINDS, UNITS, SingleCam, kind_of
+from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import NoSuchStage
 from core.export import files
 from core.findings import ERROR
@@ -35,7 +35,7 @@ TABLES = {
 DESIGNS = {"lift": LIFT, "pusher": PUSHER, "c": LAYOUT_DESIGNS["c"], "g": LAYOUT_DESIGNS["g"]}
 
 
-def tables(design: SingleCam, samples: int = 36, stages: tuple[str, ...] = ()) -> dict[str, tuple[list[str], np.ndarray]]:
+def tables(design: Design, samples: int = 36, stages: tuple[str, ...] = ()) -> dict[str, tuple[list[str], np.ndarray]]:
     """Read as any program reads them: names and numbers (rows, columns)."""
     told = {}
     for name, text in files(Study(design, samples), stages).items():
@@ -81,7 +81,7 @@ def test_an_unknown_channel_is_told_with_those_there_are() -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 @pytest.mark.parametrize("samples", [4, 7, 36])
 def test_tables_have_the_contracts_columns_and_one_row_for_each_cam_angle(name: str, samples: int) -> None:
-    kind = kind_of(DESIGNS[name].drive.follower)
+    kind = kind_of(DESIGNS[name].drive.mechanism)
     told = tables(DESIGNS[name], samples)
     assert list(told) == ["profile.csv", "kinematics.csv", "dynamics.csv"]
     for table, (head, rows) in told.items():
@@ -95,7 +95,7 @@ def test_tables_have_the_contracts_columns_and_one_row_for_each_cam_angle(name: 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_quantity_that_does_not_exist_is_an_absent_column(name: str) -> None:
     names = {column for head, _ in tables(DESIGNS[name], 4).values() for column in head}
-    has_slider = kind_of(DESIGNS[name].drive.follower) == "cam-slider"
+    has_slider = kind_of(DESIGNS[name].drive.mechanism) == "cam-slider"
     assert ("phi_deg" in names) == has_slider
     assert ("pivot_x_n" in names) == has_slider
     assert ("slider_torque_nm" in names) == has_slider
@@ -136,7 +136,7 @@ def test_a_smaller_question_writes_only_its_tables() -> None:
 GRAD = 180 / MP.pi
 
 
-def _exact(design: SingleCam, here: Solved, way: int) -> dict[str, Any]:
+def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
     """Every column of the contract from the geometry, in its own unit; what the motor gives without a flywheel."""
     w = speed_of(design)
     y, shape, forces = here.y, cam_shape(design, here), free_bodies(design, here, way)

@@ -16,7 +16,7 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_cam, with_driv
 
 from core import project
 from core.__main__ import main
-from core.design import SingleCam
+from core.design import Design
 from core.errors import DesignError
 from core.study import SAMPLES
 
@@ -41,7 +41,7 @@ def here(folder: Path, *words: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(words, code, said.getvalue(), faults.getvalue())
 
 
-def saved(folder: Path, design: SingleCam) -> Path:
+def saved(folder: Path, design: Design) -> Path:
     path = folder / "design.toml"
     project.save(design, path)
     return path
@@ -155,7 +155,7 @@ def test_a_motion_can_be_exported_of_a_linkage_that_cannot_be_built(tmp_path: Pa
 # -- findings ---------------------------------------------------------------------------------------------
 
 
-def separating() -> SingleCam:
+def separating() -> Design:
     return with_loads(PUSHER, preload_n=-1000.0)
 
 
@@ -195,7 +195,7 @@ def test_a_jammed_guide_is_written_without_a_motor_torque_and_without_a_word_on_
 
 # -- what it refuses: no answer ---------------------------------------------------------------------------
 
-NO_ANSWER: dict[str, tuple[SingleCam, tuple[str, ...]]] = {
+NO_ANSWER: dict[str, tuple[Design, tuple[str, ...]]] = {
     "roller out of reach": (with_follower(LIFT, roller_arm_mm=100.0), ("follower.roller_arm_mm", "cannot reach the base circle")),
     "rod too short": (with_follower(LIFT, rod_mm=400.0, guide_height_mm=600.0), ("follower.rod_mm", "does not reach")),
     "stroke too long": (
@@ -452,7 +452,7 @@ def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
 
 
 def test_a_name_in_any_language_is_written_and_printed(tmp_path: Path) -> None:
-    design = SingleCam("캠 구동 슬라이더 φ", LAYOUT_DESIGNS["a"].shaft, LAYOUT_DESIGNS["a"].drive)
+    design = Design("캠 구동 슬라이더 φ", LAYOUT_DESIGNS["a"].shaft, (LAYOUT_DESIGNS["a"].drive,))
     path = saved(tmp_path, design)
     assert "캠 구동 슬라이더 φ" in core(tmp_path, "report", path).stdout
     plain = core(tmp_path, "report", path, PYTHONIOENCODING="ascii")

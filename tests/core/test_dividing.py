@@ -10,7 +10,19 @@ import strategies
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.design import Design, End, Motion, Named, Point, Polynomial, Segment, Spline, part_faults, with_assumed
+from core.design import (
+    Design,
+    End,
+    Motion,
+    Named,
+    Point,
+    Polynomial,
+    Segment,
+    Spline,
+    part_faults,
+    with_assumed,
+    with_drive,
+)
 from core.dividing import add_point, copy_segment, cut_at, split_segment, with_segment_copied, with_segment_split
 from core.motion import Program
 from core.project import load
@@ -151,7 +163,7 @@ def test_a_turn_measured_once_runs_twice() -> None:
 def test_a_point_is_added_where_the_curve_runs() -> None:
     """Nothing moves: the curve of least jerk through a point of its own is itself."""
     whole = Motion(1.0, (Segment(100.0, 10.0, Spline((Point(40.0, 8.0),))), Segment(260.0, -10.0, BACK)))
-    design = replace(LIFT, drive=replace(LIFT.drive, motion=whole))
+    design = with_drive(LIFT, motion=whole)
     made = add_point(design, 0, 62.0)
     curve = made.drive.motion.segments[0].curve
     assert isinstance(curve, Spline)

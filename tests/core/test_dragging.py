@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from linkages import assemblies
 from mechanisms import LIFT
 
-from core.design import LAYOUTS, CamSlider, Design, LinkageDesign, SingleCam, faults, put
+from core.design import LAYOUTS, CamSlider, Design, faults, put, with_drive
 from core.errors import NoAssembly
 from core.followers import base_position
 from core.followers.joints import joints_of, move_joint
@@ -32,13 +32,13 @@ HEIGHTS = {
 ANGLES = (0.0, 0.9, 2.0, 5.0)  # one in each segment of the lift's motion
 
 
-def layout(letter: str) -> SingleCam:
+def layout(letter: str) -> Design:
     """The lift's lengths in another layout."""
     height, angle = HEIGHTS[letter]
     side = 1.0 if letter in "abef" else -1.0
-    follower = replace(LIFT.drive.follower, layout=letter, guide_height_mm=height, fixed_angle_deg=angle)
+    follower = replace(LIFT.drive.mechanism, layout=letter, guide_height_mm=height, fixed_angle_deg=angle)
     follower = replace(follower, pivot_x_mm=side * abs(follower.pivot_x_mm))
-    return replace(LIFT, drive=replace(LIFT.drive, follower=follower))
+    return with_drive(LIFT, mechanism=follower)
 
 
 def example(name: str) -> Any:
@@ -76,7 +76,7 @@ def numbers(design: Design) -> dict[str, float]:
 
 
 @pytest.mark.parametrize("design", [*map(layout, LAYOUTS), example("kim_1990")], ids=[*LAYOUTS, "translating"])
-def test_a_joint_at_its_own_place_changes_nothing(design: SingleCam) -> None:
+def test_a_joint_at_its_own_place_changes_nothing(design: Design) -> None:
     for theta in ANGLES:
         train = train_at(design, theta)
         for name in joints_of(design):
@@ -97,14 +97,14 @@ def test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay(let
         for name in joints_of(design):
             to = place(train, name) + 0.05 * complex(*rng.normal(size=2))
             moved = move_joint(design, train, name, to, 12)
-            assert isinstance(moved, SingleCam)
+            assert isinstance(moved, Design)
             after = train_at(moved, theta)
             assert place(after, name) == pytest.approx(to, abs=1e-12)
             for other in stay[name]:
                 assert place(after, other) == pytest.approx(place(train, other), abs=1e-12)
             reach = 1e-3 * (moved.drive.cam.base_radius_mm + moved.drive.cam.roller_radius_mm)
-            base = base_position(moved.drive.follower, reach)  # type: ignore[arg-type]
-            follower = moved.drive.follower
+            base = base_position(moved.drive.mechanism, reach)  # type: ignore[arg-type]
+            follower = moved.drive.mechanism
             assert isinstance(follower, CamSlider)
             roller = complex(follower.pivot_x_mm, follower.pivot_y_mm) + cmath.rect(follower.roller_arm_mm, base.alpha)
             assert abs(roller) * 1e-3 == pytest.approx(reach, rel=1e-12)
@@ -143,10 +143,10 @@ def test_an_arm_drawn_to_the_other_side_changes_the_letter() -> None:
     pin, slider = place(train, "arm_pin"), place(train, "slider_pin")
     to = complex(2.0 * slider.real - pin.real, pin.imag)
     moved = move_joint(LIFT, train, "arm_pin", to, 12)
-    assert isinstance(moved, SingleCam)
-    follower = moved.drive.follower
+    assert isinstance(moved, Design)
+    follower = moved.drive.mechanism
     assert isinstance(follower, CamSlider)
-    assert (LIFT.drive.follower.layout, follower.layout) == ("b", "a")  # type: ignore[union-attr]
+    assert (LIFT.drive.mechanism.layout, follower.layout) == ("b", "a")  # type: ignore[union-attr]
     assert place(train_at(moved, 0.0), "arm_pin") == pytest.approx(to, abs=1e-12)
 
 
@@ -186,15 +186,15 @@ def test_a_joint_of_a_linkage_at_its_own_place_changes_nothing(name: str) -> Non
 
 
 @given(assemblies(), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
-def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[LinkageDesign, float], x: float, y: float) -> None:
+def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[Design, float], x: float, y: float) -> None:
     """Of the driver along its line, of a link that slides along its guide, else right there; nothing else moves but what
     hangs on the frame's points."""
     design, q = drawn
     train = train_at(design, q)
-    sliding = {str(s.link) for s in design.linkage.sliders}
+    sliding = {str(s.link) for s in design.drive.mechanism.sliders}
     for point in joints_of(design):
-        having = {link.number for link in design.linkage.links if point in link.places}
-        if having & {1, design.linkage.driver.link} or having & {int(n) for n in sliding}:
+        having = {link.number for link in design.drive.mechanism.links if point in link.places}
+        if having & {1, design.drive.mechanism.driver.link} or having & {int(n) for n in sliding}:
             continue
         to = place(train, point) + 1e-3 * complex(x, y)
         moved = with_point_at(design, train, point, to, 12)
@@ -212,7 +212,7 @@ def test_a_point_of_the_frame_moves_alone() -> None:
     design = example("four_bar")
     train = train_at(design, 1.0)
     moved = with_point_at(design, train, "O4", 0.11 + 0.004j, 12)
-    changed = [a.number for a, b in zip(design.linkage.links, moved.linkage.links, strict=True) if a != b]
+    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.linkage.links, strict=True) if a != b]
     assert changed == [1]
     assert moved.linkage.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
 
@@ -230,7 +230,7 @@ def test_a_point_that_slides_keeps_to_its_guide() -> None:
     train = train_at(design, 1.0)
     moved = with_point_at(design, train, "B", place(train, "B") + 0.01 + 0.02j, 12)
     assert place(train_at(moved, 1.0), "B") == pytest.approx(place(train, "B") + 0.01, abs=1e-12)
-    assert moved.linkage.sliders == design.linkage.sliders
+    assert moved.linkage.sliders == design.drive.mechanism.sliders
 
 
 def test_what_is_no_joint_is_a_key_error() -> None:

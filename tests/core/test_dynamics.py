@@ -39,7 +39,7 @@ from references import (
 )
 from scipy.optimize import minimize_scalar
 
-from core.design import SingleCam
+from core.design import Design
 from core.dynamics import (
     Inertia,
     combined,
@@ -78,12 +78,12 @@ def computed(study: Study) -> dict[str, Any]:
             "follower_torque": f.follower_torque}  # fmt: skip
 
 
-def check_forces(design: SingleCam, theta: float) -> None:
+def check_forces(design: Design, theta: float) -> None:
     there = Study(design).at_theta(np.array([theta]))
     way = int(there.motion.way[0])
     names = NAMES["arm" in there.linkage.bodies]
 
-    def reactions(design: SingleCam, solved: Solved) -> list[object]:
+    def reactions(design: Design, solved: Solved) -> list[object]:
         told = free_bodies(design, solved, way)
         return [told[name] for name in names]
 
@@ -104,7 +104,7 @@ def test_every_reaction_is_that_of_bodies_cut_free(name: str, theta: float) -> N
 
 @settings(max_examples=15)
 @given(buildable(), ANGLES)
-def test_every_reaction_of_any_mechanism_is_that_of_bodies_cut_free(design: SingleCam, theta: float) -> None:
+def test_every_reaction_of_any_mechanism_is_that_of_bodies_cut_free(design: Design, theta: float) -> None:
     jam = float(Study(design).at_theta(np.array([theta])).dynamics.guide.jam[0])
     assume(jam < 0.9)
     check_forces(design, theta)
@@ -135,7 +135,7 @@ STILL = with_drive(with_follower(PUSHER, direction_deg=33.0), motion=levels(3.0,
 @example(STILL)
 @example(with_drive(LIFT, motion=levels(3.0, (100.0, 3.0, "dwell"), (260.0, 3.0, "dwell"))))
 @example(with_drive(PUSHER, motion=levels(0.0, (180.0, 1e-4, "cycloidal"), (180.0, 0.0, "cycloidal"))))
-def test_power_and_momentum_balance_to_a_millionth_of_a_millionth(design: SingleCam) -> None:
+def test_power_and_momentum_balance_to_a_millionth_of_a_millionth(design: Design) -> None:
     study = Study(design, 90)
     assume(study.dynamics.guide.jam.max() < 0.9)
     parts = (study.linkage, study.cam, study.dynamics, study.loading)
@@ -180,7 +180,7 @@ def test_the_balances_see_a_load_that_was_left_out(name: str) -> None:
         still = name == "lift" and key in ("arm_mass_kg", "arm_centre_angle_deg")  # its arm's centre is the pivot
         if still and key == "arm_centre_angle_deg":
             continue
-        other = loading_of(study.design.drive.follower, replace(loads, **{key: value}))
+        other = loading_of(study.design.drive.mechanism, replace(loads, **{key: value}))
         parts = (study.linkage, study.cam, study.dynamics, other)
         assert (power_residual(*parts).max() > 1e-9) != still, key
         # the roller's inertia and others show in the moments too
@@ -320,7 +320,7 @@ def test_friction_adds_on_the_rise_and_helps_on_the_return(friction: float, rota
 
 @settings(max_examples=40)
 @given(buildable())
-def test_friction_never_gives_power_and_rests_in_a_dwell(design: SingleCam) -> None:
+def test_friction_never_gives_power_and_rests_in_a_dwell(design: Design) -> None:
     study = Study(design, 180)
     guide, way = study.dynamics.guide, study.motion.way
     finite = np.isfinite(guide.normal)
@@ -366,7 +366,7 @@ def test_the_guide_solves_its_equation_or_jams(n0: float, way: float, slope: flo
     assert float(solved_.jam[0]) == pytest.approx(abs(coefficient * slope), rel=EPS)
 
 
-def _slope(design: SingleCam, theta: float) -> float:
+def _slope(design: Design, theta: float) -> float:
     """Slope of the guide's equation at fifty digits: tan β, or the tangent of the pressure angle."""
     here = solved(design, theta)
     if "beta" in here.angles:
@@ -374,7 +374,7 @@ def _slope(design: SingleCam, theta: float) -> float:
     return float(MP.tan(cam_shape(design, here).pressure_angle))
 
 
-def _steepest(design: SingleCam) -> float:
+def _steepest(design: Design) -> float:
     """The largest of them over the turn."""
     grid = np.linspace(0.0, 2 * math.pi, 181)[:-1]
     best = max(grid, key=lambda theta: _slope(design, theta))
@@ -475,7 +475,7 @@ def test_a_design_without_loads_says_so_and_has_no_forces() -> None:
 
 @settings(max_examples=25)
 @given(buildable())
-def test_any_mirrored_design_has_the_forces_of_the_mirror_image(design: SingleCam) -> None:
+def test_any_mirrored_design_has_the_forces_of_the_mirror_image(design: Design) -> None:
     one, other = Study(design, 24), Study(mirrored(design), 24)
     assume(one.dynamics.guide.jam.max() < 0.9)
     a, b = computed(one), computed(other)

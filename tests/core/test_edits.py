@@ -1,7 +1,6 @@
 """core.design.edits: what one change asks of its neighbours is done in the same step."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -22,6 +21,7 @@ from core.design import (
     remove_segment,
     stroke,
     with_assumed,
+    with_drive,
     with_law,
     with_layout,
     with_rise,
@@ -210,7 +210,7 @@ def test_removed_rise_is_given_back() -> None:
 def test_the_only_segment_stays() -> None:
     alone = Motion(0.0, (Segment(360.0, 0.0),))
     assert without_segment(alone, 0) is alone
-    design = replace(LIFT, drive=replace(LIFT.drive, motion=alone))
+    design = with_drive(LIFT, motion=alone)
     assert remove_segment(design, 0) is design
 
 
@@ -253,12 +253,12 @@ def test_what_is_assumed_keeps_its_segment() -> None:
 
 
 def test_the_pivot_changes_sides_with_the_layout() -> None:
-    follower = LIFT.drive.follower
+    follower = LIFT.drive.mechanism
     for letter in "abcdefgh":
         changed = with_layout(follower, letter)  # type: ignore[arg-type]
         assert abs(changed.pivot_x_mm) == 873.746
         assert part_faults(changed, "follower") == []
-    assert edited(LIFT, "follower.layout", "c").drive.follower == with_layout(follower, "c")  # type: ignore[arg-type]
+    assert edited(LIFT, "follower.layout", "c").drive.mechanism == with_layout(follower, "c")  # type: ignore[arg-type]
 
 
 def test_assumed_paths_stand_in_the_order_of_the_file() -> None:

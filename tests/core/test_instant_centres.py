@@ -8,7 +8,7 @@ import pytest
 from assembled import SIZE, cases
 from linkages import INSIDE_OUT, KINDS, four_bar, link, slider_crank
 
-from core.design import LinkageDesign, Place
+from core.design import Design, Place, with_drive
 from core.instant_centres import (
     Centres,
     all_centres,
@@ -22,8 +22,8 @@ from core.mechanism import course_of, unit_speed_train
 from core.train import FRAME, Train
 
 
-def at(design: LinkageDesign, *angles: float) -> tuple[Train, CentreTable]:
-    train = unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage))
+def at(design: Design, *angles: float) -> tuple[Train, CentreTable]:
+    train = unit_speed_train(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
     return train, all_centres(train, SIZE)
 
 
@@ -131,9 +131,9 @@ def test_a_body_at_rest_has_the_limit_of_its_centres() -> None:
     """At a dwell of a link hung on a four-bar's rocker toggle nothing of it moves; beside it, its centres hardly differ."""
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
-    links = (*design.linkage.links, link(5, B=(0, 0), D=(60, 0)), link(6, O6=(0, 0), D=(80, 0)))
+    links = (*design.drive.mechanism.links, link(5, B=(0, 0), D=(60, 0)), link(6, O6=(0, 0), D=(80, 0)))
     frame = replace(links[0], points=(*links[0].points, Place("O6", 200.0, 30.0)))
-    six = replace(design, linkage=replace(design.linkage, links=(frame, *links[1:])))
+    six = with_drive(design, mechanism=replace(design.drive.mechanism, links=(frame, *links[1:])))
     _, table = at(six, toggle - 1e-5, toggle, toggle + 1e-5)
     for key in ((FRAME, "link5"), ("link4", "link5"), ("link4", "link6"), ("link5", "link6")):
         before, there, after = table.centres[key].scaled(SIZE).homogeneous.T

@@ -40,7 +40,7 @@ from references import (
 )
 from rods import arm_and_rod, metres
 
-from core.design import SingleCam, si
+from core.design import Design, si
 from core.errors import NoAssembly, NoCam
 from core.findings import ERROR, WARNING
 from core.followers import LAYOUT_TABLE, built
@@ -56,7 +56,7 @@ DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
 ROUNDINGS = 2 + 6 + 6 + 4 * 4
 
 
-def everything(design: SingleCam, there: Solved) -> list[object]:
+def everything(design: Design, there: Solved) -> list[object]:
     """All points and all angles with three derivatives."""
     points = [d for p in there.points.values() for d in p.derivatives]
     return points + [d for a in there.angles.values() for d in a.derivatives]
@@ -70,7 +70,7 @@ def computed(study: Study, there: Solved) -> list[complex]:
     return points + [complex(v) for name in there.angles for v in train.coordinates[name][:, 0]]
 
 
-def check_everything(design: SingleCam, theta: float) -> None:
+def check_everything(design: Design, theta: float) -> None:
     study = Study(design).at_theta(np.array([theta]))
     y = study.motion.y[:, 0]
     there = placed(design, theta, Series([v / math.factorial(k) for k, v in enumerate(map(float, y))]))
@@ -90,7 +90,7 @@ def test_points_angles_and_three_derivatives_follow_from_the_circles(name: str, 
 
 @settings(max_examples=25)
 @given(buildable(), ANGLES)
-def test_any_mechanism_follows_from_the_circles(design: SingleCam, theta: float) -> None:
+def test_any_mechanism_follows_from_the_circles(design: Design, theta: float) -> None:
     check_everything(design, theta)
 
 
@@ -101,7 +101,7 @@ def test_a_slider_high_above_the_pivot_keeps_the_arms_pin_on_its_side(letter: st
         letter, slider_arm=300.0, rod=280.0, arm_angle=0.35, rod_angle=1.1, guide=0.2, pivot=complex(230.0, -30.0),
         roller_arm=200.0, spread=0.7, roller_share=0.2,
     )  # fmt: skip
-    design = with_drive(LAYOUT_DESIGNS[letter], follower=follower, cam=cam)
+    design = with_drive(LAYOUT_DESIGNS[letter], mechanism=follower, cam=cam)
     base = Study(design, 8).linkage.base
     slider, phi = base["slider"][0], base["phi"][0]
     assert abs(follower.guide_height_mm * 1e-3 * math.cos(phi)) > 2.0 * abs(slider * math.sin(phi))
@@ -156,7 +156,7 @@ def _mirror(z: np.ndarray) -> np.ndarray:
     return -z.conjugate()
 
 
-def check_mirror(design: SingleCam) -> None:
+def check_mirror(design: Design) -> None:
     here, there = Study(design, 24), Study(mirrored(design), 24)
     a, b = here.linkage, there.linkage
     # either side keeps to the circles within the bound of the train; a derivative loses no more than (S/K)² of it
@@ -179,7 +179,7 @@ def test_a_mirrored_design_moves_like_its_mirror_image(name: str) -> None:
 
 @settings(max_examples=25)
 @given(buildable())
-def test_any_mirrored_design_moves_like_its_mirror_image(design: SingleCam) -> None:
+def test_any_mirrored_design_moves_like_its_mirror_image(design: Design) -> None:
     check_mirror(design)
 
 
@@ -188,7 +188,7 @@ def test_any_mirrored_design_moves_like_its_mirror_image(design: SingleCam) -> N
 def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -> None:
     """Pivot, guide and layout's letter turned about the cam centre turn the whole train, and φ and β stay."""
     design = LAYOUT_DESIGNS[letter]
-    g, by = design.drive.follower, np.exp(1j * math.radians(angle))
+    g, by = design.drive.mechanism, np.exp(1j * math.radians(angle))
     pivot = complex(g.pivot_x_mm, g.pivot_y_mm) * by
     row = LAYOUT_TABLE[letter]
     left = pivot.real > 0.0
@@ -211,9 +211,9 @@ def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -
 @settings(max_examples=50)
 @given(cam_sliders())
 @example(LIFT)
-def test_the_loop_is_closed_and_stays_on_one_branch(design: SingleCam) -> None:
+def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
     train = Study(design, 360).linkage
-    g = design.drive.follower
+    g = design.drive.mechanism
     arm, rod, slider = (train.bodies[name] for name in ("arm", "rod", "slider"))
     size = (g.slider_arm_mm + g.rod_mm + abs(g.guide_height_mm)) * 1e-3
     closure = np.abs(rod.point("slider_pin") - slider.z)
@@ -372,11 +372,11 @@ LEVEL_FOLLOWER, LEVEL_CAM = posed(
     "a", slider_arm=300.0, rod=200.0, arm_angle=0.6, rod_angle=-math.asin(1.5 * math.sin(0.6)), guide=0.0,
     pivot=complex(210.0, -40.0), roller_arm=180.0, spread=0.6, roller_share=0.2,
 )  # fmt: skip
-LEVEL = with_drive(LAYOUT_DESIGNS["a"], follower=replace(LEVEL_FOLLOWER, guide_height_mm=0.0), cam=LEVEL_CAM)
+LEVEL = with_drive(LAYOUT_DESIGNS["a"], mechanism=replace(LEVEL_FOLLOWER, guide_height_mm=0.0), cam=LEVEL_CAM)
 LEVEL_START = float(solved(LEVEL, 0.0).base["slider"]) * 1e3
 
 
-def driven_to(design: SingleCam, y: float, law: str = "cycloidal") -> SingleCam:
+def driven_to(design: Design, y: float, law: str = "cycloidal") -> Design:
     """Dwell to 90 degrees, to y at 180, dwell to 240, and back."""
     steps = ((90.0, 0.0, "dwell"), (90.0, y, law), (60.0, y, "dwell"), (120.0, 0.0, law))
     return with_drive(design, motion=levels(0.0, *steps))
@@ -387,9 +387,9 @@ def driven_to(design: SingleCam, y: float, law: str = "cycloidal") -> SingleCam:
     [(LEVEL, 500.0), (LEVEL, 100.0), (LAYOUT_DESIGNS["b"], -1.0), (LAYOUT_DESIGNS["e"], 1.0), (LAYOUT_DESIGNS["h"], -1.0)],
     ids=["stretched", "folded", "b", "e", "h"],
 )
-def test_a_slider_out_of_reach_names_the_cam_angles(design: SingleCam, edge: float) -> None:
+def test_a_slider_out_of_reach_names_the_cam_angles(design: Design, edge: float) -> None:
     """The motion is carried beyond the dead centre: the angles are those where the distance passes it."""
-    g = design.drive.follower
+    g = design.drive.mechanism
     if abs(edge) == 1.0:
         edge = math.copysign(math.sqrt((g.slider_arm_mm + g.rod_mm) ** 2 - g.guide_height_mm**2), edge)
     way = edge - float(solved(design, 0.0).base["slider"]) * 1e3
@@ -409,13 +409,13 @@ def test_a_slider_out_of_reach_names_the_cam_angles(design: SingleCam, edge: flo
 def test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle() -> None:
     """A sum of floats that hits the sum of arm and rod to the last bit."""
     study = Study(LEVEL, 8)
-    g, base = si(LEVEL.drive.follower), study.linkage.base["slider"][0]
+    g, base = si(LEVEL.drive.mechanism), study.linkage.base["slider"][0]
     y = study.motion.y.copy()
     y[0, 3] = g.slider_arm + g.rod - base
     assert base + y[0, 3] == g.slider_arm + g.rod
     still = replace(study.motion, y=y)
     with pytest.raises(NoAssembly, match="dead centre") as caught:
-        solve_mechanism(built(LEVEL.drive.follower, study.reach), still)
+        solve_mechanism(built(LEVEL.drive.mechanism, study.reach), still)
     assert caught.value.cam_angles == ((pytest.approx(135.0), pytest.approx(135.0)),)
 
 
@@ -484,10 +484,10 @@ def test_a_rod_too_short_for_the_guide_is_named_with_its_least_length() -> None:
 
 @settings(max_examples=40)
 @given(pushers(), ANGLES)
-def test_a_translating_follower_stands_on_its_guide_at_its_distance(design: SingleCam, theta: float) -> None:
+def test_a_translating_follower_stands_on_its_guide_at_its_distance(design: Design, theta: float) -> None:
     """The reference point is offset from the cam centre across the guide, and reach away from it where y = 0."""
     study = Study(design).at_theta(np.array([theta]))
-    g, y, z = design.drive.follower, study.motion.y[:, 0], study.linkage.follower.z[:, 0]
+    g, y, z = design.drive.mechanism, study.motion.y[:, 0], study.linkage.follower.z[:, 0]
     guide = MP.expj(MP.mpf(g.direction_deg) * MP.pi / 180)
     offset = MP.mpf(g.offset_mm) * MM
     start = circle_and_line(MP.mpc(0), reach_of(design), 1j * offset * guide, guide, 1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from linkages import assembly
 
-from core.design import CRANK, Driver, LinkageDesign, LinkageLoads, LinkMass
+from core.design import CRANK, Design, Driver, LinkageLoads, LinkMass
 from core.errors import NoCam, NoPosition
 from core.instant_centres import collinearity
 from core.mechanism import drivers, roller_places, with_driver, with_roller
@@ -19,20 +19,20 @@ EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))
 
 
-def led(name: str, theta: float, driver: Driver) -> LinkageDesign:
+def led(name: str, theta: float, driver: Driver) -> Design:
     """An example led by another link from where its own driver stands at theta, every link with a mass."""
     design = load(EXAMPLES / f"{name}.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     here = Study(design).at_theta(np.array([theta]))
     assert isinstance(here, LinkageStudy)
     masses = tuple(
         LinkMass(link=n, mass_kg=float(n), inertia_kg_m2=0.01 * n, centre_x_mm=3.0)
-        for n in design.linkage.by_number if n != 1
+        for n in design.drive.mechanism.by_number if n != 1
     )  # fmt: skip
     return replace(with_driver(design, driver, here.linkage), loads=LinkageLoads(masses=masses))
 
 
-def beyond(design: LinkageDesign) -> dict[str, tuple[float, float]]:
+def beyond(design: Design) -> dict[str, tuple[float, float]]:
     told = Study(design, 180).certificate()
     return {name: (r.value, r.bound) for name, r in told.items() if not r.kept}
 
@@ -41,7 +41,7 @@ def beyond(design: LinkageDesign) -> dict[str, tuple[float, float]]:
 def test_whichever_link_leads_and_wherever_the_roller_is_the_bounds_hold(name: str) -> None:
     rng = np.random.default_rng(6)
     design = load(EXAMPLES / f"{name}.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     proven = 0
     for driver in rng.permutation(np.array(list(drivers(design)), dtype=object))[:3]:
         try:

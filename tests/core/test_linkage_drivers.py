@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from linkages import closure, jacobian, plain_turn
 
-from core.design import CRANK, MOTION, Driver, LinkageDesign, faults
+from core.design import CRANK, MOTION, Design, Driver, faults
 from core.errors import KindynaError, NoPosition
 from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.project import load
@@ -20,13 +20,13 @@ EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))
 
 
-def example(name: str) -> LinkageDesign:
+def example(name: str) -> Design:
     design = load(EXAMPLES / f"{name}.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     return design
 
 
-def at(design: LinkageDesign, theta: float) -> LinkageStudy:
+def at(design: Design, theta: float) -> LinkageStudy:
     study = Study(design).at_theta(np.array([theta]))
     assert isinstance(study, LinkageStudy)
     return study
@@ -36,7 +36,7 @@ def places(study: LinkageStudy) -> dict[str, complex]:
     return {name: complex(z[0]) for name, (z, _) in study.points().items()}
 
 
-def led(name: str, theta: float, driver: Driver) -> LinkageDesign:
+def led(name: str, theta: float, driver: Driver) -> Design:
     design = example(name)
     return with_driver(design, driver, at(design, theta).linkage)
 
@@ -55,7 +55,7 @@ def test_whatever_leads_the_linkage_goes_on_from_where_it_stands(name: str) -> N
         changed = with_driver(design, driver, before.linkage)
         assert faults(changed) == []
         assert (changed.linkage.driver.link, changed.linkage.driver.kind) == (driver.link, driver.kind)
-        same = (driver.link, driver.kind) == (design.linkage.driver.link, design.linkage.driver.kind)
+        same = (driver.link, driver.kind) == (design.drive.mechanism.driver.link, design.drive.mechanism.driver.kind)
         theta = driver_place(changed.linkage, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
         size = Study(changed).course.plan.size
         after = places(at(changed, 1.0 if same else theta))
@@ -65,7 +65,7 @@ def test_whatever_leads_the_linkage_goes_on_from_where_it_stands(name: str) -> N
 def test_a_first_motion_goes_as_far_as_the_linkage_lets_it() -> None:
     """Half of the way to the next dead centre at most, towards the side with more room; all of it is assumed."""
     design = led("inverted_slider_crank", 1.0, Driver(4, MOTION, 60.0))
-    motion = design.motion
+    motion = design.drive.motion
     assert motion is not None
     assert motion.unit == "deg"
     assert [s.span_deg for s in motion.segments] == [60.0, 120.0, 60.0, 120.0]
@@ -79,8 +79,8 @@ def test_a_first_motion_goes_as_far_as_the_linkage_lets_it() -> None:
 
 def test_a_crank_at_speed_has_neither_motion_nor_cam() -> None:
     design = led("four_bar_coupler_cam", 1.0, Driver(2, CRANK, 60.0))
-    assert design.motion is None
-    assert design.cam is None
+    assert design.drive.motion is None
+    assert design.drive.cam is None
     assert [path for path in design.assumed if path.startswith(("motion", "cam"))] == []
     assert Study(design).stages == ("linkage", "dynamics")
 
@@ -132,16 +132,16 @@ def test_a_linkage_made_so_is_written_and_read_again(tmp_path: Path) -> None:
 # -- the cam drives it ------------------------------------------------------------------------------------
 
 
-def roller_centre(design: LinkageDesign, q: float, start: np.ndarray) -> complex:
+def roller_centre(design: Design, q: float, start: np.ndarray) -> complex:
     """Where the roller stands [mm] with the driver at q, by Newton on all loop equations at once, of other code than the
     core's."""
     x = start.copy()
     for _ in range(8):
         x = x - np.linalg.solve(jacobian(design, q, x), np.array(closure(design, q, list(x), plain_turn), dtype=float))
-    assert design.cam is not None
-    numbers = sorted(link.number for link in design.linkage.links if link.number != 1)
-    i = 3 * numbers.index(design.cam.link)
-    local = design.linkage.by_number[design.cam.link].places[design.cam.point]
+    assert design.drive.cam is not None
+    numbers = sorted(link.number for link in design.drive.mechanism.links if link.number != 1)
+    i = 3 * numbers.index(design.drive.cam.link)
+    local = design.drive.mechanism.by_number[design.drive.cam.link].places[design.drive.cam.point]
     return complex(x[i], x[i + 1]) + local * complex(math.cos(x[i + 2]), math.sin(x[i + 2]))
 
 
@@ -153,12 +153,12 @@ def distance(outline: np.ndarray, place: complex) -> float:
     return math.sqrt(here - (after - before) ** 2 / (8.0 * (after - 2.0 * here + before)))
 
 
-def driven(design: LinkageDesign, angles: tuple[float, ...]) -> Iterator[tuple[float, float]]:
+def driven(design: Design, angles: tuple[float, ...]) -> Iterator[tuple[float, float]]:
     """Where the cam pushes the driver, and where the motion wants it, at some cam angles [deg]."""
     study = Study(design, 3600)
     assert isinstance(study, LinkageStudy)
-    assert design.cam is not None
-    scale = 1e3 if design.motion is not None and design.motion.unit == "mm" else 1.0
+    assert design.drive.cam is not None
+    scale = 1e3 if design.drive.motion is not None and design.drive.motion.unit == "mm" else 1.0
     numbers = [body for body in study.linkage.bodies if body.startswith("link")]
     for angle in angles:
         i = round(10 * angle)
@@ -166,7 +166,7 @@ def driven(design: LinkageDesign, angles: tuple[float, ...]) -> Iterator[tuple[f
         poses = [study.linkage.bodies[body] for body in numbers]
         start = np.array([v for p in poses for v in (p.x[0, i] * 1e3, p.y[0, i] * 1e3, p.angle[0, i])])
         wanted = float(study.motion.y[0, i]) * scale
-        gap = lambda q: distance(outline, roller_centre(design, q, start)) - design.cam.roller_radius_mm  # noqa: B023, E731
+        gap = lambda q: distance(outline, roller_centre(design, q, start)) - design.drive.cam.roller_radius_mm  # noqa: B023, E731
         one, other = wanted - 0.02 * scale**0.5, wanted + 0.03 * scale**0.5
         values = gap(one), gap(other)
         for _ in range(12):  # secants

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, slider_crank
 
-from core.design import Driver, LinkageDesign, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment
+from core.design import Design, Drive, Driver, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment, with_drive
 from core.dynamics import link_loading, momentum_residual, newton_euler, power_residual
 from core.mechanism import body_name, course_of, unit_speed_train
 from core.project import load
@@ -22,10 +22,10 @@ EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 OMEGA = 7.0
 
 
-def loaded(design: LinkageDesign, seed: int) -> LinkageDesign:
+def loaded(design: Design, seed: int) -> Design:
     """Every link with mass, and forces and torques on all."""
     rng = np.random.default_rng(seed)
-    moving = sorted(n for n in design.linkage.by_number if n != 1)
+    moving = sorted(n for n in design.drive.mechanism.by_number if n != 1)
     masses = tuple(
         LinkMass(link=n, mass_kg=float(m), inertia_kg_m2=float(i), centre_x_mm=float(x), centre_y_mm=float(y))
         for n, (m, i, x, y) in zip(
@@ -34,22 +34,22 @@ def loaded(design: LinkageDesign, seed: int) -> LinkageDesign:
     )
     forces = tuple(
         LinkForce(
-            link=n, point=design.linkage.by_number[n].points[0].name, x_n=float(x), y_n=float(y), torque_nm=float(t)
+            link=n, point=design.drive.mechanism.by_number[n].points[0].name, x_n=float(x), y_n=float(y), torque_nm=float(t)
         )
         for n, (x, y, t) in zip(moving, rng.uniform(-100.0, 100.0, (len(moving), 3)) * [1.0, 1.0, 0.1], strict=True)
-        if design.linkage.by_number[n].points
+        if design.drive.mechanism.by_number[n].points
     )
-    return replace(design, loads=LinkageLoads(masses=masses, forces=forces, gravity_angle_deg=-70.0))
+    return with_drive(design, loads=LinkageLoads(masses=masses, forces=forces, gravity_angle_deg=-70.0))
 
 
-def multipliers(design: LinkageDesign, train: Train, q: float) -> np.ndarray:
+def multipliers(design: Design, train: Train, q: float) -> np.ndarray:
     """λ of J'λ = -Q, lengths in mm: the loop equations' own reactions, the driver's row last."""
-    numbers = sorted(n for n in design.linkage.by_number if n != 1)
+    numbers = sorted(n for n in design.drive.mechanism.by_number if n != 1)
     poses = [train.bodies[body_name(n)] for n in numbers]
     x = np.array([v for p in poses for v in (p.x[0, 0] * 1e3, p.y[0, 0] * 1e3, p.angle[0, 0])])
     load_on = np.zeros(x.size)
     gravity = 9.80665 * complex(math.cos(math.radians(-70.0)), math.sin(math.radians(-70.0)))
-    for mass in design.loads.masses:
+    for mass in design.drive.loads.masses:
         i, pose = numbers.index(mass.link), train.bodies[body_name(mass.link)]
         arm = complex(mass.centre_x_mm, mass.centre_y_mm) * np.exp(1j * pose.angle[0, 0])
         spin = pose.angle[:, 0] * OMEGA ** np.arange(4)
@@ -57,7 +57,7 @@ def multipliers(design: LinkageDesign, train: Train, q: float) -> np.ndarray:
         force = mass.mass_kg * (gravity - acceleration)
         moment = (arm.conjugate() * force).imag - mass.inertia_kg_m2 * spin[2] * 1e3
         load_on[3 * i : 3 * i + 3] += (force.real, force.imag, moment)
-    for each in design.loads.forces:
+    for each in design.drive.loads.forces:
         i, pose = numbers.index(each.link), train.bodies[body_name(each.link)]
         arm = (pose.point(each.point)[0, 0] - pose.z[0, 0]) * 1e3
         force = complex(each.x_n, each.y_n)
@@ -65,13 +65,13 @@ def multipliers(design: LinkageDesign, train: Train, q: float) -> np.ndarray:
     return np.linalg.solve(jacobian(design, q, x).T, -load_on)
 
 
-def check_against_multipliers(design: LinkageDesign, train: Train, q: float, bound: float) -> None:
-    forces = newton_euler(train, None, link_loading(design.loads, body_name), OMEGA)
+def check_against_multipliers(design: Design, train: Train, q: float, bound: float) -> None:
+    forces = newton_euler(train, None, link_loading(design.drive.loads, body_name), OMEGA)
     found = multipliers(design, train, q)
     scale = np.abs(found).max()
     row = 0
     where: dict[str, list[int]] = {}
-    for link in design.linkage.links:
+    for link in design.drive.mechanism.links:
         for place in link.points:
             where.setdefault(place.name, []).append(link.number)
     for name, links in where.items():
@@ -82,7 +82,7 @@ def check_against_multipliers(design: LinkageDesign, train: Train, q: float, bou
             force = sign * complex(found[row], found[row + 1])
             assert abs(forces.pairs[name][0] - force) <= bound * scale, name
             row += 2
-    for slider in design.linkage.sliders:
+    for slider in design.drive.mechanism.sliders:
         pair = train.pairs[str(slider.link)]
         line = train.bodies[body_name(slider.link)]
         sign = 1.0 if pair.body == body_name(slider.link) else -1.0
@@ -96,28 +96,28 @@ def check_against_multipliers(design: LinkageDesign, train: Train, q: float, bou
 
 @settings(max_examples=60, derandomize=True, database=None)
 @given(assemblies(), st.integers(0, 1000))
-def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[LinkageDesign, float], seed: int) -> None:
+def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    train = unit_speed_train(design.linkage, np.array([q]), course_of(design.linkage))
+    train = unit_speed_train(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
     check_against_multipliers(design, train, q, 1e-10)
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
-def test_a_groups_reactions_too(design: LinkageDesign) -> None:
+def test_a_groups_reactions_too(design: Design) -> None:
     design = loaded(design, 1)
-    course = course_of(design.linkage)
+    course = course_of(design.drive.mechanism)
     for q in np.linspace(course.ranges[0].low + 0.3, course.ranges[0].high - 0.3, 4):
-        check_against_multipliers(design, unit_speed_train(design.linkage, np.array([q]), course), float(q), 1e-9)
+        check_against_multipliers(design, unit_speed_train(design.drive.mechanism, np.array([q]), course), float(q), 1e-9)
 
 
 @settings(max_examples=25, derandomize=True, database=None)
 @given(assemblies(most=3), st.integers(0, 1000))
-def test_power_and_momentum_balance(drawn: tuple[LinkageDesign, float], seed: int) -> None:
+def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    train = unit_speed_train(design.linkage, np.array([q]), course_of(design.linkage))
-    loading = link_loading(design.loads, body_name)
+    train = unit_speed_train(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
+    loading = link_loading(design.drive.loads, body_name)
     forces = newton_euler(train, None, loading, -OMEGA)
     assert power_residual(train, None, forces, loading).max() <= 1e-11
     assert momentum_residual(train, None, forces, loading).max() <= 1e-11
@@ -125,8 +125,8 @@ def test_power_and_momentum_balance(drawn: tuple[LinkageDesign, float], seed: in
 
 def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
     design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
-    train = unit_speed_train(design.linkage, np.linspace(0.0, 6.0, 20), course_of(design.linkage))
-    loading = link_loading(design.loads, body_name)
+    train = unit_speed_train(design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism))
+    loading = link_loading(design.drive.loads, body_name)
     forces = newton_euler(train, None, loading, OMEGA)
     wrong = replace(forces, driver=forces.driver * 1.001)
     assert power_residual(train, None, wrong, loading).max() > 1e-5
@@ -140,7 +140,7 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
     crank, rod, push = 40.0, 140.0, 300.0
     design = slider_crank(crank, rod)
     loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
-    train = unit_speed_train(design.linkage, np.array([0.5 * math.pi]), course_of(design.linkage))
+    train = unit_speed_train(design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism))
     forces = newton_euler(train, None, link_loading(loads, body_name), 1e-9)
     slope = crank / math.sqrt(rod**2 - crank**2)
     assert train.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
@@ -153,9 +153,9 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
 # -- with a cam -------------------------------------------------------------------------------------------
 
 
-def coupler_cam() -> LinkageDesign:
+def coupler_cam() -> Design:
     design = load(EXAMPLES / "four_bar_coupler_cam.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     return design
 
 
@@ -178,7 +178,7 @@ def test_the_cam_takes_the_place_of_the_driver() -> None:
 
 def test_the_roller_leaves_the_cam_where_its_force_turns_negative() -> None:
     design = coupler_cam()
-    lifted = replace(design, loads=replace(design.loads, forces=(LinkForce(link=4, point="D", y_n=150.0),)))
+    lifted = with_drive(design, loads=replace(design.drive.loads, forces=(LinkForce(link=4, point="D", y_n=150.0),)))
     found = Study(lifted, 36).findings(("dynamics",))
     assert [(f.code, f.severity) for f in found] == [("separation", "error")]
     assert found[0].values["force_n"] < 0.0
@@ -191,7 +191,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
     plain = with_loads(LIFT, friction=0.0, roller_mass_kg=0.0, roller_inertia_kg_m2=0.0)
     loads = plain.drive.loads
     design = load(EXAMPLES / "cam_slider_linkage.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     masses = (
         LinkMass(link=2, mass_kg=loads.slider_mass_kg),
         # the rod's frame starts at the slider's pin
@@ -199,7 +199,7 @@ def test_the_lift_as_a_linkage_has_the_lifts_forces() -> None:
         LinkMass(link=4, mass_kg=loads.arm_mass_kg, inertia_kg_m2=loads.arm_inertia_kg_m2),
     )
     push = (LinkForce(link=2, point="S", x_n=loads.external_force_n),)
-    ours = Study(replace(design, loads=LinkageLoads(masses=masses, forces=push)), 720).dynamics
+    ours = Study(with_drive(design, loads=LinkageLoads(masses=masses, forces=push)), 720).dynamics
     theirs = Study(plain, 720).dynamics
     for one, other in (
         (ours.contact, theirs.contact), (ours.torque, theirs.torque), (ours.pairs["P"], theirs.pairs["pivot"]),
@@ -214,7 +214,7 @@ def test_a_driver_that_slides_is_given_a_force() -> None:
     linkage = replace(
         base.linkage, driver=Driver(4, "motion", 60.0), branch=(replace(base.linkage.branch[0], joint="A"),)
     )
-    design = loaded(LinkageDesign("pushed", linkage, motion), 5)
+    design = loaded(Design("pushed", None, (Drive(motion, linkage, None, LinkageLoads()),)), 5)
     study = Study(design, 90)
     assert isinstance(study, LinkageStudy)
     forces = study.dynamics

@@ -15,17 +15,20 @@ from hypothesis import strategies as st
 
 from core import project
 from core.design import (
+    SECTIONS,
+    Design,
+    Drive,
     Driver,
     Link,
     Linkage,
     LinkageCam,
-    LinkageDesign,
     LinkageLoads,
     LinkForce,
     LinkMass,
     Place,
     Side,
     Slider,
+    all_paths,
     edited,
     entries,
     faults,
@@ -33,7 +36,6 @@ from core.design import (
     put,
     with_assumed,
 )
-from core.design.linkage_paths import LINKAGE_SECTIONS, paths, place_of
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 NAMES = ("lecture_six_bar", "four_bar_coupler_cam", "slider_crank", "inverted_slider_crank", "cam_slider_linkage")
@@ -76,12 +78,12 @@ through = [0.0, 0.0]
 angle_deg = 0.0
 """
     design = project.loads(text)
-    assert isinstance(design, LinkageDesign)
-    assert design.linkage.driver == Driver(2, "crank", 60.0)
-    assert design.linkage.sides == {"B": 1, "D": 1}
-    assert design.linkage.by_number[4].places == {"O2": 0j, "B": 40.0 + 0j, "C": 60.0 + 0j}
-    assert design.linkage.sliders == (Slider(link=6, on=1),)
-    assert design.motion is None
+    assert design.drive.is_linkage
+    assert design.drive.mechanism.driver == Driver(2, "crank", 60.0)
+    assert design.drive.mechanism.sides == {"B": 1, "D": 1}
+    assert design.drive.mechanism.by_number[4].places == {"O2": 0j, "B": 40.0 + 0j, "C": 60.0 + 0j}
+    assert design.drive.mechanism.sliders == (Slider(link=6, on=1),)
+    assert design.drive.motion is None
     assert project.loads(project.dumps(design)) == design
 
 
@@ -90,7 +92,7 @@ WORDS = st.text("ABCxyz_점é", min_size=1, max_size=4).filter(str.isidentifier)
 
 
 @st.composite
-def linkages(draw: st.DrawFn) -> LinkageDesign:
+def linkages(draw: st.DrawFn) -> Design:
     """The structure of a slider-crank, with any numbers, names, masses and entries assumed; crank- or motion-driven."""
     o, a, b, tip = draw(st.lists(WORDS, min_size=4, max_size=4, unique=True))
 
@@ -120,14 +122,14 @@ def linkages(draw: st.DrawFn) -> LinkageDesign:
         forces=tuple(LinkForce(link=3, point=tip, x_n=draw(NUMBERS)) for _ in range(draw(st.integers(0, 2)))),
     )
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
-    design = LinkageDesign(name, Linkage(links, (slider,), driver, branch), motion, cam, loads)
-    known = sorted(paths(design))
+    design = Design(name, None, (Drive(motion, Linkage(links, (slider,), driver, branch), cam, loads),))
+    known = sorted(all_paths(design))
     return replace(design, assumed=tuple(draw(st.lists(st.sampled_from(known), unique=True, max_size=4))))
 
 
 @settings(max_examples=60, derandomize=True, database=None)
 @given(linkages().filter(lambda d: not faults(d)))
-def test_a_linkage_comes_back_from_its_file_to_the_last_bit(design: LinkageDesign) -> None:
+def test_a_linkage_comes_back_from_its_file_to_the_last_bit(design: Design) -> None:
     text = project.dumps(design)
     again = project.loads(text)
     assert again == design
@@ -149,8 +151,8 @@ def test_points_driver_and_branch_stand_on_one_line_each() -> None:
 def test_a_motion_driver_need_not_say_its_speed() -> None:
     table = changed(TABLES[CAM], {"linkage.driver": {"link": 4, "kind": "motion"}})
     design = project.loads(tomli_w.dumps(table))
-    assert isinstance(design, LinkageDesign)
-    assert design.linkage.driver.speed_rpm == 60.0
+    assert design.drive.is_linkage
+    assert design.drive.mechanism.driver.speed_rpm == 60.0
 
 
 # -- faults -----------------------------------------------------------------------------------------------
@@ -287,7 +289,7 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     )
     loose = Link(6, (Place("R", 0.0, 0.0), Place("S", 10.0, 0.0)))
     more = Link(7, (Place("S", 0.0, 0.0), Place("T", 10.0, 0.0)))
-    design = LinkageDesign("odd", Linkage((frame, *links[1:], loose, more), (), Driver(2)))
+    design = Design("odd", None, (Drive(None, Linkage((frame, *links[1:], loose, more), (), Driver(2)), None, LinkageLoads()),))
     told_faults = {f.path: str(f) for f in faults(design)}
     assert "linkage.links[4].points" in told_faults or "linkage" in told_faults
 
@@ -308,7 +310,7 @@ def test_any_damage_is_told(data: st.DataObject) -> None:
 def test_every_entry_is_found_and_put_by_its_path(name: str) -> None:
     design = project.load(EXAMPLES / f"{name}.toml")
     seen = set()
-    for section in LINKAGE_SECTIONS:
+    for section in SECTIONS:
         for entry in entries(design, section):
             assert entry.path not in seen
             seen.add(entry.path)
@@ -327,7 +329,6 @@ def test_points_and_lines_are_pairs_by_path() -> None:
     assert moved.linkage.by_number[4].places["C"] == 61.0 + 2.0j
     lifted = edited(moved, "linkage.sliders[0].through", (0.0, 5.0))
     assert get(lifted, "linkage.sliders[0].through") == (0.0, 5.0)
-    assert place_of(design, 4, "C") == "linkage.links[3].points.C"
     other = edited(lifted, "linkage.branch.B", -1)
     assert other.linkage.sides == {"B": -1, "D": 1}
     assert edited(other, "name", "another").name == "another"

@@ -12,7 +12,6 @@ from core.__main__ import main
 from core.blend import Request, blend
 from core.design import (
     Design,
-    LinkageDesign,
     edited,
     faults,
     insert_segment,
@@ -21,7 +20,6 @@ from core.design import (
     move_join,
     remove_segment,
     require_motion,
-    speed_rpm,
     with_assumed,
     with_motion,
 )
@@ -56,7 +54,7 @@ def test_an_edit_makes_the_same_motion_of_a_linkage_as_of_a_cam(name: str) -> No
     assert motion_of(LINKAGE) == motion_of(LIFT)
     linkage, cam = change(LINKAGE), change(LIFT)
     assert motion_of(linkage) == motion_of(cam) != motion_of(LIFT)
-    assert isinstance(linkage, LinkageDesign)
+    assert isinstance(linkage, Design)
     assert linkage.linkage == LINKAGE.linkage  # type: ignore[union-attr]
     assert faults(linkage) == []
 
@@ -86,8 +84,8 @@ def test_a_crank_at_speed_has_no_motion_to_change(change: Callable[[Design], Des
 
 
 def test_the_speed_is_that_of_the_shaft_either_way_round() -> None:
-    assert speed_rpm(LIFT) == LIFT.shaft.speed_rpm
-    assert speed_rpm(edited(COUPLER, "linkage.driver.speed_rpm", -45.0)) == 45.0
+    assert LIFT.speed_rpm == LIFT.shaft.speed_rpm
+    assert edited(COUPLER, "linkage.driver.speed_rpm", -45.0).speed_rpm == 45.0
 
 
 def test_a_blend_goes_into_a_linkage_and_its_cam_follows() -> None:

@@ -11,7 +11,7 @@ from assembled import SIZE, cases, coordinates
 from linkages import INSIDE_OUT, KINDS, SLIDING_GROUP, four_bar, in_digits, link, slider_crank
 from references import EPS, MP
 
-from core.design import Driver, Linkage, LinkageDesign, LinkageLoads, LinkForce, Slider
+from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider
 from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import course_of, unit_speed_train
 from core.mechanism.rounding import doubts
@@ -22,7 +22,7 @@ from core.study import LinkageStudy, Study, quantity
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 
 
-def study(design: LinkageDesign, samples: int = 72) -> LinkageStudy:
+def study(design: Design, samples: int = 72) -> LinkageStudy:
     made = Study(design, samples)
     assert isinstance(made, LinkageStudy)
     return made
@@ -39,7 +39,7 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
         room = 0.02 * (here.high - here.low)
         angles = np.linspace(here.low + room, here.high - room, 1201)
         step = angles[1] - angles[0]
-        train = unit_speed_train(case.design.linkage, angles, case.course)
+        train = unit_speed_train(case.design.drive.mechanism, angles, case.course)
         shut = np.flatnonzero(np.min(list(train.singular.values()), axis=0) < 0.02)
         at = int(np.searchsorted(angles, case.q))
         low, high = max((i for i in shut if i < at), default=-1) + 1, min((i for i in shut if i >= at), default=angles.size)
@@ -55,11 +55,11 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
 
 
 @pytest.mark.parametrize("design", [slider_crank(2.0, 9e4), slider_crank(2.0, 7e4, 3.0)], ids=("central", "offset"))
-def test_the_stated_doubt_counts_the_rods_themselves(design: LinkageDesign) -> None:
+def test_the_stated_doubt_counts_the_rods_themselves(design: Design) -> None:
     """A rod of many metres on a short crank: what rounding leaves of them is told by their own size, not by that of the crank."""
-    course = course_of(design.linkage)
+    course = course_of(design.drive.mechanism)
     angles = np.linspace(0.1, 6.1, 8)
-    train = unit_speed_train(design.linkage, angles, course)
+    train = unit_speed_train(design.drive.mechanism, angles, course)
     stated = doubts(course.plan, course.solve(at_driver(angles)))
     x = coordinates(train)
     for i, q in enumerate(angles):
@@ -102,13 +102,13 @@ def test_near_a_toggle_the_advantage_grows_without_limit() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
     angles = toggle + np.array([1e-2, 1e-4, 1e-6])
-    table = all_centres(unit_speed_train(design.linkage, angles, course_of(design.linkage)), SIZE)
+    table = all_centres(unit_speed_train(design.drive.mechanism, angles, course_of(design.drive.mechanism)), SIZE)
     grown = np.abs(mechanical_advantage(table, "link4", "link2"))
     assert list(grown[1:] / grown[:-1]) == pytest.approx([100.0, 100.0], rel=0.05)
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
-def test_newtons_residual_stands_in_the_certificate(design: LinkageDesign) -> None:
+def test_newtons_residual_stands_in_the_certificate(design: Design) -> None:
     """It is the gap of the loops at worst, found here from the poses, and its bound is a few roundings."""
     made = study(design, 90)
     told = made.certificate(("linkage",))["loop_closure"]
@@ -147,7 +147,7 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
     """A block on a guide of the crank and on one of the frame: where both are parallel it runs off to infinity."""
     links = (link(1, O=(0, 0)), link(2, O=(0, 0)), link(3, P=(0, 0)), link(4, P=(0, 0)))
     sliders = (Slider(link=3, on=2, angle_deg=on_crank), Slider(link=4, on=1, through_y_mm=50.0, angle_deg=on_frame))
-    made = study(LinkageDesign("two guides", Linkage(links, sliders, Driver(2))))
+    made = study(Design("two guides", None, (Drive(None, Linkage(links, sliders, Driver(2)), None, LinkageLoads()),)))
     first = (on_frame - on_crank) % 180.0
     ends = [math.degrees(end) for r in made.course.ranges for end in (r.low, r.high)]
     assert ends == pytest.approx([0.0, first, first, first + 180.0, first + 180.0, 360.0], abs=1e-9)
@@ -164,6 +164,6 @@ def test_a_slider_cranks_grashof_is_whether_its_crank_goes_round() -> None:
 @pytest.mark.parametrize("name", ["four_bar", "watt_six_bar", "stephenson_six_bar", "lecture_six_bar", "inverted_slider_crank"])
 def test_every_example_keeps_its_residuals(name: str) -> None:
     design = load(EXAMPLES / f"{name}.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     for residual in study(design, 36).certificate(("linkage",)).values():
         assert residual.kept

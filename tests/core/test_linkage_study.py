@@ -13,7 +13,20 @@ from linkages import INSIDE_OUT, four_bar, link, sides, slider_crank
 from mechanisms import LIFT
 
 from core.channels import channels
-from core.design import Driver, Linkage, LinkageCam, LinkageDesign, LinkForce, Motion, Named, Segment, put
+from core.design import (
+    Design,
+    Drive,
+    Driver,
+    Linkage,
+    LinkageCam,
+    LinkageLoads,
+    LinkForce,
+    Motion,
+    Named,
+    Segment,
+    put,
+    with_drive,
+)
 from core.errors import NoCam, NoPosition, NoSuchStage
 from core.export import files
 from core.project import load
@@ -26,13 +39,13 @@ LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in 
 TURN = 2.0 * math.pi
 
 
-def example(name: str) -> LinkageDesign:
+def example(name: str) -> Design:
     design = load(EXAMPLES / f"{name}.toml")
-    assert isinstance(design, LinkageDesign)
+    assert design.drive.is_linkage
     return design
 
 
-def study_of(design: LinkageDesign, samples: int = 72) -> LinkageStudy:
+def study_of(design: Design, samples: int = 72) -> LinkageStudy:
     study = Study(design, samples)
     assert isinstance(study, LinkageStudy)
     return study
@@ -74,7 +87,7 @@ def test_stages_are_computed_when_asked_for_and_kept() -> None:
     assert Counter(evaluations) - before == {"motion": 1, "linkage": 1}
     _ = study.dynamics, study.cam, study.dynamics
     assert Counter(evaluations) - before == {"motion": 1, "linkage": 1, "cam": 1, "dynamics": 1}
-    heavier = replace(design, loads=replace(design.loads, forces=(LinkForce(link=4, point="D", y_n=-200.0),)))
+    heavier = with_drive(design, loads=replace(design.drive.loads, forces=(LinkForce(link=4, point="D", y_n=-200.0),)))
     assert study_of(heavier).linkage is study.linkage, "an edit of the loads solves no linkage"
     assert study_of(heavier).cam is study.cam
     assert study_of(heavier).dynamics is not study.dynamics
@@ -113,10 +126,10 @@ def test_a_linkage_that_stands_nowhere_has_no_answer() -> None:
 
 def test_a_motion_that_asks_too_much_names_its_angles() -> None:
     design = example("rear_suspension")
-    assert design.motion is not None
+    assert design.drive.motion is not None
     far = Motion(182.0, (Segment(180.0, 60.0, Named("cycloidal")), Segment(180.0, -60.0, Named("cycloidal"))), "deg")
     with pytest.raises(NoPosition) as caught:
-        _ = study_of(replace(design, motion=far)).linkage
+        _ = study_of(with_drive(design, motion=far)).linkage
     ((low, high),) = caught.value.cam_angles
     assert 0.0 < low < 180.0 < high < 360.0
     assert high == pytest.approx(360.0 - low, abs=1e-9)
@@ -306,7 +319,7 @@ def test_a_roller_beside_its_best_place_is_a_finding_and_over_the_centre_is_no_c
     steep = put(design, "linkage.links[2].points.C", (140.0, -50.0))
     found = {f.code: f for f in study_of(steep, 90).findings(("cam",))}
     assert found["roller-pressure-angle"].field == "cam.point"
-    covering = replace(design, cam=LinkageCam(link=3, point="C", roller_radius_mm=90.0))
+    covering = with_drive(design, cam=LinkageCam(link=3, point="C", roller_radius_mm=90.0))
     with pytest.raises(NoCam, match=r"cam\.point: the roller covers the cam centre"):
         _ = study_of(covering, 90).cam
 
@@ -318,8 +331,7 @@ def test_a_roller_on_a_link_that_slides_and_on_the_followed_link_itself() -> Non
     from core.design import Slider
 
     rail = Slider(link=2, on=1, angle_deg=90.0)
-    design = LinkageDesign("tappet", Linkage(links, (rail,), Driver(2, "motion", 60.0)), motion,
-                           LinkageCam(link=2, point="R", roller_radius_mm=10.0))  # fmt: skip
+    design = Design("tappet", None, (Drive(motion, Linkage(links, (rail,), Driver(2, "motion", 60.0)), LinkageCam(link=2, point="R", roller_radius_mm=10.0), LinkageLoads()),))  # fmt: skip
     study = study_of(design, 360)
     assert np.abs(study.linkage.follower.z[0] - 1j * (0.06 + study.motion.y[0])).max() < 1e-16
     assert study.cam.flank.pressure_angle[0] == pytest.approx(0.0, abs=1e-12)

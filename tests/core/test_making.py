@@ -21,7 +21,7 @@ from mechanisms import LIFT, PUSHER, with_drive
 from core import project
 from core.__main__ import main
 from core.blend import GOALS, Request, best, blend
-from core.design import Motion, Segment, SingleCam, faults, with_assumed
+from core.design import Design, Motion, Segment, faults, with_assumed
 from core.errors import DesignError
 from core.laws import LAWS, find_law
 from core.making import in_place, into_design, over_the_turn
@@ -355,7 +355,7 @@ def test_angles_and_stroke_out_of_range(start: str, end: str, stroke: str, run: 
 # -- into a design ----------------------------------------------------------------------------------------
 
 
-def check_whole(design: SingleCam, path: Path) -> Motion:
+def check_whole(design: Design, path: Path) -> Motion:
     """The file holds this design, whole."""
     assert project.load(path) == design
     assert faults(design) == []
@@ -380,7 +380,7 @@ def test_a_whole_motion_takes_the_turn(run: Run, tmp_path: Path) -> None:
     assert not any(jumps(motion))
     design = project.load(path)
     assert design.assumed == ("loads.preload_n",), "a motion that was made is not assumed"
-    assert design.drive.follower == PUSHER.drive.follower
+    assert design.drive.mechanism == PUSHER.drive.mechanism
 
 
 def test_a_blend_over_360_degrees_leaves_no_dwell(run: Run, tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from core import project
 from core.__main__ import main
 from core.channels import KINEMATICS
 from core.curves import shape_of
-from core.design import Motion, Named, Segment, SingleCam, Spline
+from core.design import Design, Motion, Named, Segment, Spline
 from core.errors import DesignError
 from core.export import table as exported
 from core.measured import (
@@ -619,7 +619,7 @@ def test_the_design_needs_the_table_no_longer(tmp_path: Path) -> None:
     """Saved and opened again the motion is the same to the last bit; nothing of it is assumed any longer."""
     found = fit(noisy(360, 0.01), 0.01)
     design = into_design(
-        SingleCam(LIFT.name, LIFT.shaft, LIFT.drive, ("motion.segments[0].span_deg", "loads.friction")), found
+        Design(LIFT.name, LIFT.shaft, (LIFT.drive,), ("motion.segments[0].span_deg", "loads.friction")), found
     )
     project.save(design, tmp_path / "d.toml")
     again = project.load(tmp_path / "d.toml")

@@ -27,7 +27,7 @@ from linkages import (
 from references import EPS, MP
 
 from core.derivatives import Derivatives
-from core.design import CRANK, Driver, Linkage, LinkageDesign, Slider, put
+from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Slider, put, with_drive
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
 from core.mechanism import (
@@ -48,10 +48,10 @@ TURN = 2.0 * math.pi
 DEG = math.pi / 180.0
 
 
-def train_at(design: LinkageDesign, *angles: float) -> Train:
+def train_at(design: Design, *angles: float) -> Train:
     """The linkage at driver positions [rad or m], derivatives by the driver's coordinate."""
-    ends = () if design.linkage.driver.kind == CRANK else (min(angles) - 1e-3, max(angles) + 1e-3)
-    return unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage, *ends))
+    ends = () if design.drive.mechanism.driver.kind == CRANK else (min(angles) - 1e-3, max(angles) + 1e-3)
+    return unit_speed_train(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism, *ends))
 
 
 # -- the structure ----------------------------------------------------------------------------------------
@@ -61,11 +61,11 @@ def train_at(design: LinkageDesign, *angles: float) -> Train:
 def test_each_kind_of_dyad_is_recognised(kind: str) -> None:
     for seed in range(15):
         design, _ = assembly(seed, (kind,))
-        order = solving_order(design.linkage)
+        order = solving_order(design.drive.mechanism)
         assert [step.kind for step in order.steps] == [kind.upper()]
         assert not order.overdetermined
         assert not order.undetermined
-        assert mobility(design.linkage) == 1
+        assert mobility(design.drive.mechanism) == 1
 
 
 def test_links_that_hang_on_nothing_known_are_solved_as_a_group() -> None:
@@ -75,8 +75,8 @@ def test_links_that_hang_on_nothing_known_are_solved_as_a_group() -> None:
 
 def test_the_order_does_not_depend_on_the_order_of_the_links() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
-    turned = replace(design, linkage=replace(design.linkage, links=design.linkage.links[::-1]))
-    assert solving_order(turned.linkage).steps == solving_order(design.linkage).steps
+    turned = with_drive(design, mechanism=replace(design.drive.mechanism, links=design.drive.mechanism.links[::-1]))
+    assert solving_order(turned.linkage).steps == solving_order(design.drive.mechanism).steps
 
 
 def test_three_links_on_one_pin_are_two_pairs() -> None:
@@ -88,8 +88,8 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
         link(5, B=(0, 0), D=(60, 0)),
         link(6, O6=(0, 0), D=(50, 0)),
     )
-    design = LinkageDesign("compound pin", Linkage(links, (), Driver(2), sides(B=1, D=1)))
-    assert mobility(design.linkage) == 1
+    design = Design("compound pin", None, (Drive(None, Linkage(links, (), Driver(2), sides(B=1, D=1)), None, LinkageLoads()),))
+    assert mobility(design.drive.mechanism) == 1
     train = train_at(design, *np.linspace(0.0, 6.0, 50))
     b = [train.bodies[body_name(n)].point("B")[0] for n in (3, 4, 5)]
     assert np.abs(b[0] - b[1]).max() < 1e-16
@@ -135,12 +135,12 @@ def test_three_derivatives_are_those_of_a_power_series(kind: str) -> None:
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
-def test_a_group_is_solved_like_the_others(design: LinkageDesign) -> None:
+def test_a_group_is_solved_like_the_others(design: Design) -> None:
     """Positions close, velocities are complex steps, third derivatives those of a power series."""
-    course = course_of(design.linkage)
+    course = course_of(design.drive.mechanism)
     only = course.ranges[0]
     angles = np.linspace(only.low + 0.05, only.high - 0.05, 40)
-    train = unit_speed_train(design.linkage, angles, course)
+    train = unit_speed_train(design.drive.mechanism, angles, course)
     assert train.residual.max() <= 1e-13
     for i in (0, 17, 39):
         x, rates = coordinates(train)[:, i], coordinates(train, 1)[:, i]
@@ -220,8 +220,8 @@ def test_plus_one_of_a_sliding_link_has_its_pin_ahead(side: int) -> None:
         link(3, A=(0, 0)),
         link(4, O4=(0, 0), B=(160, 0)),
     )
-    design = LinkageDesign("inverted", Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()))
-    linkage = replace(design.linkage, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
+    design = Design("inverted", None, (Drive(None, Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()), None, LinkageLoads()),))
+    linkage = replace(design.drive.mechanism, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
     train = unit_speed_train(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
     arm = train.bodies["link4"]
     along = (train.bodies["link3"].point("A")[0] - arm.point("O4")[0]) / np.exp(1j * arm.angle[0])
@@ -255,9 +255,9 @@ def exact_limit(ground: float, crank: float, coupler: float, rocker: float) -> f
 
 def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0)
-    (only,) = course_of(design.linkage).ranges if len(course_of(design.linkage).ranges) == 1 else (None,)
+    (only,) = course_of(design.drive.mechanism).ranges if len(course_of(design.drive.mechanism).ranges) == 1 else (None,)
     limit = exact_limit(100.0, 80.0, 60.0, 70.0)
-    ranges = course_of(design.linkage).ranges
+    ranges = course_of(design.drive.mechanism).ranges
     assert only is None
     # open at 0: through 0 it goes from -limit to limit
     assert [(r.low_joint, r.high_joint) for r in ranges] == [("", "B"), ("B", "")]
@@ -282,7 +282,7 @@ def test_a_gap_between_samples_is_found() -> None:
     """The crank misses being able to turn by a hair's breadth: a gap of two thousandths of a degree."""
     crank, rod = 40.0, 40.0 - 2e-8
     design = put(slider_crank(crank, rod), "linkage.sliders[0].angle_deg", 0.2)
-    (first, second, third) = course_of(design.linkage).ranges
+    (first, second, third) = course_of(design.drive.mechanism).ranges
     half = float(MP.acos(MP.mpf(rod) / MP.mpf(crank)))
     assert second.low - first.high == pytest.approx(2.0 * half, rel=1e-6)
     assert half < 0.01 * TURN / 721
@@ -301,10 +301,10 @@ def test_a_four_bar_turns_where_grashof_says_so(
     surplus = lengths[0] + lengths[3] - lengths[1] - lengths[2]
     assume(abs(surplus) > 1e-3)
     design = four_bar(ground, crank, coupler, rocker, side)
-    ranges = course_of(design.linkage).ranges
+    ranges = course_of(design.drive.mechanism).ranges
     turns = surplus < 0.0 and lengths[0] in (ground, crank)
     assert (len(ranges) == 1 and ranges[0].free) == turns
-    kind = four_bar_of(plan_of(design.linkage))
+    kind = four_bar_of(plan_of(design.drive.mechanism))
     assert kind is not None
     assert (kind.kind in ("crank-rocker", "double crank")) == turns
     assert (kind.ground, kind.crank, kind.coupler, kind.rocker) == pytest.approx(
@@ -329,9 +329,9 @@ def test_where_nothing_meets_there_are_no_ranges() -> None:
 # -- near dead centres ------------------------------------------------------------------------------------
 
 
-def exact_four_bar(design: LinkageDesign, q: float, side: int) -> tuple[float, float, float]:
+def exact_four_bar(design: Design, q: float, side: int) -> tuple[float, float, float]:
     """Coupler and rocker angle and the condition 1 + S/K, by two circles at 50 digits."""
-    places = {n: {p.name: MP.mpc(p.x_mm, p.y_mm) for p in k.points} for n, k in design.linkage.by_number.items()}
+    places = {n: {p.name: MP.mpc(p.x_mm, p.y_mm) for p in k.points} for n, k in design.drive.mechanism.by_number.items()}
     a, b = places[2]["A"] * MP.expj(MP.mpf(q)), places[1]["O4"]
     la, lb = abs(places[3]["B"]), abs(places[4]["B"])
     d = b - a
@@ -348,7 +348,7 @@ def exact_four_bar(design: LinkageDesign, q: float, side: int) -> tuple[float, f
 @pytest.mark.parametrize("away", [1e-1, 1e-3, 1e-6, 1e-9, 1e-12, 1e-14])
 def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: float, side: int) -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0, side)
-    end = course_of(design.linkage).ranges[0].high
+    end = course_of(design.drive.mechanism).ranges[0].high
     for q in (end - away, end - 0.37 * away):
         train = train_at(design, q)
         coupler, rocker, condition = exact_four_bar(design, q, side)
@@ -362,7 +362,7 @@ def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: flo
 def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     """Crank longer than the rod: the slider locks where the rod stands across the guide."""
     design = slider_crank(60.0, 45.0)
-    end = course_of(design.linkage).ranges[0].high
+    end = course_of(design.drive.mechanism).ranges[0].high
     assert end == pytest.approx(float(MP.asin(MP.mpf(45) / 60)), abs=4.0 * EPS)
     q = end - away
     pin = 60 * MP.expj(MP.mpf(q))
@@ -381,7 +381,7 @@ def test_the_stated_condition_bounds_the_error(kind: str) -> None:
     for case in cases(kind):
         exact = in_digits(case.design, case.q, case.x)
         bound = doubts(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
-        for i, n in enumerate(sorted(n for n in case.design.linkage.by_number if n != 1)):
+        for i, n in enumerate(sorted(n for n in case.design.drive.mechanism.by_number if n != 1)):
             pose = case.train.bodies[body_name(n)]
             off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
                 ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
@@ -397,11 +397,11 @@ def test_the_stated_condition_bounds_the_error(kind: str) -> None:
 def test_a_parallelogram_stays_one_through_its_change_points() -> None:
     """Coupler parallel to the frame at every angle, both where all links lie in line too; three derivatives are 0."""
     design = four_bar(100.0, 40.0, 100.0, 40.0)
-    course = course_of(design.linkage)
+    course = course_of(design.drive.mechanism)
     assert [c.at for c in course.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
     assert [r.free for r in course.ranges] == [True]
     angles = np.linspace(0.0, TURN, 721)[:-1]
-    train = unit_speed_train(design.linkage, angles, course)
+    train = unit_speed_train(design.drive.mechanism, angles, course)
     rocker = train.bodies["link4"].angle
     assert np.abs(train.bodies["link3"].angle[0]).max() < 1e-12
     assert np.abs(np.remainder(rocker[0] - angles + 1.0, TURN) - 1.0).max() < 1e-12
@@ -419,10 +419,10 @@ def test_an_antiparallelogram_stays_one_too() -> None:
 def test_a_slider_goes_on_through_the_pivot() -> None:
     """Crank and rod of one length: x = 2 r cos θ for the whole turn, its three derivatives with it."""
     design = slider_crank(50.0, 50.0)
-    course = course_of(design.linkage)
+    course = course_of(design.drive.mechanism)
     assert [c.at for c in course.changes] == pytest.approx([0.5 * math.pi, 1.5 * math.pi], abs=1e-7)
     angles = np.linspace(0.0, TURN, 1441)[:-1]
-    x = unit_speed_train(design.linkage, angles, course).bodies["link4"].x
+    x = unit_speed_train(design.drive.mechanism, angles, course).bodies["link4"].x
     exact = 0.1 * np.array([np.cos(angles), -np.sin(angles), -np.cos(angles), np.sin(angles)])
     for order, bound in enumerate((1e-14, 1e-12, 1e-9, 1e-6)):
         assert np.abs(x[order] - exact[order]).max() < bound
@@ -480,7 +480,7 @@ def test_a_crank_program_has_a_piece_for_each_range() -> None:
     assert state.y[:, 0].tolist() == [1.0, 1.0, 0.0, 0.0]
 
 
-STILL: dict[str, Callable[[], LinkageDesign]] = {
+STILL: dict[str, Callable[[], Design]] = {
     "four-bar": lambda: four_bar(100.0, 30.0, 90.0, 70.0),
     "slider": lambda: slider_crank(40.0, 140.0, 10.0),
 }
@@ -509,5 +509,5 @@ def test_the_other_side_is_the_mirrored_dyad() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     assert other_side(design, "B").linkage.sides == {"B": -1}
     assert other_side(other_side(design, "B"), "B") == design
-    bare = replace(design, linkage=replace(design.linkage, branch=()))
+    bare = with_drive(design, mechanism=replace(design.drive.mechanism, branch=()))
     assert other_side(bare, "B").linkage.sides == {"B": -1}

@@ -29,6 +29,7 @@ from core.design import (
     part_faults,
     stretched,
     with_assumed,
+    with_drive,
     with_stroke_mirrored,
 )
 from core.laws import LAWS
@@ -186,7 +187,7 @@ def test_what_is_assumed_of_the_stroke_is_assumed_of_its_image() -> None:
     design = with_assumed(with_assumed(LIFT, "motion.segments[1].law", True), "motion.segments[4].span_deg", True)
     changed = replace(design.drive.motion.segments[1], curve=CYCLOID)
     segments = (*design.drive.motion.segments[:1], changed, *design.drive.motion.segments[2:])
-    design = replace(design, drive=replace(design.drive, motion=replace(design.drive.motion, segments=segments)))
+    design = with_drive(design, motion=replace(design.drive.motion, segments=segments))
     made = mirror_stroke(design, 1)
     assert [s.curve.law for s in made.drive.motion.segments] == ["dwell", "cycloidal", "dwell", "cycloidal", "dwell"]
     assert made.assumed[:3] == ("motion.segments[1].law", "motion.segments[3].law", "motion.segments[4].span_deg")

@@ -68,7 +68,7 @@ def test_lift() -> None:
         (41.5, 150.0, Named("modified-sine")),
         (35.0, 0.0, Named("dwell")),
     ]
-    assert design.drive.follower.layout == "b"
+    assert design.drive.mechanism.layout == "b"
     assert design.drive.loads.external_force_n == -20000.0
     assert "loads.slider_mass_kg" in design.assumed
 

@@ -24,7 +24,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import bisect
 
 from core.channels import channels, existing
-from core.design import Shaft, SingleCam
+from core.design import Design, Shaft
 from core.motion import TURN, Angles, Program
 from core.shaft import NODES, _phi, filtered, flywheel, panel_angles, torque_curve
 from core.study import Study
@@ -110,7 +110,7 @@ def turns_of_the_guide(study: Study, piece: int) -> list[float]:
 
 
 @pytest.mark.parametrize("design", [LIFT, FREE_PUSHER, PUSHER, LAYOUT_DESIGNS["f"]], ids=["lift", "free pusher", "pusher", "f"])
-def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: SingleCam) -> None:
+def test_mean_and_swing_of_a_design_are_those_of_the_quadrature(design: Design) -> None:
     """By an adaptive rule between joins and between the angles where the guide's force turns round, and friction with it;
     the energy's extremes off 20 samples a degree."""
     study = Study(design)
@@ -249,7 +249,7 @@ def _integrated(study: Study, inertia: float, slope: float, theta: np.ndarray) -
 
 
 @pytest.mark.parametrize(("design", "inertia"), [(FREE_PUSHER, 0.05), (LAYOUT_DESIGNS["f"], 0.4)], ids=["pusher", "f"])
-def test_the_motor_torque_is_that_of_the_integrated_motor(design: SingleCam, inertia: float) -> None:
+def test_the_motor_torque_is_that_of_the_integrated_motor(design: Design, inertia: float) -> None:
     fitted = with_shaft(design, flywheel_inertia_kg_m2=inertia, motor_slope_nm_s_per_rad=2.0)
     study = Study(fitted, 48)
     motor = study.flywheel.motor_torque(study.angles)
@@ -287,7 +287,7 @@ def _jump(study: Study, piece: int) -> float:
 
 @settings(max_examples=20)
 @given(buildable(), st.floats(-3.0, 3.0))
-def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(design: SingleCam, power: float) -> None:
+def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(design: Design, power: float) -> None:
     design = with_loads(design, friction=0.0)
     study = Study(with_shaft(design, flywheel_inertia_kg_m2=0.0), 36)
     torque, wheel = study.dynamics.torque, study.flywheel

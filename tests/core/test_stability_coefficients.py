@@ -6,7 +6,7 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_lo
 from references import MP, masses, push_on_output, solved
 from shafts import HARD, KIM, coefficients, kim_table, of, with_elastic
 
-from core.design import SingleCam
+from core.design import Design
 from core.errors import NoStability
 from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, inertia, load, still
 from core.stability.panels import NODES, fit
@@ -16,7 +16,7 @@ C, ANGLES = LAYOUT_DESIGNS["c"], (0.9, 2.5, 3.6)
 TRAINS = {"pusher": PUSHER, "c": C, "f": LAYOUT_DESIGNS["f"], "lift": LIFT}
 
 
-def energies(design: SingleCam, theta: float) -> tuple[list[MP.mpf], list[MP.mpf]]:
+def energies(design: Design, theta: float) -> tuple[list[MP.mpf], list[MP.mpf]]:
     """J, J', J'' and V', V'' from the bodies' motions with fifty digits."""
     there = solved(design, theta)
     gravity = MP.convert(complex(Study(design, 4).loading.gravity))

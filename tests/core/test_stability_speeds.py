@@ -10,7 +10,7 @@ import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, with_cam, with_loads, with_shaft
 from shafts import HARD, KIM, KIM_SHAFT, coefficients, of, with_elastic
 
-from core.design import Elastic, SingleCam, entries, faults, get, put
+from core.design import Design, Elastic, entries, faults, get, put
 from core.design import with_elastic as with_shaft_of
 from core.report import report
 from core.stability import (
@@ -31,7 +31,7 @@ from core.study import Study, evaluations
 from core.summary import summary
 
 
-def at_eta(eta: float, **values: float | str) -> SingleCam:
+def at_eta(eta: float, **values: float | str) -> Design:
     """Kim's machine with the shaft that puts it there."""
     inertia, omega = KIM_SHAFT.camshaft_inertia_kg_m2, 1500.0 / RPM
     return with_elastic(KIM, stiffness_nm_per_rad=inertia * (eta * omega) ** 2, **values)
@@ -120,7 +120,7 @@ def test_a_shaft_that_is_clear_may_stay() -> None:
         (at_eta(1.0, damping_ratio=0.06), "", ""),
     ],
 )
-def test_the_own_speed_among_the_bands_is_told(design: SingleCam, code: str, severity: str) -> None:
+def test_the_own_speed_among_the_bands_is_told(design: Design, code: str, severity: str) -> None:
     told = Study(design, 36).findings(("stability",))
     assert [(f.code, f.severity) for f in told] == ([(code, severity)] if code else [])
     for finding in told:
@@ -207,7 +207,7 @@ def test_marked_rows_are_in_sight() -> None:
 # -- study ------------------------------------------------------------------------------------------------
 
 
-def counted(design: SingleCam) -> Counter[str]:
+def counted(design: Design) -> Counter[str]:
     before = Counter(evaluations)
     study = Study(design, 36)
     assert study.stability is not None

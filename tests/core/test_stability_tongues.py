@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from mechanisms import LIFT, SMOOTH, with_drive, with_loads
 from shafts import HARD, KIM, coefficients, moved, of, with_elastic
 
-from core.design import Motion, SingleCam
+from core.design import Design, Motion
 from core.errors import NoStability
 from core.stability import (
     APPROXIMATE,
@@ -52,12 +52,12 @@ def test_harmonic_balance_and_monodromy_agree_within_their_stated_errors(name: s
     assert (np.diff(by_matrices.edges.reshape(Q.size, -1), axis=1) >= -1e-15).all(), "edges rise with n"
 
 
-def shafts() -> st.SearchStrategy[SingleCam]:
+def shafts() -> st.SearchStrategy[Design]:
     """Kim's machine with a rise, a dwell or none, a return and another dwell or none, of any smooth law or parabolic."""
     laws = st.sampled_from([*SMOOTH, "parabolic"])
     spans = st.tuples(st.floats(25.0, 120.0), st.sampled_from([0.0, 40.0, 90.0]), st.floats(25.0, 120.0))
 
-    def build(spans: tuple[float, float, float], up: str, down: str, spring: str, rest: bool) -> SingleCam:
+    def build(spans: tuple[float, float, float], up: str, down: str, spring: str, rest: bool) -> Design:
         rise, top, fall = spans
         if not rest:
             fall = 360.0 - rise - top
@@ -70,7 +70,7 @@ def shafts() -> st.SearchStrategy[SingleCam]:
 
 @settings(max_examples=25)
 @given(shafts(), st.floats(1e-6, 1.0))
-def test_any_cam_has_the_same_tongues_both_ways(design: SingleCam, q: float) -> None:
+def test_any_cam_has_the_same_tongues_both_ways(design: Design, q: float) -> None:
     found = coefficients(design)
     by_harmonics = harmonic_tongues(found, np.array([q]), 7, EXACT, error=1e-9, most_order=28)
     agree(by_harmonics, refined(found, by_harmonics))
@@ -78,7 +78,7 @@ def test_any_cam_has_the_same_tongues_both_ways(design: SingleCam, q: float) -> 
 
 @settings(max_examples=25)
 @given(shafts(), st.floats(1e-3, 1.0))
-def test_between_the_edges_it_grows_and_between_the_tongues_it_does_not(design: SingleCam, q: float) -> None:
+def test_between_the_edges_it_grows_and_between_the_tongues_it_does_not(design: Design, q: float) -> None:
     found = coefficients(design)
     edges = tongues(found, np.array([q]), 5, EXACT, error=1e-11).edges[0]
     wide = edges[:, 1] - edges[:, 0] > 1e-6

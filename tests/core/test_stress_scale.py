@@ -8,7 +8,7 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, with_shaft
 from references import EPS
 from stress_cases import FORCE_ROUNDINGS, figures, scaled
 
-from core.design import SingleCam, faults
+from core.design import Design, faults
 from core.study import Study
 
 DESIGNS = {"lift": LIFT, "c": LAYOUT_DESIGNS["c"], "f": LAYOUT_DESIGNS["f"]}
@@ -57,7 +57,7 @@ def test_findings_extremes_certificate_and_flywheel_scale_too(name: str, power: 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_thousand_times_as_large_differs_by_the_roundings_of_its_numbers(name: str, power: int) -> None:
     """Micrometres, millimetres, a hundred metres: each number of the design is rounded anew."""
-    design: SingleCam = DESIGNS[name]
+    design: Design = DESIGNS[name]
     one, other = figures(design, 1.0), figures(scaled(design, 10.0**power), 10.0**power)
     study = Study(design, 24)
     speed = np.abs(study.cam.relative_velocity).min() / np.abs(study.cam.reference).max()

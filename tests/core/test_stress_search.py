@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mechanisms import ANGLES, buildable, cam_sliders
 from stress_cases import CASES, Sample, cam, forces, linkage, motion
 
-from core.design import SingleCam
+from core.design import Design, with_drive
 from core.errors import NoAnswer
 from core.study import Study
 
@@ -59,13 +59,13 @@ def any_case(number: int, depth: float) -> None:
     kept(case.look(value))
 
 
-def any_linkage_and_cam(design: SingleCam, theta: float) -> None:
+def any_linkage_and_cam(design: Design, theta: float) -> None:
     kept(motion(design, theta))
     kept(linkage(design, theta))
     kept(cam(design, theta))
 
 
-def any_forces(design: SingleCam, theta: float) -> None:
+def any_forces(design: Design, theta: float) -> None:
     there = Study(design).at_theta(np.array([theta]))
     if float(there.dynamics.guide.jam[0]) < 1.0 - 1e-6:
         kept(forces(design, theta))
@@ -79,12 +79,12 @@ def refusal(study: Study) -> NoAnswer | None:
     return None
 
 
-def any_stroke(design: SingleCam, theta: float, power: float) -> None:
+def any_stroke(design: Design, theta: float, power: float) -> None:
     """Any cam-driven slider with its motion stretched until arm and rod are all but in line: an answer within its bound,
     or a refusal that names the cam angles."""
     drive = design.drive
     segments = tuple(replace(s, rise=s.rise * 10.0**power) for s in drive.motion.segments)
-    longer = replace(design, drive=replace(drive, motion=replace(drive.motion, segments=segments)))
+    longer = with_drive(design, motion=replace(drive.motion, segments=segments))
     study = Study(longer, 90)
     told = refusal(study)
     if told is None:

@@ -21,7 +21,7 @@ from mechanisms import (
     with_shaft,
 )
 
-from core.design import Named, Segment, SingleCam
+from core.design import Design, Named, Segment
 from core.errors import NoSuchStage
 from core.motion import Angles
 from core.study import SAMPLES, Study, clear_caches, evaluations, quantities_of
@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 STAGES = ("motion", "linkage", "cam", "dynamics")
 
 
-def asked(design: SingleCam, *names: str) -> Counter[str]:
+def asked(design: Design, *names: str) -> Counter[str]:
     """What is really computed when these stages are asked for."""
     before = Counter(evaluations)
     study = Study(design, 72)
@@ -45,7 +45,7 @@ def asked(design: SingleCam, *names: str) -> Counter[str]:
 
 @pytest.mark.parametrize("design", [LIFT, PUSHER], ids=["lift", "pusher"])
 @pytest.mark.parametrize("count", [1, 2, 3, 4])
-def test_a_stage_computes_those_before_it_once_and_none_after_it(design: SingleCam, count: int) -> None:
+def test_a_stage_computes_those_before_it_once_and_none_after_it(design: Design, count: int) -> None:
     assert asked(design, STAGES[count - 1]) == dict.fromkeys(STAGES[:count], 1)
     assert asked(design, *STAGES[:count]) == {}, "all of it is kept"
 
@@ -63,7 +63,7 @@ def test_findings_and_figures_of_the_motion_solve_no_linkage() -> None:
     assert set(evaluations) == {"motion", "linkage", "cam"}
 
 
-EDITS: dict[str, tuple[Callable[[SingleCam], SingleCam], tuple[str, ...]]] = {
+EDITS: dict[str, tuple[Callable[[Design], Design], tuple[str, ...]]] = {
     "name": (lambda d: replace(d, name="another"), ()),
     "assumed": (lambda d: replace(d, assumed=("loads.friction",)), ()),
     "flywheel": (lambda d: with_shaft(d, flywheel_inertia_kg_m2=7.0), ()),

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from core.design import Design, Entry, LinkageDesign, SingleCam, edited, entries, faults, get
+from core.design import Design, Entry, edited, entries, faults, get
 from core.project import load
 from core.study import Study, evaluations
 
@@ -44,12 +44,12 @@ DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
 
 
 def kind(design: Design) -> str:
-    return LINKAGE if isinstance(design, LinkageDesign) else CAM
+    return LINKAGE if design.drive.is_linkage else CAM
 
 
 def stages(design: Design) -> tuple[str, ...]:
     """Those that this design has something to compute for."""
-    rigid = isinstance(design, SingleCam) and design.shaft.elastic is None
+    rigid = design.shaft is not None and design.shaft.elastic is None
     return tuple(stage for stage in Study(design).stages if not (rigid and stage == "stability"))
 
 

@@ -10,16 +10,14 @@ from assembled import cases
 from linkages import KINDS, four_bar, link, slider_crank
 from mechanisms import LIFT
 
-from core.design import Driver, Linkage, LinkageDesign, Slider
+from core.design import Design, Drive, Driver, Linkage, LinkageLoads, Slider
 from core.instant_centres import POLE, Difference, all_centres, ratio_arms, velocity_differences, velocity_polygon
 from core.instant_centres.velocities import link_by_link, to_driver
 from core.mechanism import course_of, unit_speed_train
 from core.study import Study
 from core.train import Train
 
-INVERTED = LinkageDesign(
-    "inverted",
-    Linkage(
+INVERTED = Design("inverted", None, (Drive(None, Linkage(
         (
             link(1, O2=(0, 0), O4=(0, -90)),
             link(2, O2=(0, 0), A=(40, 0)),
@@ -28,13 +26,12 @@ INVERTED = LinkageDesign(
         ),
         (Slider(link=3, on=4),),
         Driver(2),
-    ),
-)
+    ), None, LinkageLoads()),))
 
 
-def moving(design: LinkageDesign, *angles: float) -> Train:
+def moving(design: Design, *angles: float) -> Train:
     """At unit speed of the driver."""
-    return unit_speed_train(design.linkage, np.array(angles), course_of(design.linkage))
+    return unit_speed_train(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
 
 
 def triangles(train: Train) -> dict[tuple[str, str, str], Difference]:
@@ -48,7 +45,7 @@ def test_every_triangle_closes(kind: str) -> None:
         train = case.train
         rows = list(velocity_differences(train))
         sliding = [d for d in rows if d.kind == "sliding"]
-        assert len(sliding) == len(case.design.linkage.sliders)
+        assert len(sliding) == len(case.design.drive.mechanism.sliders)
         points = [len(body.points) - sum(p.isdecimal() for p in body.points) for n, body in train.bodies.items() if n != "frame"]
         assert len(rows) - len(sliding) == sum(n * (n - 1) // 2 for n in points)
         for d in rows:

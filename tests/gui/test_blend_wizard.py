@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import PATIENCE_MS, Open, User, settle
 
 from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
-from core.design import Motion, Named, Segment, SingleCam, edited, faults
+from core.design import Design, Motion, Named, Segment, edited, faults
 from core.errors import KindynaError
 from core.making import into_design
 from core.project import load
@@ -145,7 +145,7 @@ def ask(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
     """Opens the wizard over a design, without a window. ranges False: without them, where a test has no eyes for them."""
     opened: list[BlendDialog] = []
 
-    def open(design: SingleCam = STANDING, segment: int = 0, ranges: bool = False) -> Wizard:
+    def open(design: Design = STANDING, segment: int = 0, ranges: bool = False) -> Wizard:
         if not ranges:
             monkeypatch.setattr(blend_wizard, "feasible_ranges", lambda *_: [])
         session = Session(design)

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPainterPathStroker, QTransf
 from PySide6.QtWidgets import QWidget
 
 from core.channels import channels
-from core.design import SingleCam, edited
+from core.design import Design, edited
 from core.study import Study
 from kindyna_gui.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures import plot_lines
@@ -130,7 +130,7 @@ FEW = ("displacement", "jerk", "pressure_angle", "drive_torque")
     ids=["lift", "pusher", "large"],
 )
 def test_a_curve_of_few_points_looks_like_the_whole(
-    design: SingleCam, size: tuple[int, int], quantities: tuple[str, ...]
+    design: Design, size: tuple[int, int], quantities: tuple[str, ...]
 ) -> None:
     study = Study(design, SAMPLES)
     thin, full = LivePlot(), FullPlot()

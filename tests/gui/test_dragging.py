@@ -5,7 +5,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, pixel, settle
 
-from core.design import LAYOUTS, SingleCam, faults
+from core.design import LAYOUTS, faults
 from core.project import load
 from kindyna_gui import gallery
 from kindyna_gui.canvas import joints_now
@@ -54,20 +54,20 @@ def test_every_joint_of_every_layout_follows_the_mouse_in_one_step(user: User) -
 def test_the_fields_follow_a_joint_that_is_drawn(user: User) -> None:
     start = place(user, "arm_pin")
     user.drag(start, start - 30.0)
-    follower = user.design.drive.follower
+    follower = user.design.drive.mechanism
     for path in ("slider_arm_mm", "rod_mm", "fixed_angle_deg"):
         assert user.number(f"follower.{path}").value == getattr(follower, path)
-        assert getattr(follower, path) != getattr(load(example("transfer_lift")).drive.follower, path)
+        assert getattr(follower, path) != getattr(load(example("transfer_lift")).drive.mechanism, path)
 
 
 def test_the_roller_of_a_translating_follower_is_drawn_aside(open_user: Open) -> None:
     user = open_user(example("kim_1990"), plots=False)
-    assert isinstance(user.design, SingleCam)
+    assert user.design.drive.is_linkage
     view = user.drawing()
     start = place(user, "roller")
     user.drag(start, start + 6.0 + 4.0j)
     assert place(user, "roller") == pytest.approx(start + 6.0 + 4.0j, abs=1.5 / view.canvas.scale_now)
-    assert user.design.drive.follower.offset_mm == pytest.approx(-6.0, abs=0.5)
+    assert user.design.drive.mechanism.offset_mm == pytest.approx(-6.0, abs=0.5)
     assert user.design.drive.cam.base_radius_mm > load(example("kim_1990")).drive.cam.base_radius_mm
     assert user.steps == ["Move roller"]
 

@@ -61,7 +61,7 @@ def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -
     path = tmp_path / "pusher.toml"
     loose = PUSHER.drive.loads.__class__(follower_mass_kg=1.5)
     save(PUSHER.__class__("loose", PUSHER.shaft, PUSHER.drive.__class__(
-        PUSHER.drive.motion, PUSHER.drive.follower, PUSHER.drive.cam, loose
+        PUSHER.drive.motion, PUSHER.drive.mechanism, PUSHER.drive.cam, loose
     )), path)  # fmt: skip
     done = run(str(path), folder=tmp_path)
     assert done.returncode == 1

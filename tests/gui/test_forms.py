@@ -27,7 +27,7 @@ def user(open_user: Open) -> User:
 
 
 def follower(user: User) -> CamSlider:
-    made = user.design.drive.follower
+    made = user.design.drive.mechanism
     assert isinstance(made, CamSlider)
     return made
 

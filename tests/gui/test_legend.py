@@ -7,7 +7,7 @@ from PySide6.QtCore import QRectF
 from window_user import Alone, settle
 
 from core.channels import channel, channels
-from core.design import SingleCam
+from core.design import Design
 from core.project import load
 from core.study import Study
 from kindyna_gui.graph_choice import Choice
@@ -29,7 +29,7 @@ CURVATURE = ("pitch_curvature_per_mm", "profile_curvature_per_mm")
 FORCES = ("bearing_x_n", "bearing_y_n", "contact_force_n", "guide_force_n")
 
 
-def plot_of(design: SingleCam, slugs: tuple[str, ...]) -> CurvePlot:
+def plot_of(design: Design, slugs: tuple[str, ...]) -> CurvePlot:
     study = Study(design, samples=90)
     plot = CurvePlot()
     plot.set_curves(study, [channel(study.kind, slug) for slug in slugs])
@@ -44,7 +44,7 @@ def lay(plot: CurvePlot | XYPlot, width: int, height: int) -> tuple[QRectF, QRec
 
 
 @pytest.mark.parametrize(("design", "slugs"), [(LIFT, CURVATURE), (PUSHER, FORCES)])
-def test_names_never_push_the_plot_out_of_sight(design: SingleCam, slugs: tuple[str, ...]) -> None:
+def test_names_never_push_the_plot_out_of_sight(design: Design, slugs: tuple[str, ...]) -> None:
     """Made wider and narrower again: the curves end where the paper does, the names stand above them."""
     plot = plot_of(design, slugs)
     for width in (700, 260, 240, 420, 300):

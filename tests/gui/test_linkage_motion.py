@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtTest import QTest
 from window_user import Open, User, settle, wait_for
 
-from core.design import LinkageDesign, join_levels, motion_of, require_motion
+from core.design import join_levels, motion_of, require_motion
 from core.project import load
 from kindyna_gui import measured_dialog
 from kindyna_gui.blend_wizard import BlendDialog
@@ -219,15 +219,15 @@ def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
         "Link 2 turns at speed", "Link 2 follows a motion", "Link 4 turns at speed", "Link 4 follows a motion",
     ]  # fmt: skip
     user.choose("Compo", "Driver", "Link 4 follows a motion")
-    assert isinstance(user.design, LinkageDesign)
-    assert user.design.motion is not None
+    assert user.design.drive.is_linkage
+    assert user.design.drive.motion is not None
     assert user.window.player.theta == 0.0
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.steps == ["Let link 4 follow a motion"]
     user.choose("Compo", "Driver", "Link 2 turns at speed")
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.window.player.theta == pytest.approx(1.0, abs=1e-6)
-    assert user.design.linkage == crank.linkage
+    assert user.design.drive.mechanism == crank.linkage
     user.session.stack.undo()
     user.session.stack.undo()
     assert user.design == crank
@@ -269,7 +269,7 @@ def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, rolle
         at = scene.item("roller").pos()
         assert complex(at.x(), at.y()) == pytest.approx(stands(user)[point], abs=0.5)
     user.choose("Compo", "Cam roller", "No cam")
-    assert user.design.cam is None
+    assert user.design.drive.cam is None
     assert user.faults == []
 
 

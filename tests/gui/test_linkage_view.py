@@ -9,7 +9,7 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
-from core.design import LinkageDesign, faults
+from core.design import Design, faults
 from core.export import files
 from core.mechanism import with_point_at
 from core.project import load
@@ -19,7 +19,7 @@ from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.places import example, examples
 from kindyna_gui.player import TURN
 
-LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), LinkageDesign)]
+LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), Design)]
 
 
 def there(user: User) -> LinkageStudy:
@@ -112,7 +112,7 @@ def test_dimensions_are_edited_and_undone(open_user: Open) -> None:
     path = "linkage.links[3].points.B.x_mm"
     before = user.design
     user.enter(path, "75")
-    assert user.design.linkage.by_number[4].places["B"] == 75.0
+    assert user.design.drive.mechanism.by_number[4].places["B"] == 75.0
     assert user.steps[-1] == "Change B x to 75 mm"
     assert abs(place(user, "B") - 100.0) == pytest.approx(75.0, abs=1e-9)
     user.choose("Edit", user.action("Edit").menu().actions()[0].text().replace("&", ""))  # type: ignore[union-attr]
@@ -138,7 +138,7 @@ def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
     editor.setCurrentIndex(editor.findData(-1))  # type: ignore[union-attr]
     editor.activated.emit(editor.currentIndex())  # type: ignore[union-attr]
     settle()
-    assert user.design.linkage.sides["B"] == -1
+    assert user.design.drive.mechanism.sides["B"] == -1
     assert above > 0.0 > place(user, "B").imag
 
 
@@ -228,9 +228,9 @@ def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
     user.turn(90.0)
     user.drag(place(user, "A"), place(user, "A") + 6.0 + 10.0j)
     assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
-    assert user.design.linkage.by_number[2].places["A"].imag == 0.0
-    assert user.design.linkage.by_number[3].places["A"] == 0.0
-    assert user.design.linkage.by_number[3].places["B"].imag == 0.0
+    assert user.design.drive.mechanism.by_number[2].places["A"].imag == 0.0
+    assert user.design.drive.mechanism.by_number[3].places["A"] == 0.0
+    assert user.design.drive.mechanism.by_number[3].places["B"].imag == 0.0
 
 
 def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> None:
@@ -243,9 +243,9 @@ def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> Non
     user.drag(100.0 + 0j, 400.0 + 0j)
     assert refused
     assert not view.in_trouble
-    pivot = user.design.linkage.by_number[1].places["O4"]
+    pivot = user.design.drive.mechanism.by_number[1].places["O4"]
     assert pivot.real < 30.0 + 90.0 + 70.0
-    assert user.design.linkage.by_number[4] == load(example("four_bar")).linkage.by_number[4]
+    assert user.design.drive.mechanism.by_number[4] == load(example("four_bar")).linkage.by_number[4]
 
 
 def test_only_what_meets_at_the_joint_changes() -> None:
@@ -259,7 +259,7 @@ def test_only_what_meets_at_the_joint_changes() -> None:
     assert complex(after["link5"].point("D")[0, 0]) == pytest.approx(wanted, abs=1e-13)
     for body in ("link2", "link3", "link4"):
         assert after[body].z[0, 0] == bodies[body].z[0, 0]
-    changed = [a.number for a, b in zip(design.linkage.links, moved.linkage.links, strict=True) if a != b]
+    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.linkage.links, strict=True) if a != b]
     assert changed == [5, 6]
 
 
@@ -280,7 +280,7 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
         settle()
         user.window.show_view("mechanism")
         user.turn(50.0)
-        path = "linkage.driver.speed_rpm" if isinstance(user.design, LinkageDesign) else "shaft.speed_rpm"
+        path = "linkage.driver.speed_rpm" if user.design.drive.is_linkage else "shaft.speed_rpm"
         assert user.session.edit(path, 31.0, "Change speed"), (before, name)
         settle()
         user.session.stack.undo()

@@ -14,7 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, Open, User, plain, settle, wait_for
 
-from core.design import SingleCam
+from core.design import Design
 from core.study import evaluations
 from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.pictures.mechanism import LAYERS
@@ -29,7 +29,7 @@ Show = Callable[..., MechanismView]
 def show(alone: Alone) -> Show:
     """Shows the drawing of a design in a window of its own."""
 
-    def make(design: SingleCam = LIFT) -> MechanismView:
+    def make(design: Design = LIFT) -> MechanismView:
         return alone(MechanismView(Session(design), Player()), 640, 520)
 
     return make
@@ -75,7 +75,7 @@ def look(view: MechanismView) -> tuple[float, float, float]:
 
 
 @pytest.mark.parametrize("design", [LIFT, PUSHER], ids=lambda d: d.name)
-def test_the_drawing_follows_the_cam(design: SingleCam, show: Show) -> None:
+def test_the_drawing_follows_the_cam(design: Design, show: Show) -> None:
     view = show(design)
     study = view.session.study
     for index in (0, 271, 900, 1799):

@@ -126,7 +126,7 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
     assert user.entries("File", "New") == [*(row.label for row in FOLLOWER_KINDS.values()), "Chosen by its picture..."]
     for slug, row in FOLLOWER_KINDS.items():
         user.choose("File", "New", row.label)
-        assert kind_of(user.design.drive.follower) == slug
+        assert kind_of(user.design.drive.mechanism) == slug
         assert user.design.name.lower() == f"new {row.label.lower()}"
         assert user.design.drive.motion == Motion(0.0, (Segment(360.0, 0.0),)), "its motion is still to be laid out"
         assert not any(path.startswith("motion") for path in user.design.assumed)

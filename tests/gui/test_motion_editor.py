@@ -1,7 +1,6 @@
 """kindyna_gui.segments_view with motion_editor, motion_bar: the motion is drawn, cut, doubled and mirrored by hand."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import degrees
 
 import numpy as np
@@ -12,7 +11,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu
 from window_user import Open, User, plain, settle, wait_for
 
-from core.design import Design, Motion, Named, Segment, edited
+from core.design import Design, Motion, Named, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
 from core.study.stages import evaluations
@@ -616,7 +615,7 @@ def test_a_rise_and_its_return_are_laid_out_by_the_mouse_alone(user: User) -> No
 def edited_to_stand(user: User) -> Design:
     """The design with a single dwell."""
     still = Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
-    return replace(user.design, drive=replace(user.design.drive, motion=still))
+    return with_drive(user.design, motion=still)
 
 
 # -- hidden -----------------------------------------------------------------------------------------------

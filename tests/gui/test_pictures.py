@@ -13,7 +13,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
 
-from core.design import Motion, SingleCam, Translating
+from core.design import Design, Motion, Translating
 from core.errors import NoAnswer
 from core.instant_centres import Centres
 from core.motion import Angles, MotionState
@@ -31,15 +31,15 @@ SAMPLES = 360
 INDICES = (0, 1, 50, 58, 121, 180, 299, 304, 359)
 
 
-def mirrored(design: SingleCam) -> SingleCam:
+def mirrored(design: Design) -> Design:
     """The lift seen from behind: layout c, everything the other way round."""
-    motion, follower = design.drive.motion, design.drive.follower
+    motion, follower = design.drive.motion, design.drive.mechanism
     segments = tuple(replace(s, rise=-s.rise) for s in motion.segments)
     turned = replace(follower, layout="c", pivot_x_mm=-follower.pivot_x_mm, fixed_angle_deg=-follower.fixed_angle_deg)
-    return with_shaft(with_drive(design, motion=Motion(-motion.start, segments), follower=turned), rotation="cw")
+    return with_shaft(with_drive(design, motion=Motion(-motion.start, segments), mechanism=turned), rotation="cw")
 
 
-def sized(design: SingleCam, factor: float) -> SingleCam:
+def sized(design: Design, factor: float) -> Design:
     """Every length times the factor."""
 
     def part(old: object) -> object:
@@ -48,7 +48,7 @@ def sized(design: SingleCam, factor: float) -> SingleCam:
     drive = design.drive
     segments = tuple(replace(s, rise=s.rise * factor) for s in drive.motion.segments)
     motion = Motion(drive.motion.start * factor, segments)
-    return with_drive(design, motion=motion, follower=part(drive.follower), cam=part(drive.cam))
+    return with_drive(design, motion=motion, mechanism=part(drive.mechanism), cam=part(drive.cam))
 
 
 DESIGNS = {
@@ -64,7 +64,7 @@ DESIGNS = {
 designs = pytest.mark.parametrize("design", DESIGNS.values(), ids=DESIGNS)
 
 
-def scene_of(design: SingleCam, samples: int = SAMPLES) -> MechanismScene:
+def scene_of(design: Design, samples: int = SAMPLES) -> MechanismScene:
     return MechanismScene(Study(design, samples))
 
 
@@ -76,7 +76,7 @@ def place(point: QPointF) -> complex:
 
 
 @designs
-def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: SingleCam) -> None:
+def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: Design) -> None:
     scene, train = scene_of(design), Study(design, SAMPLES).linkage
     size = abs(scene.fit_rect().width())
     found = 0
@@ -101,7 +101,7 @@ def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: Singl
 
 
 @designs
-def test_the_turned_cam_touches_the_roller_at_every_cam_angle(design: SingleCam) -> None:
+def test_the_turned_cam_touches_the_roller_at_every_cam_angle(design: Design) -> None:
     scene, study = scene_of(design), Study(design, SAMPLES)
     profile, radius = study.cam.flank.profile * 1e3, design.drive.cam.roller_radius_mm
     cam, roller, dot = (scene.item(key) for key in ("cam", "roller", "contact"))
@@ -113,7 +113,7 @@ def test_the_turned_cam_touches_the_roller_at_every_cam_angle(design: SingleCam)
 
 
 @designs
-def test_the_normal_runs_from_the_contact_through_the_roller_centre_to_the_instant_centre(design: SingleCam) -> None:
+def test_the_normal_runs_from_the_contact_through_the_roller_centre_to_the_instant_centre(design: Design) -> None:
     scene, study = scene_of(design), Study(design, SAMPLES)
     line = scene.item("normal")
     assert isinstance(line, QGraphicsLineItem)
@@ -364,7 +364,7 @@ def test_infinite_forces_have_no_arrow() -> None:
 
 
 @designs
-def test_the_frame_holds_the_whole_turn_and_never_moves(design: SingleCam) -> None:
+def test_the_frame_holds_the_whole_turn_and_never_moves(design: Design) -> None:
     scene, study = scene_of(design), Study(design, SAMPLES)
     rect = scene.fit_rect()
     for i in INDICES:
@@ -380,7 +380,7 @@ def test_the_frame_holds_the_whole_turn_and_never_moves(design: SingleCam) -> No
 
 
 @designs
-def test_symbols_keep_their_size_whatever_the_size_of_the_mechanism(design: SingleCam) -> None:
+def test_symbols_keep_their_size_whatever_the_size_of_the_mechanism(design: Design) -> None:
     scene = scene_of(design)
     assert scene.reading is not None
     rect = scene.fit_rect()
@@ -423,7 +423,7 @@ def distance(box: QRectF, z: complex) -> float:
 @designs
 @pytest.mark.parametrize("size", [(1200, 900), (640, 480), (360, 300)])
 def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
-    design: SingleCam, size: tuple[int, int]
+    design: Design, size: tuple[int, int]
 ) -> None:
     scene = scene_of(design)
     reading = scene.reading
@@ -561,7 +561,7 @@ def test_a_slide_on_a_moving_body_moves_with_it() -> None:
 
 @pytest.mark.parametrize("size", [(614, 648), (502, 468), (420, 360)])
 @pytest.mark.parametrize("design", [LIFT, PUSHER], ids=lambda d: d.name)
-def test_no_label_stands_on_hatching(design: SingleCam, size: tuple[int, int]) -> None:
+def test_no_label_stands_on_hatching(design: Design, size: tuple[int, int]) -> None:
     scene = scene_of(design)
     visible, scale = scene.fit(*size)
     scene.look_at(visible, scale)

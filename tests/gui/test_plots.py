@@ -14,7 +14,7 @@ from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
 
 from core.channels import channel, channels
-from core.design import Motion, Named, Segment, SingleCam
+from core.design import Design, Motion, Named, Segment
 from core.study import Study
 from kindyna_gui.pictures.files import paint, png, svg
 from kindyna_gui.pictures.items import Tag
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.usefixtures("app")
 SAMPLES = 720
 
 
-def plot_of(design: SingleCam, *slugs: str, size: tuple[int, int] = (700, 240), samples: int = SAMPLES) -> CurvePlot:
+def plot_of(design: Design, *slugs: str, size: tuple[int, int] = (700, 240), samples: int = SAMPLES) -> CurvePlot:
     study = Study(design, samples)
     plot = CurvePlot()
     plot.resize(*size)
@@ -268,7 +268,7 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
         (LIFT, "jam_factor", []),  # far below its limit
     ],
 )
-def test_limits_stand_as_red_lines_with_their_value(design: SingleCam, slug: str, texts: list[str]) -> None:
+def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, texts: list[str]) -> None:
     plot = plot_of(design, slug)
     assert limits(plot) == texts
     low, high = plot.getViewBox().viewRange()[1]

@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QWidget
 from window_user import Alone, User, settle
 
 from core.channels import channel
-from core.design import SingleCam
+from core.design import Design
 from core.export import table
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
@@ -33,7 +33,7 @@ JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
 def show(alone: Alone) -> Show:
     """Shows a plot in a window of its own."""
 
-    def make(*quantities: str, design: SingleCam = LIFT) -> PlotView:
+    def make(*quantities: str, design: Design = LIFT) -> PlotView:
         return alone(PlotView(Session(design), Player(), quantities), 520, 280)
 
     return make

@@ -31,7 +31,7 @@ class Recorder(View):
 
     def refresh(self, study: Study) -> None:
         _ = study.linkage
-        self.rods.append(study.design.drive.follower.rod_mm)  # type: ignore[union-attr]
+        self.rods.append(study.design.drive.mechanism.rod_mm)  # type: ignore[union-attr]
 
     def follow(self, theta: float) -> None:
         self.angles.append(theta)

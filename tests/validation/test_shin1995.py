@@ -14,7 +14,7 @@ from mechanisms import LIFT, with_drive
 from references import EPS, MP, apart, cam_shape, off, solved, two_circles
 from rods import arm_and_rod
 
-from core.design import SingleCam, entries, put
+from core.design import Design, entries, put
 from core.project import load
 from core.study import Study
 
@@ -92,7 +92,7 @@ def test_every_column_at_six_cam_angles_to_twelve_digits_of_the_channels_largest
     assert error <= 1e-12 * largest
 
 
-def in_decimals(design: SingleCam) -> SingleCam:
+def in_decimals(design: Design) -> Design:
     """Every number as it was typed, 1302.162 and not the float next to it: the table was computed so."""
     for section in ("motion", "follower", "cam"):
         for entry in entries(design, section):
@@ -234,7 +234,7 @@ def test_the_example_file_is_this_lift() -> None:
     example = load(EXAMPLE)
     drive = example.drive
     assert drive.motion == LIFT.drive.motion
-    assert drive.follower == LIFT.drive.follower
+    assert drive.mechanism == LIFT.drive.mechanism
     assert drive.cam == LIFT.drive.cam
     assert drive.loads == LIFT.drive.loads
     assert replace(example.shaft, speed_rpm=20.0) == LIFT.shaft

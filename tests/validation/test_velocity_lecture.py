@@ -135,7 +135,7 @@ def crossing(a: complex, b: complex, c: complex, d: complex) -> complex:
 @pytest.mark.parametrize("degrees", [7.0, 45.0, 130.0, 222.0, 301.0])
 def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
-    train = unit_speed_train(design.linkage, np.array([math.radians(degrees)]), course_of(design.linkage))
+    train = unit_speed_train(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
     table = all_centres(train, 0.1)
     o2, o4 = 0j, 0.1 + 0j
     a, b = (complex(train.bodies["link3"].point(name)[0, 0]) for name in "AB")
@@ -150,7 +150,7 @@ def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
 def test_slider_crank_centres_are_where_its_lines_cross(degrees: float, offset: float) -> None:
     """I13 above the slider's pin, I24 above the crank's pivot, on lines across the guide."""
     design = slider_crank(40.0, 140.0, offset)
-    train = unit_speed_train(design.linkage, np.array([math.radians(degrees)]), course_of(design.linkage))
+    train = unit_speed_train(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
     table = all_centres(train, 0.14)
     a, b = (complex(train.bodies["link3"].point(name)[0, 0]) for name in "AB")
     for (i, j), exact in {(1, 3): crossing(0j, a, b, b + 1j), (2, 4): crossing(0j, 1j, a, b)}.items():

@@ -1,0 +1,140 @@
+"""The whole design: a shaft, and the drives that it turns. A file of today holds one drive."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from core.design.linkage import CRANK, Linkage, LinkageCam, LinkageLoads
+from core.design.parts import FOLLOWER_KINDS, Cam, Follower, Loads, Motion, Shaft, kind_of
+from core.errors import DesignError, Fault
+
+D = TypeVar("D")
+SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads")
+"""The tables of a file in their order; no design has all of them."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What one motion moves: a follower or a linkage, the cam under it, the loads on it.
+
+    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion.
+    """
+
+    motion: Motion | None
+    mechanism: Follower | Linkage
+    cam: Cam | LinkageCam | None
+    loads: Loads | LinkageLoads
+
+    @property
+    def table(self) -> str:
+        """The table of the file that holds the mechanism."""
+        return "linkage" if self.is_linkage else "follower"
+
+    @property
+    def is_linkage(self) -> bool:
+        """Whether its links are laid out one by one, rather than built by a follower."""
+        return isinstance(self.mechanism, Linkage)
+
+    @property
+    def kind(self) -> str:
+        """Slug of the mechanism's kind: a follower's, or ``linkage``."""
+        return "linkage" if isinstance(self.mechanism, Linkage) else kind_of(self.mechanism)
+
+    @property
+    def motion_unit(self) -> str:
+        """mm or deg: what the motion counts in."""
+        if self.motion is not None:
+            return self.motion.unit
+        return "deg" if isinstance(self.mechanism, Linkage) else FOLLOWER_KINDS[self.kind].motion_unit
+
+
+@dataclass(frozen=True)
+class Design:
+    """A shaft with its drives. ``shaft`` is None where a linkage's own driver says how fast it turns; ``assumed`` lists the
+    field paths whose values are guesses."""
+
+    name: str
+    shaft: Shaft | None
+    drives: tuple[Drive, ...]
+    assumed: tuple[str, ...] = ()
+
+    @property
+    def drive(self) -> Drive:
+        """The drive, of a design that has one."""
+        (drive,) = self.drives
+        return drive
+
+    @property
+    def tables(self) -> Mapping[str, Any]:
+        """The tables of its file that it has, in their order."""
+        drive = self.drive
+        parts = {"motion": drive.motion, drive.table: drive.mechanism, "cam": drive.cam, "shaft": self.shaft, "loads": drive.loads}
+        return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
+
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """The tables that its file may have, in their order."""
+        return tuple(name for name in SECTIONS if name == self.drive.table or name not in ("follower", "linkage"))
+
+    @property
+    def speed_rpm(self) -> float:
+        """How fast the shaft or the driver turns, either way round."""
+        return abs(self.shaft.speed_rpm if self.shaft is not None else self._driver.speed_rpm)
+
+    @property
+    def speed_path(self) -> str:
+        """The path of the entry that says how fast."""
+        return "shaft.speed_rpm" if self.shaft is not None else "linkage.driver.speed_rpm"
+
+    @property
+    def sense(self) -> float:
+        """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
+        if self.shaft is not None:
+            return self.shaft.sense
+        return 1.0 if self._driver.speed_rpm > 0.0 else -1.0
+
+    @property
+    def by_crank(self) -> bool:
+        """Whether a crank turns at constant speed, and no motion moves the mechanism."""
+        mechanism = self.drive.mechanism
+        return isinstance(mechanism, Linkage) and mechanism.driver.kind == CRANK
+
+    @property
+    def _driver(self) -> Any:
+        mechanism = self.drive.mechanism
+        assert isinstance(mechanism, Linkage), "a follower's design has a shaft"
+        return mechanism.driver
+
+
+def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:
+    """The design with parts of its drive replaced, and what is assumed."""
+    marks = design.assumed if assumed is None else assumed
+    return replace(design, drives=(replace(design.drive, **parts),), assumed=marks)
+
+
+def with_table(design: Design, name: str, part: Any) -> Design:
+    """The design with one table of its file replaced, or taken away where the part is None."""
+    if name == "shaft":
+        return replace(design, shaft=part)
+    return with_drive(design, **{"mechanism" if name == design.drive.table else name: part})
+
+
+def require_linkage(design: Design) -> Design:
+    """The design, where it is a linkage. Raises DesignError."""
+    if design.drive.is_linkage:
+        return design
+    raise _another_kind(design, "linkage")
+
+
+def require_follower(design: Design) -> Design:
+    """The design, where a cam moves a follower. Raises DesignError."""
+    if not design.drive.is_linkage:
+        return design
+    raise _another_kind(design, "follower")
+
+
+def _another_kind(design: Design, wanted: str) -> DesignError:
+    table = design.drive.table
+    return DesignError([Fault(table, f"[{table}]", "this kind of design does not take it", f"a design with [{wanted}]")])
