@@ -42,7 +42,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
     require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
     assert isinstance(there, LinkageStudy)
-    table, driver = there.centres, body_name(there.design.drive.mechanism.driver.link)
+    table, driver = there.centres, body_name(there.design.drive.linkage.driver.link)
     return {
         "angular_velocity_rad_s": {str(n): _plain(w[0]) for n, w in there.angular_velocities().items()},
         "centres": {

@@ -121,7 +121,7 @@ def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
 
 
 def _links(study: LinkageStudy) -> Iterator[LinkRow]:
-    driver = body_name(study.design.drive.mechanism.driver.link)
+    driver = body_name(study.design.drive.linkage.driver.link)
     for number, omega in study.angular_velocities().items():
         body = body_name(number)
         if body == FRAME:

@@ -75,7 +75,7 @@ def _inputs(study: Study) -> list[str]:
 
 def linkage_inputs(study: LinkageStudy) -> list[str]:
     """Links with their points, sliding pairs, driver and branches, and what follows from how they hang together."""
-    linkage, assumed = study.design.drive.mechanism, study.design.assumed
+    linkage, assumed = study.design.drive.linkage, study.design.assumed
     rows: list[Sequence[str]] = [("Link", "point", "x mm", "y mm", "")]
     for i, link in enumerate(linkage.links):
         for place in link.points:

@@ -99,7 +99,7 @@ def flywheel(study: Study) -> dict[str, float | None]:
 
 def mechanism(study: LinkageStudy) -> dict[str, Any]:
     """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
-    course, linkage = study.course, study.design.drive.mechanism
+    course, linkage = study.course, study.design.drive.linkage
     unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
     suffix = "deg" if course.plan.driver.revolute else "mm"
     bar = four_bar(course.plan)

@@ -190,7 +190,8 @@ class Builder:
             Link(n, tuple(Place(name, at.real, at.imag) for name, at in self.points[n].items()))
             for n in sorted(self.poses)
         )
-        return Design("random", None, (Drive(None, Linkage(links, tuple(self.sliders), Driver(2), tuple(self.sides)), None, LinkageLoads()),))
+        linkage = Linkage(links, tuple(self.sliders), Driver(2), tuple(self.sides))
+        return Design("random", None, (Drive(None, linkage, None, LinkageLoads()),))
 
 
 KINDS = ("rrr", "rrp", "rpr", "prp", "rpp")

@@ -33,6 +33,18 @@ class Drive:
         return "linkage" if self.is_linkage else "follower"
 
     @property
+    def linkage(self) -> Linkage:
+        """The mechanism, where it is a linkage."""
+        assert isinstance(self.mechanism, Linkage), "asked of a follower"
+        return self.mechanism
+
+    @property
+    def follower(self) -> Follower:
+        """The mechanism, where it is a follower."""
+        assert not isinstance(self.mechanism, Linkage), "asked of a linkage"
+        return self.mechanism
+
+    @property
     def is_linkage(self) -> bool:
         """Whether its links are laid out one by one, rather than built by a follower."""
         return isinstance(self.mechanism, Linkage)

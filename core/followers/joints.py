@@ -24,7 +24,7 @@ def _of_cam(design: Design) -> Mapping[str, Joint]:
 
 
 def _of_linkage(design: Design) -> Mapping[str, Joint]:
-    first = {name: link.number for link in reversed(design.drive.mechanism.links) for name in link.places}
+    first = {name: link.number for link in reversed(design.drive.linkage.links) for name in link.places}
     return {
         name: Joint(f"joint {name}", _path_of(design, link, name))
         for name, link in first.items()
@@ -33,7 +33,7 @@ def _of_linkage(design: Design) -> Mapping[str, Joint]:
 
 
 def _path_of(design: Design, link: int, name: str) -> str:
-    i = next(i for i, each in enumerate(design.drive.mechanism.links) if each.number == link)
+    i = next(i for i, each in enumerate(design.drive.linkage.links) if each.number == link)
     return f"linkage.links[{i}].points.{name}"
 
 

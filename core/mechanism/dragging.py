@@ -15,9 +15,9 @@ _MM = 1e-3
 
 def movable(design: Design, name: str) -> bool:
     """Whether a point can be put elsewhere: all but those of a driver that slides, whose place the motion gives."""
-    sliding = {s.link for s in design.drive.mechanism.sliders}
-    driver = design.drive.mechanism.driver.link
-    return not (driver in sliding and name in design.drive.mechanism.by_number[driver].places)
+    sliding = {s.link for s in design.drive.linkage.sliders}
+    driver = design.drive.linkage.driver.link
+    return not (driver in sliding and name in design.drive.linkage.by_number[driver].places)
 
 
 def with_point_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
@@ -28,7 +28,7 @@ def with_point_at(design: Design, train: Train, name: str, to: complex, decimals
     link that slides to the guide. A link whose frame begins at its first point, with the second on its x axis, keeps it so.
     Coordinates are rounded to so many decimals [mm]. Raises KeyError for a point there is none of.
     """
-    linkage = design.drive.mechanism
+    linkage = design.drive.linkage
     having = [link for link in linkage.links if name in link.places]
     if not having:
         raise KeyError(name)
@@ -85,7 +85,7 @@ def _moved(design: Design, link: Link, train: Train, name: str, to: complex, dec
 
 def _is_tidy(design: Design, link: Link) -> bool:
     """Whether a link's frame begins at its first point and leads to the second, and nothing else stands in it."""
-    linkage = design.drive.mechanism
+    linkage = design.drive.linkage
     fixed = {FRAME_LINK, linkage.driver.link} | {s.on for s in linkage.sliders} | {m.link for m in design.drive.loads.masses}
     first, *rest = link.places.values()
     return link.number not in fixed and first == 0 and bool(rest) and rest[0].imag == 0.0 and rest[0].real > 0.0
@@ -93,8 +93,8 @@ def _is_tidy(design: Design, link: Link) -> bool:
 
 def other_side(design: Design, joint: str) -> Design:
     """The design assembled the other way at a joint; one that was not stated stood at +1."""
-    side = -design.drive.mechanism.sides.get(joint, 1)
-    kept = tuple(s if s.joint != joint else replace(s, side=side) for s in design.drive.mechanism.branch)
-    if joint not in design.drive.mechanism.sides:
+    side = -design.drive.linkage.sides.get(joint, 1)
+    kept = tuple(s if s.joint != joint else replace(s, side=side) for s in design.drive.linkage.branch)
+    if joint not in design.drive.linkage.sides:
         kept = (*kept, Side(joint, side))
-    return with_drive(design, mechanism=replace(design.drive.mechanism, branch=kept))
+    return with_drive(design, mechanism=replace(design.drive.linkage, branch=kept))

@@ -47,11 +47,11 @@ _MOST = 256  # ways of assembly that are tried
 def drivers(design: Design) -> Iterator[Driver]:
     """Every way to drive the linkage: a link pinned to the frame at speed or by a motion, one that slides there by a
     motion; those whose linkage could be solved."""
-    speed = design.drive.mechanism.driver.speed_rpm
-    for link in sorted(n for n in design.drive.mechanism.by_number if n != FRAME_LINK):
+    speed = design.drive.linkage.driver.speed_rpm
+    for link in sorted(n for n in design.drive.linkage.by_number if n != FRAME_LINK):
         for kind in (CRANK, MOTION):
             driver = Driver(link, kind, speed)
-            changed = replace(design.drive.mechanism, driver=driver, branch=())
+            changed = replace(design.drive.linkage, driver=driver, branch=())
             motion = None if kind == CRANK else Motion(0.0, (Segment(360.0, 0.0),), _unit(changed))
             cam = design.drive.cam if kind == MOTION else None
             if not faults(with_drive(design, mechanism=changed, motion=motion, cam=cam)):
@@ -65,10 +65,10 @@ def with_driver(design: Design, driver: Driver, train: Train) -> Design:
     as the linkage lets it, all of it assumed. A crank at speed has neither motion nor cam. Raises NoPosition where the
     linkage cannot be led so from here.
     """
-    old = design.drive.mechanism.driver
+    old = design.drive.linkage.driver
     if (driver.link, driver.kind) == (old.link, old.kind):
-        return with_drive(design, mechanism=replace(design.drive.mechanism, driver=driver))
-    linkage = replace(design.drive.mechanism, driver=driver, branch=())
+        return with_drive(design, mechanism=replace(design.drive.linkage, driver=driver))
+    linkage = replace(design.drive.linkage, driver=driver, branch=())
     place = driver_place(linkage, train)
     if driver.kind == CRANK:
         linkage, _ = _assembled(linkage, train, place % TURN, 0.0, TURN)
@@ -96,7 +96,7 @@ def with_roller(design: Design, link: int, point: str) -> Design:
         return with_drive(design, cam=replace(design.drive.cam, link=link, point=point))
     if design.drive.motion is None:
         raise NoPosition("a cam needs a motion to be made for", "linkage.driver.kind", "let a link follow a motion first")
-    radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.drive.mechanism).size)
+    radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.drive.linkage).size)
     mark = "cam.roller_radius_mm"
     assumed = (*(path for path in design.assumed if path != mark), mark)
     return with_drive(design, cam=LinkageCam(link=link, point=point, roller_radius_mm=radius), assumed=assumed)
@@ -110,9 +110,9 @@ def without_roller(design: Design) -> Design:
 
 def roller_places(design: Design) -> tuple[tuple[int, str], ...]:
     """Link and point of every place that a roller can have: each point that moves, once, on the first link that has it."""
-    fixed = set(design.drive.mechanism.by_number[FRAME_LINK].places)
+    fixed = set(design.drive.linkage.by_number[FRAME_LINK].places)
     found: dict[str, int] = {}
-    for link in design.drive.mechanism.links:
+    for link in design.drive.linkage.links:
         for name in link.places:
             if name not in fixed:
                 found.setdefault(name, link.number)

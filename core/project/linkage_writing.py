@@ -15,7 +15,7 @@ from core.design.paths import PAIRS
 
 def linkage_tables(design: Design) -> dict[str, Any]:
     """The tables [linkage], [cam] and [loads], each only where there is something to say."""
-    linkage = design.drive.mechanism
+    linkage = design.drive.linkage
     table: dict[str, Any] = {"driver": _flat(linkage.driver)}
     if linkage.branch:
         table["branch"] = {s.joint: s.side for s in linkage.branch}

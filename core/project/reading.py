@@ -14,6 +14,7 @@ from core.design import (
     Design,
     Drive,
     Elastic,
+    End,
     FollowerKind,
     Motion,
     Named,
@@ -109,7 +110,9 @@ def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: st
 
 def _curve_keys() -> list[str]:
     """What the kinds of curves add to a segment's table."""
-    return [f.name for curve in (Named, *CURVES.values()) for f in dataclasses.fields(curve) if f.name != "law"]
+    keys = [f.name for curve in (Named, *CURVES.values()) for f in dataclasses.fields(curve) if f.name != "law"]
+    ends = [f"{end}.{f.name}" for end in ("start", "end") for f in dataclasses.fields(End)]
+    return [*keys, *ends]
 
 
 def _is_elastic(table: Mapping[str, Any]) -> bool:

@@ -84,13 +84,13 @@ class LinkageStudy(Study, of=True):
     @property
     def by_crank(self) -> bool:
         """The driver turns at speed, and no motion tells it how."""
-        return self.design.drive.mechanism.driver.kind == CRANK
+        return self.design.drive.linkage.driver.kind == CRANK
 
     @cached_property
     def _places(self) -> Linkage:
         """The linkage at a speed of 1: no place and no derivative by the angle depends on it, so that another speed solves
         nothing anew."""
-        linkage = self.design.drive.mechanism
+        linkage = self.design.drive.linkage
         return replace(linkage, driver=replace(linkage.driver, speed_rpm=1.0))
 
     @cached_property
@@ -198,13 +198,13 @@ class LinkageStudy(Study, of=True):
     @property
     def omega(self) -> float:
         """[rad/s] of the crank, negative clockwise; of a motion's shaft, which is counted as it turns, positive."""
-        speed: float = si(self.design.drive.mechanism.driver).speed
+        speed: float = si(self.design.drive.linkage.driver).speed
         return speed if self.by_crank else abs(speed)
 
     @property
     def sense(self) -> float:
         """+1 where crank or cam turns counter-clockwise, -1 clockwise."""
-        return float(np.sign(self.design.drive.mechanism.driver.speed_rpm))
+        return float(np.sign(self.design.drive.linkage.driver.speed_rpm))
 
     def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
         rows = {name: quantity(name) for name in names_of(self.design)}
@@ -219,7 +219,7 @@ class LinkageStudy(Study, of=True):
     def _figures_depend_on(self, stage: str) -> Any:
         design = self.design
         loads = design.drive.loads if stage == "dynamics" else None
-        return design.drive.mechanism, design.drive.motion, design.drive.cam if stage != "motion" else None, loads
+        return design.drive.linkage, design.drive.motion, design.drive.cam if stage != "motion" else None, loads
 
     # -- figures ----------------------------------------------------------------------------------------
 
@@ -315,13 +315,13 @@ class LinkageStudy(Study, of=True):
     def angular_velocities(self) -> dict[int, np.ndarray]:
         """Link -> (n,) [rad/s], the frame included."""
         bodies = self.linkage.bodies
-        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.drive.mechanism.by_number)}
+        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.drive.linkage.by_number)}
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""
         train, found = self.linkage, {}
-        for n in sorted(self.design.drive.mechanism.by_number):
-            for name in self.design.drive.mechanism.by_number[n].places:
+        for n in sorted(self.design.drive.linkage.by_number):
+            for name in self.design.drive.linkage.by_number[n].places:
                 if name not in found:
                     z = train.bodies[body_of(train, name)].point(name)
                     found[name] = (z[0], z[1] * self.omega)

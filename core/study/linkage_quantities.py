@@ -102,7 +102,7 @@ def quantity(name: str) -> Quantity:
 @lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
     """Every quantity of a design, in the order of the tables."""
-    linkage = design.drive.mechanism
+    linkage = design.drive.linkage
     crank = linkage.driver.kind == CRANK
     moving = [n for n in sorted(linkage.by_number) if n != FRAME_LINK and not (crank and n == linkage.driver.link)]
     names = [] if crank else list(_MOTION)
@@ -121,12 +121,12 @@ def names_of(design: Design) -> tuple[str, ...]:
 def _forces(design: Design) -> list[str]:
     from core.mechanism import mechanism_of  # not before there is a linkage
 
-    pair = driver_pair(design.drive.mechanism)
+    pair = driver_pair(design.drive.linkage)
     if design.drive.cam is not None:
         names = ["roller_force", "camshaft_torque"]
     else:
         names = ["driver_torque" if pair is not None and is_pin(pair) else "driver_force"]
-    for joint, name in mechanism_of(design.drive.mechanism).pair_names().items():
+    for joint, name in mechanism_of(design.drive.linkage).pair_names().items():
         names += [f"force.{name}_{what}" for what in ("x", "y", "size")]
         names += [] if joint.revolute else [f"couple.{name}"]
     return names

@@ -60,7 +60,7 @@ class CamStudy(Study, of=False):
     @cached_property
     def linkage(self) -> Train:
         try:
-            return self._stage(linkage_stage, self.design.drive.mechanism, self.reach, self.motion)
+            return self._stage(linkage_stage, self.design.drive.follower, self.reach, self.motion)
         except NoAnswer as error:
             raise self._located(error, "linkage") from None
 
@@ -89,7 +89,7 @@ class CamStudy(Study, of=False):
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         try:
             found = stability_stage(
-                drive.motion, drive.mechanism, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
+                drive.motion, drive.follower, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
             )
         except NoStability:
             raise
@@ -143,7 +143,7 @@ class CamStudy(Study, of=False):
     @property
     def kind(self) -> str:
         """Slug of the follower's kind."""
-        return kind_of(self.design.drive.mechanism)
+        return kind_of(self.design.drive.follower)
 
     @property
     def omega(self) -> float:
@@ -160,7 +160,7 @@ class CamStudy(Study, of=False):
 
     @property
     def loading(self) -> Loading:
-        loads: Loading = loading(self.design.drive.mechanism, self.design.drive.loads)
+        loads: Loading = loading(self.design.drive.follower, self.design.drive.loads)
         return loads
 
     def _depends_on(self, stage: str) -> tuple[Any, ...]:
@@ -168,8 +168,8 @@ class CamStudy(Study, of=False):
         drive, shaft = self.design.drive, self.design.shaft
         parts = {
             "motion": (drive.motion, self.omega),
-            "linkage": (drive.motion, self.omega, drive.mechanism, self.reach),
-            "cam": (drive.motion, drive.mechanism, drive.cam, shaft.rotation),
+            "linkage": (drive.motion, self.omega, drive.follower, self.reach),
+            "cam": (drive.motion, drive.follower, drive.cam, shaft.rotation),
             "dynamics": (drive, shaft.rotation, self.omega),
             "stability": (drive, shaft.rotation, self.omega, shaft.elastic),
         }

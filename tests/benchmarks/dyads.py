@@ -19,7 +19,7 @@ GROUND, CRANK, COUPLER, ROCKER = LENGTHS
 
 def given(theta: np.ndarray) -> SimpleNamespace:
     """The course of the linkage is found once, as it is in a study."""
-    return SimpleNamespace(theta=theta, q=at_driver(theta), course=course_of(four_bar(*LENGTHS).linkage))
+    return SimpleNamespace(theta=theta, q=at_driver(theta), course=course_of(four_bar(*LENGTHS).drive.mechanism))
 
 
 def _on_rocker(turned: np.ndarray, speed: Any, gain: Any) -> Channels:

@@ -212,16 +212,16 @@ def test_a_point_of_the_frame_moves_alone() -> None:
     design = example("four_bar")
     train = train_at(design, 1.0)
     moved = with_point_at(design, train, "O4", 0.11 + 0.004j, 12)
-    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.linkage.links, strict=True) if a != b]
+    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
     assert changed == [1]
-    assert moved.linkage.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
+    assert moved.drive.mechanism.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
 
 
 def test_a_point_of_the_crank_keeps_to_its_line() -> None:
     design = example("four_bar")
     train = train_at(design, math.pi / 2.0)
     moved = with_point_at(design, train, "A", 0.01 + 0.04j, 12)
-    assert moved.linkage.by_number[2].places["A"] == pytest.approx(40.0, abs=1e-9)
+    assert moved.drive.mechanism.by_number[2].places["A"] == pytest.approx(40.0, abs=1e-9)
     assert place(train_at(moved, math.pi / 2.0), "A") == pytest.approx(0.04j, abs=1e-12)
 
 
@@ -230,7 +230,7 @@ def test_a_point_that_slides_keeps_to_its_guide() -> None:
     train = train_at(design, 1.0)
     moved = with_point_at(design, train, "B", place(train, "B") + 0.01 + 0.02j, 12)
     assert place(train_at(moved, 1.0), "B") == pytest.approx(place(train, "B") + 0.01, abs=1e-12)
-    assert moved.linkage.sliders == design.drive.mechanism.sliders
+    assert moved.drive.mechanism.sliders == design.drive.mechanism.sliders
 
 
 def test_what_is_no_joint_is_a_key_error() -> None:

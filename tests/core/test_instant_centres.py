@@ -100,7 +100,7 @@ def constructed(table: CentreTable) -> None:
 
 def test_a_linkage_beyond_the_construction_still_has_all_its_centres() -> None:
     """The six-bar driven inside has the same links and pins, and the same fifteen centres."""
-    (only,) = course_of(INSIDE_OUT.linkage).ranges
+    (only,) = course_of(INSIDE_OUT.drive.mechanism).ranges
     _, table = at(INSIDE_OUT, *np.linspace(only.low + 0.1, only.high - 0.1, 20))
     assert len(table.centres) == 15
     assert collinearity(table).max() < 1e-11

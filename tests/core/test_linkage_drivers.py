@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from linkages import closure, jacobian, plain_turn
 
-from core.design import CRANK, MOTION, Design, Driver, faults
+from core.design import CRANK, MOTION, Design, Driver, faults, with_drive
 from core.errors import KindynaError, NoPosition
 from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.project import load
@@ -54,9 +54,9 @@ def test_whatever_leads_the_linkage_goes_on_from_where_it_stands(name: str) -> N
     for driver in tried:
         changed = with_driver(design, driver, before.linkage)
         assert faults(changed) == []
-        assert (changed.linkage.driver.link, changed.linkage.driver.kind) == (driver.link, driver.kind)
+        assert (changed.drive.mechanism.driver.link, changed.drive.mechanism.driver.kind) == (driver.link, driver.kind)
         same = (driver.link, driver.kind) == (design.drive.mechanism.driver.link, design.drive.mechanism.driver.kind)
-        theta = driver_place(changed.linkage, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
+        theta = driver_place(changed.drive.mechanism, before.linkage) % (2.0 * math.pi) if driver.kind == CRANK else 0.0
         size = Study(changed).course.plan.size
         after = places(at(changed, 1.0 if same else theta))
         assert after == pytest.approx(places(before), abs=1e-6 * size), driver  # a motion starts at a rounded place
@@ -71,7 +71,7 @@ def test_a_first_motion_goes_as_far_as_the_linkage_lets_it() -> None:
     assert [s.span_deg for s in motion.segments] == [60.0, 120.0, 60.0, 120.0]
     assert [s.rise for s in motion.segments] == [0.0, 10.0, 0.0, -10.0]
     assert [p for p in design.assumed if p.startswith("motion.")][:2] == ["motion.start_deg", "motion.segments[0].law"]
-    slide = led("slider_crank", 1.0, Driver(4, MOTION, 60.0)).motion
+    slide = led("slider_crank", 1.0, Driver(4, MOTION, 60.0)).drive.motion
     assert slide is not None
     assert slide.unit == "mm"
     assert slide.start == pytest.approx(157.505736)
@@ -92,7 +92,7 @@ def test_a_link_at_its_dead_centre_leads_nothing() -> None:
     for theta in (stretched, stretched + 0.01):  # in line, and so near that a push would hardly turn the crank
         with pytest.raises(NoPosition, match=r"linkage\.driver\.link"):
             with_driver(design, Driver(4, MOTION, 60.0), at(design, theta).linkage)
-    assert with_driver(design, Driver(4, MOTION, 60.0), at(design, stretched + 0.2).linkage).motion is not None
+    assert with_driver(design, Driver(4, MOTION, 60.0), at(design, stretched + 0.2).linkage).drive.motion is not None
 
 
 def test_what_cannot_lead_is_not_offered() -> None:
@@ -110,11 +110,11 @@ def test_a_roller_comes_moves_and_goes() -> None:
         with_roller(crank, 3, "C")
     design = led("four_bar", 0.0, Driver(2, MOTION, 60.0))
     first = with_roller(design, 3, "C")
-    assert first.cam is not None
-    assert (first.cam.link, first.cam.point, first.cam.roller_radius_mm) == (3, "C", 8.0)
+    assert first.drive.cam is not None
+    assert (first.drive.cam.link, first.drive.cam.point, first.drive.cam.roller_radius_mm) == (3, "C", 8.0)
     assert first.assumed[-1] == "cam.roller_radius_mm"
-    larger = replace(first, cam=replace(first.cam, roller_radius_mm=11.0))
-    moved = with_roller(larger, 3, "B").cam
+    larger = with_drive(first, cam=replace(first.drive.cam, roller_radius_mm=11.0))
+    moved = with_roller(larger, 3, "B").drive.cam
     assert moved is not None
     assert (moved.point, moved.roller_radius_mm) == ("B", 11.0)
     assert without_roller(first) == design

@@ -281,7 +281,7 @@ def test_many_faults_are_told_at_once() -> None:
 def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     """Mobility 1 in all, but links 5, 6 make a rigid frame and link 7 hangs loose."""
     links = (
-        *project.load(EXAMPLES / "four_bar.toml").linkage.links,
+        *project.load(EXAMPLES / "four_bar.toml").drive.mechanism.links,
         Link(5, (Place("P", 0.0, 0.0), Place("Q", 10.0, 0.0))),
     )
     frame = replace(
@@ -326,11 +326,11 @@ def test_points_and_lines_are_pairs_by_path() -> None:
     design = project.load(EXAMPLES / f"{SIX}.toml")
     moved = edited(design, "linkage.links[3].points.C", (61.0, 2.0))
     assert get(moved, "linkage.links[3].points.C") == (61.0, 2.0)
-    assert moved.linkage.by_number[4].places["C"] == 61.0 + 2.0j
+    assert moved.drive.mechanism.by_number[4].places["C"] == 61.0 + 2.0j
     lifted = edited(moved, "linkage.sliders[0].through", (0.0, 5.0))
     assert get(lifted, "linkage.sliders[0].through") == (0.0, 5.0)
     other = edited(lifted, "linkage.branch.B", -1)
-    assert other.linkage.sides == {"B": -1, "D": 1}
+    assert other.drive.mechanism.sides == {"B": -1, "D": 1}
     assert edited(other, "name", "another").name == "another"
     assert get(other, "linkage.branch.D") == 1
 
@@ -339,10 +339,10 @@ def test_a_motions_segments_keep_the_turn_whole() -> None:
     """A longer segment takes its span from the next, a changed rise is given back."""
     design = project.load(EXAMPLES / f"{CAM}.toml")
     longer = edited(design, "motion.segments[0].span_deg", 70.0)
-    assert [s.span_deg for s in longer.motion.segments] == [70.0, 90.0, 60.0, 140.0]
+    assert [s.span_deg for s in longer.drive.motion.segments] == [70.0, 90.0, 60.0, 140.0]
     higher = edited(longer, "motion.segments[1].rise_deg", 15.0)
-    assert [s.rise for s in higher.motion.segments] == [0.0, 15.0, 0.0, -15.0]
-    assert [s.rise for s in edited(higher, "motion.stroke_deg", 30.0).motion.segments] == [0.0, 30.0, 0.0, -30.0]
+    assert [s.rise for s in higher.drive.motion.segments] == [0.0, 15.0, 0.0, -15.0]
+    assert [s.rise for s in edited(higher, "motion.stroke_deg", 30.0).drive.motion.segments] == [0.0, 30.0, 0.0, -30.0]
     assert faults(higher) == []
 
 

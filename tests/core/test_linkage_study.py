@@ -331,7 +331,9 @@ def test_a_roller_on_a_link_that_slides_and_on_the_followed_link_itself() -> Non
     from core.design import Slider
 
     rail = Slider(link=2, on=1, angle_deg=90.0)
-    design = Design("tappet", None, (Drive(motion, Linkage(links, (rail,), Driver(2, "motion", 60.0)), LinkageCam(link=2, point="R", roller_radius_mm=10.0), LinkageLoads()),))  # fmt: skip
+    linkage = Linkage(links, (rail,), Driver(2, "motion", 60.0))
+    cam = LinkageCam(link=2, point="R", roller_radius_mm=10.0)
+    design = Design("tappet", None, (Drive(motion, linkage, cam, LinkageLoads()),))
     study = study_of(design, 360)
     assert np.abs(study.linkage.follower.z[0] - 1j * (0.06 + study.motion.y[0])).max() < 1e-16
     assert study.cam.flank.pressure_angle[0] == pytest.approx(0.0, abs=1e-12)
@@ -352,7 +354,9 @@ def test_a_crank_that_can_hardly_move_is_refused_where_no_angle_lies_in_its_rang
     straight = four_bar(100.0, 50.0, 60.0, 40.0)  # with the frame as long as 150 all links lie in one line
     pivot = 149.9999999 * np.exp(0.01j)
     frame = link(1, O2=(0, 0), O4=(pivot.real, pivot.imag))
-    design = replace(straight, linkage=replace(straight.linkage, links=(frame, *straight.linkage.links[1:])))
+    design = with_drive(
+        straight, mechanism=replace(straight.drive.mechanism, links=(frame, *straight.drive.mechanism.links[1:]))
+    )
     told = r"linkage\.links: .* within 0\.5699\d*\.\.\.0\.5759\d* deg only, where none of the 90 driver angles lies"
     with pytest.raises(NoPosition, match=told):
         _ = study_of(design, 90).angles

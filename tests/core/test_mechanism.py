@@ -69,19 +69,19 @@ def test_each_kind_of_dyad_is_recognised(kind: str) -> None:
 
 
 def test_links_that_hang_on_nothing_known_are_solved_as_a_group() -> None:
-    (step,) = solving_order(INSIDE_OUT.linkage).steps
+    (step,) = solving_order(INSIDE_OUT.drive.mechanism).steps
     assert (step.kind, step.links) == ("group", (2, 3, 4, 5))
 
 
 def test_the_order_does_not_depend_on_the_order_of_the_links() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     turned = with_drive(design, mechanism=replace(design.drive.mechanism, links=design.drive.mechanism.links[::-1]))
-    assert solving_order(turned.linkage).steps == solving_order(design.drive.mechanism).steps
+    assert solving_order(turned.drive.mechanism).steps == solving_order(design.drive.mechanism).steps
 
 
 def test_three_links_on_one_pin_are_two_pairs() -> None:
     """A fourth link hangs on the same pin as coupler and rocker."""
-    base = four_bar(100.0, 30.0, 90.0, 70.0).linkage
+    base = four_bar(100.0, 30.0, 90.0, 70.0).drive.mechanism
     links = (
         link(1, O2=(0, 0), O4=(100, 0), O6=(150, 60)),
         *base.links[1:],
@@ -154,11 +154,11 @@ def test_a_group_is_solved_like_the_others(design: Design) -> None:
 
 
 def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
-    course = course_of(INSIDE_OUT.linkage)
+    course = course_of(INSIDE_OUT.drive.mechanism)
     (only,) = course.ranges
     assert (only.low_joint, only.high_joint) == ("2-3-4-5", "2-3-4-5")
     angles = np.linspace(only.low, only.high, 4001)[1:-1]
-    train = unit_speed_train(INSIDE_OUT.linkage, angles, course)
+    train = unit_speed_train(INSIDE_OUT.drive.mechanism, angles, course)
     for name, pose in train.bodies.items():
         steps = np.abs(np.diff(pose.angle[0])) - np.abs(pose.angle[1, :-1]) * np.diff(angles)
         assert steps.max() < 0.2, name
@@ -166,7 +166,7 @@ def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
 
 def started(side: int) -> tuple[Train, np.ndarray]:
     """The group begun with A on this side, at the driver angles tried that lie in its range."""
-    linkage = replace(INSIDE_OUT.linkage, branch=sides(A=side))
+    linkage = replace(INSIDE_OUT.drive.mechanism, branch=sides(A=side))
     (only,) = course_of(linkage).ranges
     tried = np.linspace(0.0, TURN, 25)[:-1]
     inside = tried[(tried > only.low) & (tried < only.high)]
@@ -191,7 +191,7 @@ def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
 
 @pytest.mark.parametrize(("side", "stands"), [(1, False), (-1, True)])
 def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bool) -> None:
-    assert bool(course_of(replace(INSIDE_OUT.linkage, branch=sides(B=side))).ranges) == stands
+    assert bool(course_of(replace(INSIDE_OUT.drive.mechanism, branch=sides(B=side))).ranges) == stands
 
 
 # -- sides ------------------------------------------------------------------------------------------------
@@ -268,7 +268,7 @@ def test_a_crank_that_cannot_turn_moves_between_two_dead_centres() -> None:
 def test_two_ranges_of_a_double_rocker_end_at_dead_centres() -> None:
     """Shortest link the coupler: the crank swings on either side of the frame, on separate circuits."""
     ground, crank, coupler, rocker = 70.0, 60.0, 30.0, 55.0
-    ranges = course_of(four_bar(ground, crank, coupler, rocker).linkage).ranges
+    ranges = course_of(four_bar(ground, crank, coupler, rocker).drive.mechanism).ranges
     g, c, a, b = (MP.mpf(v) for v in (ground, crank, coupler, rocker))
     near, far = (float(MP.acos((g * g + c * c - r * r) / (2 * g * c))) for r in (b - a, a + b))
     expected = [(near, far), (TURN - far, TURN - near)]
@@ -323,7 +323,7 @@ def test_outside_its_ranges_a_linkage_says_where_it_can_stand() -> None:
 
 
 def test_where_nothing_meets_there_are_no_ranges() -> None:
-    assert course_of(four_bar(300.0, 30.0, 60.0, 70.0).linkage).ranges == ()
+    assert course_of(four_bar(300.0, 30.0, 60.0, 70.0).drive.mechanism).ranges == ()
 
 
 # -- near dead centres ------------------------------------------------------------------------------------
@@ -438,7 +438,7 @@ def test_angles_do_not_jump_within_the_turn() -> None:
         train = train_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
         for name, pose in train.bodies.items():
             assert np.abs(np.diff(pose.angle[0])).max() < 0.1, name
-    turning = course_of(double.linkage).turning
+    turning = course_of(double.drive.mechanism).turning
     assert turning[3].turns
     assert turning[4].turns
 
@@ -458,7 +458,7 @@ def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
     """The slider-crank driven by its slider: the crank angle comes back."""
     forward = train_at(slider_crank(40.0, 140.0), 0.9)
     s = float(forward.bodies["link4"].x[0, 0])
-    base = slider_crank(40.0, 140.0).linkage
+    base = slider_crank(40.0, 140.0).drive.mechanism
     linkage = replace(base, driver=Driver(4, "motion", 60.0), branch=sides(A=1))
     train = unit_speed_train(linkage, np.array([s]), course_of(linkage, s - 0.01, s + 0.01))
     both = [float(np.remainder(train.bodies["link2"].angle[0, 0], TURN))]
@@ -471,7 +471,7 @@ def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
 
 
 def test_a_crank_program_has_a_piece_for_each_range() -> None:
-    run = CrankProgram(course_of(four_bar(70.0, 60.0, 30.0, 55.0).linkage))
+    run = CrankProgram(course_of(four_bar(70.0, 60.0, 30.0, 55.0).drive.mechanism))
     degrees = run.degrees(360)
     assert 0 < degrees.size < 360
     assert run.within(np.deg2rad(degrees)).all()
@@ -490,8 +490,8 @@ STILL: dict[str, Callable[[], Design]] = {
 def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     made = STILL[design]()
     train = linkage_train(
-        made.linkage, CrankProgram(course_of(made.linkage)).state(CrankProgram(course_of(made.linkage)).angles(np.arange(6.0))),
-        course_of(made.linkage),
+        made.drive.mechanism, CrankProgram(course_of(made.drive.mechanism)).state(CrankProgram(course_of(made.drive.mechanism)).angles(np.arange(6.0))),
+        course_of(made.drive.mechanism),
     )  # fmt: skip
     assert list(train.bodies) == [FRAME, "link2", "link3", "link4"]
     for pair in train.pairs.values():
@@ -507,7 +507,7 @@ def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
 
 def test_the_other_side_is_the_mirrored_dyad() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
-    assert other_side(design, "B").linkage.sides == {"B": -1}
+    assert other_side(design, "B").drive.mechanism.sides == {"B": -1}
     assert other_side(other_side(design, "B"), "B") == design
     bare = with_drive(design, mechanism=replace(design.drive.mechanism, branch=()))
-    assert other_side(bare, "B").linkage.sides == {"B": -1}
+    assert other_side(bare, "B").drive.mechanism.sides == {"B": -1}

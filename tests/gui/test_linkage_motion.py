@@ -227,7 +227,7 @@ def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
     user.choose("Compo", "Driver", "Link 2 turns at speed")
     assert stands(user) == pytest.approx(before, abs=1e-3)
     assert user.window.player.theta == pytest.approx(1.0, abs=1e-6)
-    assert user.design.drive.mechanism == crank.linkage
+    assert user.design.drive.mechanism == crank.drive.mechanism
     user.session.stack.undo()
     user.session.stack.undo()
     assert user.design == crank

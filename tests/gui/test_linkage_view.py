@@ -245,7 +245,7 @@ def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> Non
     assert not view.in_trouble
     pivot = user.design.drive.mechanism.by_number[1].places["O4"]
     assert pivot.real < 30.0 + 90.0 + 70.0
-    assert user.design.drive.mechanism.by_number[4] == load(example("four_bar")).linkage.by_number[4]
+    assert user.design.drive.mechanism.by_number[4] == load(example("four_bar")).drive.mechanism.by_number[4]
 
 
 def test_only_what_meets_at_the_joint_changes() -> None:
@@ -259,7 +259,7 @@ def test_only_what_meets_at_the_joint_changes() -> None:
     assert complex(after["link5"].point("D")[0, 0]) == pytest.approx(wanted, abs=1e-13)
     for body in ("link2", "link3", "link4"):
         assert after[body].z[0, 0] == bodies[body].z[0, 0]
-    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.linkage.links, strict=True) if a != b]
+    changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
     assert changed == [5, 6]
 
 
