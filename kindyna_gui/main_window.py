@@ -20,6 +20,7 @@ from kindyna_gui.designing import Designing
 from kindyna_gui.docks import CENTRE, VIEWS, Dock, arrange, proportion
 from kindyna_gui.documents import Documents, dropped_design
 from kindyna_gui.exports import Exports, save_picture
+from kindyna_gui.faults import Faults
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
@@ -72,12 +73,13 @@ class MainWindow(QMainWindow):
         }
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
-        self.status = StatusLine(session, player, lambda: self.show_view("findings"))
+        self.status = StatusLine(session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"))
         self.setStatusBar(self.status)
         self.titles = Titles(self)
         self._lay_out()
         self.shares = Shares(self, self.docks.values())
         self._connect()
+        self.faults = Faults(self)
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)

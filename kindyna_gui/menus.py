@@ -205,6 +205,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             SEPARATOR,
+            _view("Lo&g", "log", "What has failed in this program, and when"),
             Item("&About KINDYNA", "about", None, None, "Version and origin"),
         ),
     ),

@@ -117,6 +117,7 @@ class Session(QObject):
         self.stack = QUndoStack(self)
         self.design: Any = design
         self.path = path
+        self.document = 0  # its number: opening or beginning anew counts, a step of the undo stack does not
         self._gesture = 0
         self._segment = 0
         self._running = ("", -1)  # path and gesture of the last step
@@ -249,6 +250,7 @@ class Session(QObject):
 
     def start(self, design: Design, path: Path | None = None) -> None:
         """Begin with a design; path None: it has no file yet."""
+        self.document += 1
         self.stack.clear()
         self._unchanged = [(design, path)]
         self._begin(design, path)
