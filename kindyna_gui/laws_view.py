@@ -28,6 +28,7 @@ from kindyna_gui.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.laws_plot import QUANTITIES, LawPlot, Legend
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.session import Refusal, Session
 from kindyna_gui.view import View
 from kindyna_gui.wording import law_label, shortest, value_text
@@ -229,7 +230,7 @@ class LawsView(View):
         self.note.setToolTip(text)
 
     def _fill_menu(self, menu: QMenu) -> None:
-        menu.clear()
+        clear_menu(menu)
         motion = motion_of(self.session.design)
         for number, text in enumerate(segment_texts(motion) if motion is not None else ()):
             action = menu.addAction(text)

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMenu, QToolBar
 
 from kindyna_gui import submenus
 from kindyna_gui.look import icon
+from kindyna_gui.rebuilt import clear_menu
 
 if TYPE_CHECKING:
     from kindyna_gui.main_window import MainWindow
@@ -258,7 +259,7 @@ def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[st
     submenu.setToolTipsVisible(True)
 
     def refill() -> None:
-        submenu.clear()
+        clear_menu(submenu)
         row.fill(window, submenu)
 
     # with the menu it stands in, so that an empty one can be greyed or left out
