@@ -12,9 +12,11 @@ from PySide6.QtWidgets import QApplication, QWidget
 from core.design import FOLLOWER_KINDS, Design, Segment, SingleCam, kind_of
 from core.design.paths import with_section
 from core.errors import KindynaError
-from core.project import load
+from core.project import differences, load
+from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
-from kindyna_gui.dialogs import Answer
+from kindyna_gui.dialogs import Answer, OnConflict
+from kindyna_gui.difference_text import difference_text
 from kindyna_gui.places import examples
 from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
@@ -110,6 +112,16 @@ class Documents(QObject):
     def save(self) -> bool:
         """Save to the design's own file; where it has none, ask for one."""
         self.settle()
+        path = self._session.path
+        if path is None:
+            return self.save_as()
+        if self._session.on_disk() is OnDisk.CHANGED:
+            return self._save_over_change(path)
+        return self._save(path)
+
+    def overwrite(self) -> bool:
+        """Save to the design's own file, whatever another program has written there."""
+        self.settle()
         return self.save_as() if self._session.path is None else self._save(self._session.path)
 
     def save_as(self) -> bool:
@@ -119,6 +131,41 @@ class Documents(QObject):
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
         return path is not None and self._save(path)
+
+    def reload(self) -> None:
+        """Read the design's file again; what it replaces comes back with Undo."""
+        self.settle()
+        path = self._session.path
+        if path is None:
+            self.told.emit("This design has no file yet that could be read again")
+            return
+        try:
+            self._session.reload()
+        except KindynaError as error:
+            self._tell(f"{path.name} cannot be read again.", error)
+        else:
+            self.told.emit(f"Read {path} again; Undo brings back what was here before")
+
+    def _save_over_change(self, path: Path) -> bool:
+        """Ask what to do with a file that another program has changed; True where the design is saved."""
+        answer = dialogs.ask_on_conflict(self._window, path.name, self._differences(path))
+        if answer is OnConflict.OVERWRITE:
+            return self._save(path)
+        if answer is OnConflict.SAVE_AS:
+            return self.save_as()
+        if answer is OnConflict.RELOAD:
+            self.reload()
+        return False
+
+    def _differences(self, path: Path) -> list[str]:
+        """What differs between a file and the design, a line each."""
+        design = self._session.design
+        try:
+            found = load(path)
+        except KindynaError as error:
+            return ["What it holds now is no design:", *str(error).splitlines()]
+        lines = (difference_text(found, design, each) for each in differences(found, design))
+        return [f"{name}: file {there}, here {here}" for name, there, here in lines]
 
     def _save(self, path: Path) -> bool:
         try:

@@ -85,6 +85,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("&Examples", submenus.fill_examples),
             SEPARATOR,
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
+            Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
             SEPARATOR,
             Item("&Import measured motion...", "designing.import_measured", None, None,

@@ -13,7 +13,7 @@ from PySide6.QtGui import QUndoCommand, QUndoStack
 
 from core.design import Design, edited, faults, motion_of
 from core.errors import Fault, KindynaError, NoAnswer
-from core.project import load, save
+from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Study
 from kindyna_gui.wording import name_of, named, sentence
 
@@ -74,15 +74,15 @@ class ChangeDesign(QUndoCommand):
 
 
 class BeginDesign(QUndoCommand):
-    """Another design that has no file yet; undone, the one before comes back with its file."""
+    """Another design, with its file where it has one; undone, the one before comes back with its own."""
 
-    def __init__(self, session: Session, design: Design, text: str) -> None:
+    def __init__(self, session: Session, design: Design, path: Path | None, text: str) -> None:
         super().__init__(text)
-        self._session, self._after = session, design
+        self._session, self._after = session, (design, path)
         self._before = (session.design, session.path)
 
     def redo(self) -> None:
-        self._session._begin(self._after, None)
+        self._session._begin(*self._after)
 
     def undo(self) -> None:
         self._session._begin(*self._before)
@@ -127,6 +127,9 @@ class Session(QObject):
         self._at: tuple[float, Study] | None = None
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
+        self._files = DesignFiles()
+        if path is not None:
+            self._files.note(path)
         self.stack.cleanChanged.connect(self.file_changed)
         self.stack.indexChanged.connect(self._step_taken)
 
@@ -246,7 +249,7 @@ class Session(QObject):
 
     def open(self, path: Path) -> None:
         """Open a file; the undo stack starts anew. Raises DesignError, FileError; then nothing changes."""
-        self.start(load(path), path)
+        self.start(self._files.read(path), path)
 
     def start(self, design: Design, path: Path | None = None) -> None:
         """Begin with a design; path None: it has no file yet."""
@@ -258,7 +261,18 @@ class Session(QObject):
     def begin(self, design: Design, text: str) -> None:
         """Begin with a design that has no file yet, as a step that can be undone; text names it."""
         self._unchanged.append((design, None))
-        self.stack.push(BeginDesign(self, design, text))
+        self.stack.push(BeginDesign(self, design, None, text))
+
+    def reload(self) -> None:
+        """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
+        changes."""
+        path = self._file()
+        design = self._files.read(path)
+        self._is_in_file(design, path)
+        if design != self.design:
+            self.stack.push(BeginDesign(self, design, path, f"Reload {path.name}"))
+        self.stack.setClean()
+        self.file_changed.emit()
 
     def _begin(self, design: Design, path: Path | None) -> None:
         self.path = path
@@ -272,17 +286,27 @@ class Session(QObject):
         if (self.design, self.path) in self._unchanged:
             self.stack.setClean()
 
+    def _is_in_file(self, design: Design, path: Path) -> None:
+        self._unchanged = [each for each in self._unchanged if each[1] != path] + [(design, path)]
+
+    def _file(self) -> Path:
+        if self.path is None:
+            raise KindynaError("no file name; choose one")
+        return self.path
+
     def save(self, path: Path | None = None) -> None:
         """Write the design, to its own file where none is named. Raises FileError, DesignError."""
-        target = path or self.path
-        if target is None:
-            raise KindynaError("no file name; choose one")
-        save(self.design, target)
+        target = path or self._file()
+        self._files.write(self.design, target)
         self.path = target
-        self._unchanged = [each for each in self._unchanged if each[1] != target] + [(self.design, target)]
+        self._is_in_file(self.design, target)
         self.stack.setClean()
         self.end_gesture()
         self.file_changed.emit()
+
+    def on_disk(self) -> OnDisk:
+        """Whether the design's file is as it was read or written last."""
+        return OnDisk.SAME if self.path is None else self._files.state(self.path)
 
 
 __all__ = ["SAMPLES", "ChangeDesign", "Refusal", "Session"]
