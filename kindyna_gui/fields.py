@@ -149,7 +149,7 @@ class Field(QObject):
 
     def _accepted(self, path: str) -> None:
         self._blame.pop(path, None)
-        if path == self.spec.path:
+        if path == self.spec.path and not self.gone:
             self._show(self.session.design)
         self._tell()
 
@@ -175,12 +175,27 @@ class Field(QObject):
 
     # -- to the session -----------------------------------------------------------------------------------
 
+    @property
+    def gone(self) -> bool:
+        """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
+        of its name may outlast it."""
+        try:
+            self.spec.read(self.session.design)
+        except KeyError:
+            return True
+        return False
+
+    def edit(self, value: Any, text: str) -> None:
+        """Put a value into the design in place, where it has this field; text names the step."""
+        if not self.gone:
+            self.session.edit(self.spec.path, value, text)
+
     def _enter(self, value: Any) -> None:
         spec = self.spec
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
         else:
-            self.session.edit(spec.path, value, step_text(spec.info.label, value, spec.unit))
+            self.edit(value, step_text(spec.info.label, value, spec.unit))
 
     def _choose(self, index: int) -> None:
         assert isinstance(self.editor, WordBox)
@@ -188,6 +203,8 @@ class Field(QObject):
         self.session.end_gesture()
 
     def _assume(self, on: bool) -> None:
+        if self.gone:
+            return
         name = self.spec.info.label
         text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
         self.session.put(with_assumed(self.session.design, self.spec.path, on), text)

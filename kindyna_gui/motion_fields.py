@@ -100,6 +100,8 @@ class CurveField(Field):
 
     def _enter(self, value: Any) -> None:
         spec = self.spec
+        if self.gone:
+            return
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
         else:
@@ -124,7 +126,7 @@ class EndField(CurveField):
         return box
 
     def _leave_open(self) -> None:
-        self.session.edit(self.spec.path, None, f"Leave {described(self.session.design, self.spec.path)} free")
+        self.edit(None, f"Leave {described(self.session.design, self.spec.path)} free")
 
 
 def described(design: Design, path: str) -> str:

@@ -71,6 +71,7 @@ class View(QWidget):
         super().__init__()
         self.session, self.player = session, player
         self._stale, self.not_here = True, False
+        self._shown: Study | None = None  # what the content, or the reason in its place, is of
         self._fault: FaultPage | None = None
         self._content = content if content is not None else QWidget()
         self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
@@ -124,6 +125,13 @@ class View(QWidget):
         """Checkable actions that show and hide parts of the picture, for the menu View > Layers."""
         return []
 
+    @property
+    def no_picture(self) -> str:
+        """Why there is nothing that could be exported as a picture, in a sentence; empty where there is."""
+        if not self.in_trouble:
+            return ""
+        return self._trouble.text() if self._fault is None else "This view has failed; Try again in it, or see Help > Log."
+
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.files import png, svg
@@ -134,7 +142,8 @@ class View(QWidget):
 
     @property
     def up_to_date(self) -> bool:
-        return not self._stale
+        """False also while a design is in place that the view does not show yet."""
+        return not self._stale and self._shown is self.session.study
 
     def on_screen(self) -> bool:
         """True where something of the view can be seen."""
@@ -154,8 +163,9 @@ class View(QWidget):
         if not self._stale or self._fault is not None:
             return
         self._stale, self.not_here = False, False
+        self._shown = self.session.study
         try:
-            self.refresh(self.session.study)
+            self.refresh(self._shown)
             self._stack.setCurrentWidget(self._content)
             self.follow(self.player.theta)
         except KindynaError as error:
@@ -217,7 +227,8 @@ class View(QWidget):
             self._soon.start()
 
     def _angle_changed(self, theta: float) -> None:
-        if not self._stale and not self.in_trouble and self.on_screen():
+        # a design with other ranges moves the angle before the views know it; then ``pull`` follows
+        if self.up_to_date and not self.in_trouble and self.on_screen():
             self._follow()
 
     def _pull_if_seen(self) -> None:
