@@ -59,7 +59,7 @@ class BlendDialog(PutDialog):
         self._asked_rows: tuple[Ranged, ...] = ()
         self._lay_out()
         self._connect()
-        asked = first_asked(motion, session.segment)
+        asked = first_asked(motion, min(session.segment, len(motion.segments) - 1))
         self.questions.answer(asked)
         others = [s for s in motion.segments if s.rise]
         moving = sum(s.rise for s in others if s.rise > 0.0)

@@ -12,7 +12,7 @@ from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from core.design import Design, Entry, Info, Unit, get, is_assumed, with_assumed
+from core.design import Design, Entry, Info, Unit, get, is_assumed
 from kindyna_gui.field_parts import Mark, NameLabel
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -150,7 +150,7 @@ class Field(QObject):
     def _accepted(self, path: str) -> None:
         self._blame.pop(path, None)
         if path == self.spec.path and not self.gone:
-            self._show(self.session.design)
+            self._show(self.session.typed)
         self._tell()
 
     def _restored(self) -> None:
@@ -207,7 +207,7 @@ class Field(QObject):
             return
         name = self.spec.info.label
         text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
-        self.session.put(with_assumed(self.session.design, self.spec.path, on), text)
+        self.session.mark_assumed(self.spec.path, on, text)
 
     def _label_released(self) -> None:
         self.session.end_gesture()

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from core.design import UNITS, Info, entries, require_motion, stroke
+from core.design import UNITS, Design, Info, entries, require_motion, stroke
 from core.design.fields import LONGEST_MM
-from core.study import Study
 from kindyna_gui.fields import Field, Spec
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
@@ -32,23 +31,23 @@ class MotionHead(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._place)
 
-    def show_motion(self, study: Study) -> None:
-        """Show start and stroke of a study's motion."""
-        motion = require_motion(study.design)
-        specs = self._specs(study)
+    def show_motion(self, design: Design) -> None:
+        """Show start and stroke of a design's motion."""
+        motion = require_motion(design)
+        specs = self._specs(design)
         if [spec.path for spec in specs] != list(self.fields):
             self._build(specs)
         for field in self.fields.values():
-            field.refresh(study.design)
+            field.refresh(design)
         self.moves = stroke(motion) != 0.0
         field = self.fields[f"motion.stroke_{motion.unit}"]
         field.editor.setEnabled(self.moves)
         field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
 
     @staticmethod
-    def _specs(study: Study) -> list[Spec]:
-        unit = require_motion(study.design).unit
-        start = [Spec.of(e) for e in entries(study.design, "motion") if segment_of(e.path) is None]
+    def _specs(design: Design) -> list[Spec]:
+        unit = require_motion(design).unit
+        start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
         return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(require_motion(d)), can_be_assumed=False)]
 

@@ -96,7 +96,18 @@ from core.design.parts import (
     kind_of,
 )
 from core.design.paths import Entry, with_elastic
-from core.design.rules import part_faults
+from core.design.rules import part_faults, whole_faults
+from core.design.unfinished import (
+    blunders,
+    closed,
+    closed_design,
+    lacks,
+    laid_out,
+    one_value_apart,
+    remove_laid_out,
+    rise_gap,
+    span_gap,
+)
 from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
 
 __all__ = [
@@ -154,6 +165,9 @@ __all__ = [
     "Translating",
     "TranslatingLoads",
     "Unit",
+    "blunders",
+    "closed",
+    "closed_design",
     "curve_of",
     "edited",
     "entries",
@@ -170,22 +184,29 @@ __all__ = [
     "joins_of_level",
     "kind_of",
     "kind_row",
+    "lacks",
+    "laid_out",
     "mirror_stroke",
     "mirrored",
     "motion_of",
     "move_join",
+    "one_value_apart",
     "part_faults",
     "put",
+    "remove_laid_out",
     "remove_segment",
     "require_linkage",
     "require_motion",
     "require_single_cam",
+    "rise_gap",
     "si",
+    "span_gap",
     "speed_rpm",
     "split_unit",
     "stretched",
     "stroke",
     "unit_of",
+    "whole_faults",
     "with_assumed",
     "with_elastic",
     "with_join_moved",

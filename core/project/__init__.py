@@ -13,10 +13,12 @@ from core.errors import MISSING, DesignError, Fault
 from core.files import AnyPath, read_text, write
 from core.project.differences import Difference, differences
 from core.project.linkage_writing import linkage_tables, section_text
-from core.project.reading import from_table
-from core.project.writing import linkage_head, to_table
+from core.project.reading import from_table, motion_from_table
+from core.project.writing import linkage_head, motion_to_table, to_table
 
-__all__ = ["Difference", "differences", "dumps", "from_table", "load", "loads", "save", "to_table"]
+__all__ = [
+    "Difference", "differences", "dumps", "from_table", "load", "loads", "motion_from_table", "motion_to_table", "save", "to_table",
+]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]

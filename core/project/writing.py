@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, LinkageDesign, kind_of
+from core.design import FOLLOWER_KINDS, Design, LinkageDesign, Motion, kind_of
 from core.design.paths import SECTIONS, section
 from core.project.hooks import converter
 from core.project.linkage_writing import linkage_tables
@@ -25,11 +25,17 @@ def to_table(design: Design) -> dict[str, Any]:
     return table
 
 
+def motion_to_table(motion: Motion) -> dict[str, Any]:
+    """The table [motion] of the file."""
+    table: dict[str, Any] = converter(motion.unit).unstructure(motion)
+    return table
+
+
 def linkage_head(design: LinkageDesign) -> dict[str, Any]:
     """What stands before [linkage]: head and motion."""
     table = _head(design)
     if design.motion is not None:
-        table["motion"] = converter(design.motion.unit).unstructure(design.motion)
+        table["motion"] = motion_to_table(design.motion)
     return table
 
 

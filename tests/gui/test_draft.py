@@ -1,0 +1,239 @@
+"""A motion that does not come back yet: what was typed stays, and the last whole one is shown."""
+
+import json
+
+import pytest
+
+from core.design import Motion, edited, faults, insert_segment, rise_gap, span_gap
+from core.errors import DesignError
+from core.project import dumps, load
+from kindyna_gui.places import example
+from kindyna_gui.session import Session
+
+LIFT = load(example("transfer_lift"))
+AT_REST = edited(LIFT, "motion.segments[1].law", "dwell")
+"""The lift with five dwells."""
+
+
+@pytest.fixture
+def session(app: object) -> Session:
+    return Session(AT_REST)
+
+
+def typed(session: Session) -> Motion:
+    motion: Motion = session.typed.drive.motion
+    return motion
+
+
+def lay_out(session: Session) -> None:
+    """A law and 40 mm for segment 2, of which no other brings the follower back."""
+    session.edit("motion.segments[1].law", "cycloidal", "a law")
+    assert session.edit("motion.segments[1].rise_mm", 40.0, "a rise")
+
+
+# -- what is typed ----------------------------------------------------------------------------------------
+
+
+def test_a_rise_without_a_return_stays_beside_the_last_whole_motion(session: Session) -> None:
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    session.edit("motion.segments[1].law", "cycloidal", "a law")
+    whole = session.design
+    assert session.edit("motion.segments[1].rise_mm", 40.0, "a rise")
+    assert session.design is whole
+    assert session.draft is not None
+    assert [s.rise for s in typed(session).segments] == [0.0, 40.0, 0.0, 0.0, 0.0]
+    assert rise_gap(typed(session)) == 40.0
+
+
+def test_the_return_that_is_typed_closes_it(session: Session) -> None:
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    lay_out(session)
+    session.edit("motion.segments[3].law", "cycloidal", "another law")
+    session.edit("motion.segments[3].rise_mm", -30.0, "too little")
+    assert [s.rise for s in typed(session).segments] == [0.0, 40.0, 0.0, -30.0, 0.0]
+    assert session.edit("motion.segments[3].rise_mm", -40.0, "enough")
+    assert session.draft is None
+    assert [s.rise for s in session.design.drive.motion.segments] == [0.0, 40.0, 0.0, -40.0, 0.0]
+
+
+def test_undo_and_redo_go_through_it_step_by_step(session: Session) -> None:
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    states = [(session.design, session.draft)]
+    for path, value in (("law", "cycloidal"), ("rise_mm", 40.0), ("span_deg", 300.0)):
+        session.edit(f"motion.segments[1].{path}", value, path)
+        session.end_gesture()
+        states.append((session.design, session.draft))
+    session.edit("follower.rod_mm", 846.0, "the rod")
+    states.append((session.design, session.draft))
+    assert states[-1][1] is not None
+    for state in reversed(states[:-1]):
+        session.stack.undo()
+        assert (session.design, session.draft) == state
+    for state in states[1:]:
+        session.stack.redo()
+        assert (session.design, session.draft) == state
+
+
+def test_spans_that_make_no_turn_stay(session: Session) -> None:
+    assert session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    assert session.design is AT_REST
+    assert [s.span_deg for s in typed(session).segments] == [35.0, 300.0, 207.0, 41.5, 35.0]
+    assert span_gap(typed(session)) == 258.5
+    assert session.edit("motion.segments[2].span_deg", 5.0, "shorter")
+    assert span_gap(typed(session)) == 56.5
+    assert session.edit("motion.segments[1].span_deg", 243.5, "shorter")
+    assert session.draft is None
+    assert [s.span_deg for s in session.design.drive.motion.segments] == [35.0, 243.5, 5.0, 41.5, 35.0]
+
+
+def test_a_value_typed_anew_is_balanced_as_ever(session: Session) -> None:
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    session.edit("motion.segments[1].span_deg", 45.0, "right")
+    assert session.draft is None
+    assert [s.span_deg for s in session.design.drive.motion.segments] == [35.0, 45.0, 203.5, 41.5, 35.0]
+
+
+def test_what_no_other_value_can_mend_is_refused(session: Session) -> None:
+    heard: list[object] = []
+    session.refused.connect(heard.append)
+    assert not session.edit("motion.segments[1].span_deg", 400.0, "longer than a turn")
+    assert session.draft is None
+    assert len(heard) == 1
+
+
+def test_a_law_that_only_returns_waits_for_its_rise(session: Session) -> None:
+    assert session.edit("motion.segments[3].law", "c6", "a return")
+    assert session.draft is not None
+    assert session.edit("motion.segments[1].law", "c5", "a rise")
+    assert session.edit("motion.segments[1].rise_mm", 40.0, "of 40")
+    assert session.draft is None
+    assert [s.rise for s in session.design.drive.motion.segments] == [0.0, 40.0, 0.0, -40.0, 0.0]
+
+
+def test_a_whole_motion_without_an_answer_stays_until_it_has_one(session: Session) -> None:
+    session.stages_on_screen = lambda: ("motion", "linkage")
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    session.edit("motion.segments[1].law", "cycloidal", "a law")
+    session.edit("motion.segments[1].rise_mm", 2500.0, "too far for the rod")
+    session.edit("motion.segments[3].law", "cycloidal", "a law")
+    session.edit("motion.segments[3].rise_mm", -2500.0, "and back")
+    assert session.draft is not None
+    assert "cannot reach the slider" in session.draft.reason
+    assert session.edit("follower.rod_mm", 900.0, "a longer rod")
+    assert session.draft is None
+    assert session.design.drive.motion.segments[1].rise == 2500.0
+
+
+# -- other changes ----------------------------------------------------------------------------------------
+
+
+def test_other_values_change_beside_it(session: Session) -> None:
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    draft = session.draft
+    assert session.edit("shaft.speed_rpm", 30.0, "faster")
+    assert session.draft == draft
+    assert session.design.shaft.speed_rpm == session.typed.shaft.speed_rpm == 30.0
+
+
+def test_another_motion_takes_its_place_and_undo_brings_it_back(session: Session) -> None:
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    draft = session.draft
+    assert session.put(insert_segment(session.design, 2), "another motion")
+    assert session.draft is None
+    session.stack.undo()
+    assert session.draft == draft
+
+
+def test_another_design_leaves_it_behind_and_undo_brings_it_back(session: Session) -> None:
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    draft = session.draft
+    session.begin(load(example("card_picker")), "another")
+    assert session.draft is None
+    session.stack.undo()
+    assert session.draft == draft
+
+
+def test_views_hear_of_it(session: Session) -> None:
+    heard: list[str] = []
+    session.draft_changed.connect(lambda: heard.append("draft"))
+    session.design_changed.connect(lambda: heard.append("design"))
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    session.edit("motion.segments[1].span_deg", 45.0, "right")
+    session.stack.undo()
+    assert heard == ["draft", "draft", "design", "design"]
+
+
+# -- closing ----------------------------------------------------------------------------------------------
+
+
+def test_it_is_closed_by_a_return(session: Session) -> None:
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    lay_out(session)
+    assert session.close_draft()
+    assert session.draft is None
+    assert faults(session.design) == []
+    assert session.design.drive.motion.segments[1].rise == 40.0
+    session.stack.undo()
+    assert rise_gap(typed(session)) == 40.0
+
+
+def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    draft = session.draft
+    session.drop_draft()
+    assert (session.design, session.draft) == (AT_REST, None)
+    assert session.stack.undoText() == "Drop the unfinished motion"
+    session.stack.undo()
+    assert session.draft == draft
+
+
+# -- files and recovery -----------------------------------------------------------------------------------
+
+
+def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_path: object) -> None:
+    path = tmp_path / "own.toml"  # type: ignore[operator]
+    session.edit("motion.segments[1].span_deg", 300.0, "too long")
+    session.save(path)
+    assert load(path) == AT_REST
+    assert session.modified
+    assert session.draft is not None
+    session.stack.undo()
+    assert not session.modified
+
+
+def test_its_state_goes_through_text_and_back(session: Session, app: object) -> None:
+    session.edit("motion.segments[3].law", "dwell", "no return")
+    lay_out(session)
+    session.mark_assumed("motion.segments[1].rise_mm", True, "a guess")
+    state = json.loads(json.dumps(session.state()))
+    other = Session(LIFT)
+    other.restore(state)
+    assert (other.design, other.draft) == (session.design, session.draft)
+    assert other.typed == session.typed
+    assert other.modified
+    assert not other.stack.canUndo()
+    assert other.state() == state
+
+
+def test_a_saved_design_is_restored_as_saved(session: Session) -> None:
+    state = session.state()
+    other = Session(LIFT)
+    other.restore(state)
+    assert (other.design, other.path, other.modified) == (AT_REST, None, False)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {},
+        {"design": "format = 1", "path": None, "modified": True, "draft": None},
+        {"design": dumps(LIFT), "path": None, "modified": True, "draft": {}},
+        {"design": dumps(LIFT), "path": 3, "modified": True, "draft": None},
+        {"design": dumps(LIFT), "path": None, "modified": True, "draft":
+            {"unit": "mm", "motion": {"start_mm": 0.0, "segments": []}, "assumed": [], "path": "", "reason": ""}},
+    ],
+)  # fmt: skip
+def test_a_state_that_cannot_be_read_changes_nothing(session: Session, wrong: dict[str, object]) -> None:
+    with pytest.raises(DesignError):
+        session.restore(wrong)
+    assert session.design is AT_REST
