@@ -33,6 +33,14 @@ class OnConflict(Enum):
     CANCEL = "cancel"
 
 
+class Unfinished(Enum):
+    """What to save where the motion is not finished."""
+
+    CLOSE = "close"
+    LAST_WHOLE = "last whole motion"
+    CANCEL = "cancel"
+
+
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
     """The design file to open, None where the user thinks better of it."""
     name, _ = QFileDialog.getOpenFileName(parent, "Open design", str(folder), f"{DESIGNS};;All files (*)")
@@ -110,6 +118,30 @@ def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str]) -> OnConfl
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
     answer = buttons.get(box.clickedButton(), OnConflict.CANCEL)
+    box.deleteLater()
+    return answer
+
+
+def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfinished:
+    """What to save where the motion is not finished; lines: what it lacks; closing: what would close it, '' where
+    nothing simple does."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("KINDYNA")
+    box.setText("The motion is not finished; a file holds a whole one.")
+    close = f"Close it: {closing}." if closing else "No single return would close it."
+    last = "Save the last whole one: what was typed since stays in this window, and is not in the file."
+    box.setInformativeText("\n".join((*lines, "", close, last)))
+    role = QMessageBox.ButtonRole
+    buttons = {box.addButton("Close it and save", role.AcceptRole): Unfinished.CLOSE} if closing else {}
+    buttons |= {
+        box.addButton("Save the last whole motion", role.AcceptRole): Unfinished.LAST_WHOLE,
+        box.addButton(QMessageBox.StandardButton.Cancel): Unfinished.CANCEL,
+    }
+    box.setDefaultButton(next(iter(buttons)))
+    box.setEscapeButton(QMessageBox.StandardButton.Cancel)
+    box.exec()
+    answer = buttons.get(box.clickedButton(), Unfinished.CANCEL)
     box.deleteLater()
     return answer
 

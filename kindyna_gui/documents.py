@@ -9,17 +9,21 @@ from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, Segment, SingleCam, kind_of
+from core.design import FOLLOWER_KINDS, Design, Named, Segment, SingleCam, kind_of, stroke
 from core.design.paths import with_section
 from core.errors import KindynaError
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
-from kindyna_gui.dialogs import Answer, OnConflict
+from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
 from kindyna_gui.difference_text import difference_text
+from kindyna_gui.draft_words import closing_words, misses
 from kindyna_gui.places import examples
 from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
+
+NEW_LAW = "modified-sine"
+"""Of the rise and the return that a new design begins with."""
 
 
 class Documents(QObject):
@@ -61,15 +65,15 @@ class Documents(QObject):
     # -- opening ------------------------------------------------------------------------------------------
 
     def new(self, kind: str) -> None:
-        """A design of this kind of follower to begin with: it stands still, in the lengths of the first example of that
-        kind."""
+        """A design of this kind of follower to begin with: lengths and stroke of the first example of that kind, and a
+        whole motion."""
         if not self.may_leave():
             return
         for _, path in examples():
             design = load(path)
             if isinstance(design, SingleCam) and kind_of(design.drive.follower) == kind:
-                self._session.start(_at_rest(design, FOLLOWER_KINDS[kind].label))
-                self.told.emit(f"Began with the lengths of {path.stem}; its motion is still to be laid out")
+                self._session.start(_begun(design, FOLLOWER_KINDS[kind].label))
+                self.told.emit(f"Began with the lengths of {path.stem} and a motion of four segments to be changed")
                 return
 
     def open_file(self) -> None:
@@ -111,22 +115,38 @@ class Documents(QObject):
 
     def save(self) -> bool:
         """Save to the design's own file; where it has none, ask for one."""
-        self.settle()
+        if not self._whole():
+            return False
         path = self._session.path
         if path is None:
-            return self.save_as()
+            return self._save_as()
         if self._session.on_disk() is OnDisk.CHANGED:
             return self._save_over_change(path)
         return self._save(path)
 
     def overwrite(self) -> bool:
         """Save to the design's own file, whatever another program has written there."""
-        self.settle()
-        return self.save_as() if self._session.path is None else self._save(self._session.path)
+        if not self._whole():
+            return False
+        return self._save_as() if self._session.path is None else self._save(self._session.path)
 
     def save_as(self) -> bool:
         """Ask for a file and save to it."""
+        return self._whole() and self._save_as()
+
+    def _whole(self) -> bool:
+        """Let the field that is being typed into take its value, and ask what to do with a motion that is not finished;
+        True where there is a whole one to be saved."""
         self.settle()
+        session = self._session
+        if session.draft is None:
+            return True
+        closing = session.closing
+        words = "" if closing is None else closing_words(session.draft, closing)
+        answer = dialogs.ask_unfinished(self._window, misses(session.draft, session.typed), words)
+        return session.close_draft() if answer is Unfinished.CLOSE else answer is Unfinished.LAST_WHOLE
+
+    def _save_as(self) -> bool:
         stem = self._session.design.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
@@ -152,7 +172,7 @@ class Documents(QObject):
         if answer is OnConflict.OVERWRITE:
             return self._save(path)
         if answer is OnConflict.SAVE_AS:
-            return self.save_as()
+            return self._save_as()
         if answer is OnConflict.RELOAD:
             self.reload()
         return False
@@ -174,19 +194,24 @@ class Documents(QObject):
             self._tell(f"{path.name} cannot be saved.", error)
             return False
         self._settings.add_recent(path)
-        self.told.emit(f"Saved {path}")
+        beside = "; the unfinished motion is not in it" if self._session.draft is not None else ""
+        self.told.emit(f"Saved {path}{beside}")
         return True
 
     def _tell(self, what: str, error: KindynaError) -> None:
         dialogs.show_faults(self._window, what, str(error).splitlines())
 
 
-def _at_rest(design: SingleCam, label: str) -> SingleCam:
-    """The design without its motion: one dwell at the base position."""
-    motion = replace(design.drive.motion, start=0.0, segments=(Segment(360.0, 0.0),))
+def _begun(design: SingleCam, label: str) -> SingleCam:
+    """The design with a motion to begin with: dwell, rise, dwell and return of a quarter turn each, from the base
+    position to its stroke and back."""
+    height = stroke(design.drive.motion)
+    segments = tuple(Segment(90.0, rise, Named(law)) for rise, law in (
+        (0.0, "dwell"), (height, NEW_LAW), (0.0, "dwell"), (-height, NEW_LAW),
+    ))  # fmt: skip
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     renamed = replace(design, name=f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
-    return with_section(renamed, "motion", motion)
+    return with_section(renamed, "motion", replace(design.drive.motion, start=0.0, segments=segments))
 
 
 def dropped_design(event: QDropEvent) -> Path | None:

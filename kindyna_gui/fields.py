@@ -180,7 +180,7 @@ class Field(QObject):
         """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
         of its name may outlast it."""
         try:
-            self.spec.read(self.session.design)
+            self.spec.read(self.session.typed)
         except KeyError:
             return True
         return False

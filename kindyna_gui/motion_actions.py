@@ -88,6 +88,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             lambda design, index, _: copy_segment(design, index),
             _has_room,
             after=1,
+            whole=True,
         ),
         "mirror": SegmentAction(
             "Mirror",

@@ -1,13 +1,18 @@
 """A motion that does not come back yet: what was typed stays, and the last whole one is shown."""
 
 import json
+from pathlib import Path
 
 import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User
 
-from core.design import Motion, edited, faults, insert_segment, rise_gap, span_gap
+from core.design import Motion, Named, edited, faults, insert_segment, rise_gap, span_gap, stroke
 from core.errors import DesignError
 from core.project import dumps, load
 from kindyna_gui.places import example
+from kindyna_gui.segments_model import JOIN, LAW, RISE, SPAN
 from kindyna_gui.session import Session
 
 LIFT = load(example("transfer_lift"))
@@ -190,8 +195,8 @@ def test_it_is_dropped_and_undo_brings_it_back(session: Session) -> None:
 # -- files and recovery -----------------------------------------------------------------------------------
 
 
-def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_path: object) -> None:
-    path = tmp_path / "own.toml"  # type: ignore[operator]
+def test_it_counts_as_unsaved_and_stays_out_of_the_file(session: Session, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
     session.edit("motion.segments[1].span_deg", 300.0, "too long")
     session.save(path)
     assert load(path) == AT_REST
@@ -237,3 +242,158 @@ def test_a_state_that_cannot_be_read_changes_nothing(session: Session, wrong: di
     with pytest.raises(DesignError):
         session.restore(wrong)
     assert session.design is AT_REST
+
+
+# -- in the window ----------------------------------------------------------------------------------------
+
+
+def column(user: User, number: int) -> list[str]:
+    return [user.cell(row, number) for row in range(user.motion().model.rowCount())]
+
+
+def choose_law(user: User, row: int, slug: str) -> None:
+    view = user.motion()
+    view.choose(row, LAW)
+    view.model.setData(view.model.index(row, LAW), slug)
+    user.session.end_gesture()
+
+
+def rise_alone(user: User) -> None:
+    """A new design left with dwells; by keys, a law and 40 mm for its second segment."""
+    user.choose("File", "New", "Translating follower")
+    view = user.motion()
+    for row in (3, 1):
+        view.choose(row)
+        view.table.setFocus()
+        user.press(Qt.Key.Key_Delete)
+    for _ in range(3):
+        view.choose(0)
+        view.table.setFocus()
+        user.press(Qt.Key.Key_Insert)
+    choose_law(user, 1, "cycloidal")
+    user.enter_cell(1, RISE, "40")
+
+
+@pytest.fixture
+def user(open_user: Open) -> User:
+    return open_user(plots=False)
+
+
+def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
+    """As the program begins it: insert three times, a law and 40 mm for segment 2."""
+    user.choose("File", "New", "Translating follower")
+    user.choose("Make", "Motion table")
+    for _ in range(3):
+        user.motion().choose(0)
+        user.choose("Make", "Insert segment")
+    choose_law(user, 1, "cycloidal")
+    user.enter_cell(1, RISE, "40")
+    assert column(user, RISE)[1] == "40"
+    assert user.session.typed.drive.motion.segments[1].rise == 40.0
+
+
+def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user: User) -> None:
+    rise_alone(user)
+    view, whole = user.motion(), user.design.drive.motion
+    assert stroke(whole) == 0.0
+    assert view.diagram.motion == whole, "drawings keep the last whole motion"
+    assert view.model.amiss(1, RISE)
+    assert view.draft.isVisible()
+    assert view.draft.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
+    assert "-40 mm" in view.draft.remedy.text()
+    assert user.cell(view.model.rowCount() - 1, JOIN).startswith("Δs")
+    assert user.number("motion.stroke_mm").value == 40.0
+    assert user.window.isWindowModified()
+
+
+def test_the_button_closes_it_and_undo_opens_it_again(user: User) -> None:
+    rise_alone(user)
+    view = user.motion()
+    QTest.mouseClick(view.draft.close_button, Qt.MouseButton.LeftButton)
+    assert faults(user.design) == []
+    assert stroke(user.design.drive.motion) == 40.0
+    assert not view.draft.isVisible()
+    user.choose("Edit", "Undo Close the motion")
+    assert view.draft.isVisible()
+    assert column(user, RISE)[1] == "40"
+
+
+def test_the_diagram_of_the_last_whole_motion_cannot_be_drawn_at(user: User) -> None:
+    user.enter_cell(1, SPAN, "300")
+    view, draft = user.motion(), user.session.draft
+    place = view.diagram.place_of_join(1).toPoint()
+    QTest.mousePress(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place)
+    QTest.mouseMove(view.diagram.viewport(), place + QPoint(30, 0))
+    QTest.mouseRelease(view.diagram.viewport(), Qt.MouseButton.LeftButton, pos=place + QPoint(30, 0))
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Right, modifier=Qt.KeyboardModifier.AltModifier)
+    assert user.session.draft == draft
+    assert user.steps == ["Change span of segment 2 to 300°"]
+
+
+def test_segments_come_and_go_in_it(user: User) -> None:
+    user.enter_cell(1, SPAN, "300")
+    view = user.motion()
+    enabled = [name for name, button in view.bar.buttons.items() if button.isEnabled()]
+    assert enabled == ["insert", "delete"], "the others take a whole turn"
+    view.choose(2)
+    QTest.mouseClick(view.bar.buttons["insert"], Qt.MouseButton.LeftButton)
+    assert column(user, SPAN) == ["35", "300", "103.5", "103.5", "41.5", "35"]
+    view.choose(3)
+    QTest.mouseClick(view.bar.buttons["delete"], Qt.MouseButton.LeftButton)
+    assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
+    user.enter_cell(1, SPAN, "41.5")
+    assert user.design == LIFT
+    assert user.session.draft is None
+
+
+def test_the_curve_of_a_segment_that_only_the_draft_has_is_edited(user: User) -> None:
+    view = user.motion()
+    view.choose(4)
+    user.enter_cell(1, SPAN, "300")
+    for _ in range(2):
+        view.choose(view.model.rowCount() - 1)
+        QTest.mouseClick(view.bar.buttons["insert"], Qt.MouseButton.LeftButton)
+    choose_law(user, 6, "cycloidal")
+    view.choose(6)
+    user.enter("motion.segments[6].crossover", "0.4")
+    assert user.session.typed.drive.motion.segments[6].curve == Named("cycloidal", 0.4)
+
+
+@pytest.mark.parametrize(
+    ("button", "height", "left"),
+    [("Close it and save", 40.0, False), ("Save the last whole motion", 0.0, True)],
+)
+def test_save_offers_to_close_it_or_to_save_the_last_whole_motion(
+    user: User, tmp_path: Path, button: str, height: float, left: bool
+) -> None:
+    path = tmp_path / "own.toml"
+    user.picks("design_to_save", path)
+    rise_alone(user)
+    asked = user.clicks(button)
+    user.choose("File", "Save")
+    assert asked == ["The motion is not finished; a file holds a whole one."]
+    assert stroke(load(path).drive.motion) == height
+    assert (user.session.draft is not None) is left
+    assert user.window.isWindowModified() is left
+    assert column(user, RISE)[1] == "40"
+
+
+def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
+    user.picks("design_to_save", tmp_path / "own.toml")
+    rise_alone(user)
+    user.clicks("Cancel")
+    user.choose("File", "Save as...")
+    assert list(tmp_path.iterdir()) == []
+    assert column(user, RISE)[1] == "40"
+
+
+def test_a_linkage_has_drafts_too(open_user: Open) -> None:
+    user = open_user(example("four_bar_coupler_cam"), plots=False)
+    before, spans = user.design, column(user, SPAN)
+    user.enter_cell(1, SPAN, "300")
+    assert user.design == before
+    assert column(user, SPAN) == [spans[0], "300", *spans[2:]]
+    user.window.show_view("parameters")
+    user.choose("Edit", "Undo Change span of segment 2 to 300°")
+    assert column(user, SPAN) == spans
