@@ -67,13 +67,33 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
 )
 
 
+LEAST_BOUND = 1e-12
+"""Accuracy that every channel promises, relative to its size: a residual within it is kept whatever rounding would allow."""
+
+
 @dataclass(frozen=True)
 class Residual:
-    """One line of the certificate: a figure that exact arithmetic would make zero, and the bound it must keep."""
+    """One line of the certificate: a figure that exact arithmetic would make zero, relative to the size of its channel.
+
+    derived   what rounding may make of it
+    left_out  how many of the cases it says nothing of, and of which ones: ``cases`` is ``1984 triples``
+    """
 
     value: float
-    bound: float
+    derived: float
+    left_out: int = 0
+    cases: str = ""
+
+    @property
+    def bound(self) -> float:
+        """What it must keep: the larger of the derived bound and the promised accuracy."""
+        return max(self.derived, LEAST_BOUND)
 
     @property
     def kept(self) -> bool:
         return self.value <= self.bound
+
+    @property
+    def note(self) -> str:
+        """What was left out, in words."""
+        return f"{self.left_out} of {self.cases} left out" if self.left_out else ""

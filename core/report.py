@@ -209,10 +209,12 @@ def _findings(study: Study, stages: Sequence[str]) -> list[str]:
 
 
 def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
-    rows: list[Sequence[str]] = [("", "residual", "bound", "")]
+    rows: list[Sequence[str]] = [("", "residual", "bound", "", "")]
     for name, residual in study.certificate(tuple(stages)).items():
         verdict = "kept" if residual.kept else "NOT KEPT"
-        rows.append((name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict))
+        rows.append(
+            (name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict, residual.note)
+        )
     return _heading("Certificate") + columns(rows)
 
 

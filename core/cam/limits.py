@@ -38,11 +38,16 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | Linkag
         severity = ERROR if angle > NO_DRIVE else WARNING
         code, field = PRESSURE_FIELDS[type(cam)]
         found.append(Finding(code, severity, field, degrees(worst.theta), values))
-    sharpest, radius = extremes["pitch_curvature"].high, si(cam).roller_radius
-    if radius * sharpest.value >= 1.0:
+    if undercut(extremes, cam):
+        sharpest = extremes["pitch_curvature"].high
         values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}
         found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(sharpest.theta), values))
     return found
+
+
+def undercut(extremes: Mapping[str, Range], cam: RollerCam | LinkageCam) -> bool:
+    """Whether the pitch curve is somewhere no blunter than the roller: there the profile has a cusp, or crosses itself."""
+    return bool(si(cam).roller_radius * extremes["pitch_curvature"].high.value >= 1.0)
 
 
 def require_hold(train: Train) -> None:

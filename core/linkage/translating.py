@@ -51,6 +51,7 @@ def translating_train(follower: Translating, reach: float, motion: MotionState) 
         travel=np.full(n, along),
         coordinates={"follower_position": place},
         base={"follower": (base, "mm")},
-        residual=np.abs(((z[0] - 1j * g.offset * along) / along).imag) / reach,
+        # the guide runs as far as the motion does, which may be long against the base circle
+        residual=np.abs(((z[0] - 1j * g.offset * along) / along).imag) / np.maximum(np.abs(z[0]), reach),
         condition=np.full(n, 4.0),
     )

@@ -13,6 +13,7 @@ from core.cam import CamShape
 from core.design import SingleCam, kind_of, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoStability
+from core.extremes import Range
 from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
 from core.shaft import Flywheel, TorqueCurve, flywheel, lag, torque_curve
@@ -188,7 +189,7 @@ class CamStudy(Study, of=SingleCam):
             "motion": lambda: motion.findings(self.program),
             "linkage": lambda: linkage.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
             "cam": lambda: cam.findings(
-                self.extremes("cam", ("pressure_angle", "pitch_curvature")),
+                self._cam_extremes,
                 self.linkage.pairs[self.linkage.ground].kind,
                 self.design.drive.cam,
             ),
@@ -198,6 +199,10 @@ class CamStudy(Study, of=SingleCam):
             "stability": self._stability_findings,
         }
         return rows[stage]()
+
+    @property
+    def _cam_extremes(self) -> Mapping[str, Range]:
+        return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft.elastic is None:
@@ -225,8 +230,8 @@ class CamStudy(Study, of=SingleCam):
             radius: float = si(self.design.drive.cam).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
-            proof["roller_tangency"] = Residual(
-                cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS * farthest
+            proof["roller_tangency"] = cam.tangency(
+                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, self.design.drive.cam)
             )
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
