@@ -60,7 +60,7 @@ ifneq ($(VENV_HOME),$(CURDIR))
 .PHONY: .venv/.ready
 endif
 
-.PHONY: help run test check bench bench-check stress soak wheel clean
+.PHONY: help run test check bench bench-check stress fuzz soak wheel clean
 
 help:
 	@cat <<-'END'
@@ -70,6 +70,7 @@ help:
 	make bench    measure speed against error (out/bench; ARGS=--quick, ARGS=--readme)
 	make bench-check  fail where a kernel has become slower (ARGS=--update: take the present times)
 	make stress   search for numerical breakdown (KINDYNA_STRESS_SECONDS, default 600)
+	make fuzz     use the window at random and kill it at random (KINDYNA_FUZZ_SECONDS, default 600)
 	make soak     run the window for minutes and look for leaks
 	make wheel    build dist/kindyna-*.whl
 	make clean    remove the environment, caches and dist
@@ -135,6 +136,10 @@ bench-check: .venv/.ready
 stress: export KINDYNA_STRESS_SECONDS ?= 600
 stress: .venv/.ready
 	@.venv/bin/python -m pytest -q -m stress $(ARGS)
+
+fuzz: export KINDYNA_FUZZ_SECONDS ?= 600
+fuzz: .venv/.ready
+	@.venv/bin/python -m pytest -q -m fuzz $(ARGS)
 
 soak: .venv/.ready
 	@.venv/bin/python -m pytest -q -m soak $(ARGS)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import shutil
 import stat
 from collections.abc import Iterator, Mapping
@@ -13,6 +14,7 @@ from types import MappingProxyType
 from typing import NoReturn
 
 from core.errors import FileError
+from core.locks import NO_LOCKS, hold
 
 AnyPath = str | os.PathLike[str]
 
@@ -86,6 +88,7 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
     The stacks unwind from right to left: old contents back, other names swept up, new folders removed.
     """
     with ExitStack() as folders, ExitStack() as leftovers, ExitStack() as undo:
+        others = _OtherNames(leftovers)
         targets = {path: _target(path) for path in files}
         modes = {path: _permissions(path, target) for path, target in targets.items()}
         made = {}
@@ -93,13 +96,13 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
             with _told(path, "written"):
                 if create_folders:
                     _create_folders(targets[path].parent, folders)
-                made[path] = _other_name(targets[path], leftovers)
+                made[path] = others.beside(targets[path])
                 _write_new(made[path], data, modes[path])
         kept = {}
         if len(files) > 1:  # a single move needs no way back
             for path in (p for p in files if modes[p] is not None):
                 with _told(path, "written"):
-                    kept[path] = _other_name(targets[path], leftovers)
+                    kept[path] = others.beside(targets[path])
                     _keep(targets[path], kept[path])
         for path, target in targets.items():
             with _told(path, "written"):
@@ -108,6 +111,8 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
                 os.replace(made[path], target)
         undo.pop_all()
         folders.pop_all()
+    for folder in {target.parent for target in targets.values()}:
+        _sync(folder)
 
 
 def _target(path: Path) -> Path:
@@ -130,11 +135,61 @@ def _permissions(path: Path, target: Path) -> int | None:
         return stat.S_IMODE(status.st_mode)
 
 
-def _other_name(target: Path, leftovers: ExitStack) -> Path:
-    """A free name beside the target, noted to be swept up."""
-    other = target.with_name(f".{os.urandom(8).hex()}.tmp")
-    leftovers.callback(_remove, other)
-    return other
+class _OtherNames:
+    """Free names beside targets, each noted to be swept up: ``.kindyna-RUN-1.tmp``, ``.kindyna-RUN-2.tmp`` ...
+
+    In each folder a lock file ``.kindyna-RUN.tmp`` is made before them, held, and removed after them: names whose lock
+    nobody holds were left behind by a process that was killed.
+    """
+
+    def __init__(self, leftovers: ExitStack) -> None:
+        self._leftovers = leftovers
+        self._runs: dict[Path, str] = {}
+        self._number = 0
+
+    def beside(self, target: Path) -> Path:
+        folder = target.parent
+        if folder not in self._runs:
+            sweep(folder)
+            self._runs[folder] = self._begin(folder)
+        self._number += 1
+        other = folder / f".kindyna-{self._runs[folder]}-{self._number}.tmp"
+        self._leftovers.callback(_remove, other)
+        return other
+
+    def _begin(self, folder: Path) -> str:
+        while True:
+            run = os.urandom(8).hex()
+            lock = folder / f".kindyna-{run}.tmp"
+            self._leftovers.callback(_remove, lock)
+            try:
+                handle = hold(lock)
+            except OSError as error:
+                if error.errno not in NO_LOCKS:
+                    raise
+                return run
+            if handle is not None:  # else another's sweep was quicker
+                self._leftovers.callback(os.close, handle)
+                return run
+
+
+_OTHER_NAME = re.compile(r"\.kindyna-([0-9a-f]{16})(-\d+)?\.tmp")
+
+
+def sweep(folder: AnyPath) -> None:
+    """Remove what killed writes have left in a folder; the names of a write that still runs stay."""
+    with suppress(OSError):
+        found = [match for name in os.listdir(folder) if (match := _OTHER_NAME.fullmatch(name))]
+        for run in {match[1] for match in found}:
+            lock = Path(folder, f".kindyna-{run}.tmp")
+            with suppress(OSError):
+                handle = hold(lock)
+                if handle is not None:
+                    for match in found:
+                        if match[1] == run:
+                            _remove(Path(folder, match[0]))
+                    _remove(lock)
+                    os.close(handle)
 
 
 def _write_new(path: Path, data: bytes | str, mode: int | None) -> None:
@@ -149,6 +204,16 @@ def _write_new(path: Path, data: bytes | str, mode: int | None) -> None:
         os.close(handle)
     if mode is not None:
         os.chmod(path, mode)
+
+
+def _sync(folder: Path) -> None:
+    """Have the disk keep the names in a folder as they are now; some systems cannot, and do so by themselves."""
+    with suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def _keep(target: Path, other: Path) -> None:

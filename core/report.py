@@ -45,7 +45,7 @@ def printable(text: str) -> str:
 
 
 def finding_line(finding: Finding, angle: str = "cam angle") -> str:
-    where = "" if finding.cam_angle_deg is None else f" at {angle} {digits(finding.cam_angle_deg)} °"
+    where = "" if finding.cam_angle_deg is None or finding.says_angle else f" at {angle} {digits(finding.cam_angle_deg)} °"
     return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
 
 
@@ -214,10 +214,12 @@ def _findings(study: Study, stages: Sequence[str]) -> list[str]:
 
 
 def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
-    rows: list[Sequence[str]] = [("", "residual", "bound", "")]
+    rows: list[Sequence[str]] = [("", "residual", "bound", "", "")]
     for name, residual in study.certificate(tuple(stages)).items():
         verdict = "kept" if residual.kept else "NOT KEPT"
-        rows.append((name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict))
+        rows.append(
+            (name.replace("_", " "), f"{residual.value:.2e}", f"{residual.bound:.2e}", verdict, residual.note)
+        )
     return _heading("Certificate") + columns(rows)
 
 

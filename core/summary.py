@@ -45,7 +45,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
             for f in study.findings(tuple(stages))
         ],
         "certificate": {
-            name: {"value": _number(r.value), "bound": _number(r.bound)}
+            name: {"value": _number(r.value), "bound": _number(r.bound), "left_out": r.left_out}
             for name, r in study.certificate(tuple(stages)).items()
         },
     }  # fmt: skip

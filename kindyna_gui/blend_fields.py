@@ -204,6 +204,8 @@ class PointRow(Ranged):
     """A precision point: at a cam angle, a level above the lowest.
 
     gone   take it away
+
+    paper: the widget that holds all of the row
     """
 
     gone = Signal()
@@ -220,6 +222,16 @@ class PointRow(Ranged):
         self.close.clicked.connect(self.gone)
         for box in self.boxes():
             box.changed.connect(self.changed)
+        self.paper = QWidget()
+        self.setParent(self.paper)  # goes with it
+        grid = QGridLayout(self.paper)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(2)
+        for column, widget in enumerate(self.widgets()):
+            grid.addWidget(widget, 0, column)
+        grid.setColumnStretch(self.widgets().index(self.range), 1)
+        grid.addWidget(self.message, 1, 0, 1, len(self.widgets()))
 
     def boxes(self) -> tuple[LiveBox, ...]:
         return self.at, self.level

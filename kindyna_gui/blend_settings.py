@@ -16,6 +16,7 @@ from kindyna_gui.blend_fields import PointRow, Ranged, SettingRow
 from kindyna_gui.blend_words import reason
 from kindyna_gui.look import icon
 from kindyna_gui.pictures.units import nice_below
+from kindyna_gui.rebuilt import take_away
 
 STEPS = 150.0  # of an arrow, from nothing to what is usual
 ANGLES = ("length", "peak")
@@ -45,10 +46,8 @@ class SettingsArea(QScrollArea):
         column.setContentsMargins(8, 6, 6, 6)
         column.setSpacing(2)
         column.addLayout(self._settings())
-        self._points = QGridLayout()
-        self._points.setHorizontalSpacing(6)
-        self._points.setVerticalSpacing(2)
-        self._points.setColumnStretch(5, 1)
+        self._points = QVBoxLayout()
+        self._points.setSpacing(2)
         column.addLayout(self._points)
         self.add_point = self._add_button()
         column.addWidget(self.add_point, 0, Qt.AlignmentFlag.AlignLeft)
@@ -182,13 +181,12 @@ class SettingsArea(QScrollArea):
         """A precision point more; where nothing is said of it, in the middle."""
         start, end, stroke = self._frame
         row = PointRow(UNITS[self.unit])
-        row.setParent(self)
         row.at.set_number(round(0.5 * (start + end)) if at is None else at)
         row.level.set_number(nice_below(0.5 * stroke) if value is None else value)
         row.changed.connect(self.changed)
         row.gone.connect(partial(self._remove_point, row))
         self.points.append(row)
-        self._lay_points()
+        self._points.addWidget(row.paper)
         if not quietly:
             row.at.setFocus(Qt.FocusReason.OtherFocusReason)
             row.at.selectAll()
@@ -196,20 +194,9 @@ class SettingsArea(QScrollArea):
 
     def _remove_point(self, row: PointRow, quietly: bool = False) -> None:
         self.points.remove(row)
-        for widget in (*row.widgets(), row.message):
-            self._points.removeWidget(widget)
-            widget.hide()
-            widget.deleteLater()
-        row.deleteLater()
-        self._lay_points()
+        take_away(row.paper)
         if not quietly:
             self.changed.emit()
-
-    def _lay_points(self) -> None:
-        for i, row in enumerate(self.points):
-            for j, widget in enumerate(row.widgets()):
-                self._points.addWidget(widget, 2 * i, j)
-            self._points.addWidget(row.message, 2 * i + 1, 0, 1, 7)
 
 
 def curve_of(name: str, rise: Sequence[str], back: Sequence[str]) -> str:

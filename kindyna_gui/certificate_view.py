@@ -39,7 +39,7 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
         ),
         "roller_tangency": (
             "touches, cuts nowhere",
-            "the roller touches the finished profile and cuts into it nowhere, tried point by point",
+            "the roller touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
         ),
         "power_balance": (
             "power in is power out",
@@ -51,7 +51,7 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
         ),
         "three_centres": (
             "three centres in line",
-            "the instant centres of any three links lie on one line, at every driver angle",
+            "the instant centres of three links lie on one line, each centre in one such triple at least",
         ),
     }
 )
@@ -67,7 +67,7 @@ def certificate_row(name: str, residual: Residual) -> Row:
             f"{residual.value:.1e}" if residual.value else "0",
             f"{residual.bound:.1e}",
             "kept" if residual.kept else "not kept",
-            sentence(short),
+            sentence(", ".join(filter(None, (short, residual.note)))),
         ),
         sign("none" if residual.kept else ERROR),
         sentence(proves),

@@ -24,6 +24,23 @@ class Answer(Enum):
     CANCEL = "cancel"
 
 
+class OnConflict(Enum):
+    """What to do where another program has changed the file that is to be saved to."""
+
+    RELOAD = "reload"
+    SAVE_AS = "save as"
+    OVERWRITE = "overwrite"
+    CANCEL = "cancel"
+
+
+class Unfinished(Enum):
+    """What to save where the motion is not finished."""
+
+    CLOSE = "close"
+    LAST_WHOLE = "last whole motion"
+    CANCEL = "cancel"
+
+
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
     """The design file to open, None where the user thinks better of it."""
     name, _ = QFileDialog.getOpenFileName(parent, "Open design", str(folder), f"{DESIGNS};;All files (*)")
@@ -83,18 +100,69 @@ def ask_to_save(parent: QWidget, name: str) -> Answer:
     return answer
 
 
-def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
-    """What went wrong, every fault on a line of its own; all of them can be selected and copied."""
+def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str]) -> OnConflict:
+    """What to do with a file that another program has changed; lines: what differs between it and the design."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Warning)
     box.setWindowTitle("KINDYNA")
-    box.setText(what)
+    box.setText(f"{name} has been changed by another program since it was read.")
+    _list(box, lines)
+    role = QMessageBox.ButtonRole
+    buttons = {
+        box.addButton("Reload the file", role.DestructiveRole): OnConflict.RELOAD,
+        box.addButton("Save as...", role.AcceptRole): OnConflict.SAVE_AS,
+        box.addButton("Overwrite", role.DestructiveRole): OnConflict.OVERWRITE,
+        box.addButton(QMessageBox.StandardButton.Cancel): OnConflict.CANCEL,
+    }
+    box.setDefaultButton(next(button for button, answer in buttons.items() if answer is OnConflict.SAVE_AS))
+    box.setEscapeButton(QMessageBox.StandardButton.Cancel)
+    box.exec()
+    answer = buttons.get(box.clickedButton(), OnConflict.CANCEL)
+    box.deleteLater()
+    return answer
+
+
+def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfinished:
+    """What to save where the motion is not finished; lines: what it lacks; closing: what would close it, '' where
+    nothing simple does."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("KINDYNA")
+    box.setText("The motion is not finished; a file holds a whole one.")
+    close = f"Close it: {closing}." if closing else "No single return would close it."
+    last = "Save the last whole one: what was typed since stays in this window, and is not in the file."
+    box.setInformativeText("\n".join((*lines, "", close, last)))
+    role = QMessageBox.ButtonRole
+    buttons = {box.addButton("Close it and save", role.AcceptRole): Unfinished.CLOSE} if closing else {}
+    buttons |= {
+        box.addButton("Save the last whole motion", role.AcceptRole): Unfinished.LAST_WHOLE,
+        box.addButton(QMessageBox.StandardButton.Cancel): Unfinished.CANCEL,
+    }
+    box.setDefaultButton(next(iter(buttons)))
+    box.setEscapeButton(QMessageBox.StandardButton.Cancel)
+    box.exec()
+    answer = buttons.get(box.clickedButton(), Unfinished.CANCEL)
+    box.deleteLater()
+    return answer
+
+
+def _list(box: QMessageBox, lines: Sequence[str]) -> None:
+    """The first lines below the text of a box, where there are many all of them under Details."""
     shown = list(lines[:MOST_LINES])
     if len(lines) > MOST_LINES:
         shown.append(f"... and {len(lines) - MOST_LINES} more")
         box.setDetailedText("\n".join(lines))
     box.setInformativeText("\n".join(shown))
     box.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+
+
+def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
+    """What went wrong, every fault on a line of its own; all of them can be selected and copied."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Warning)
+    box.setWindowTitle("KINDYNA")
+    box.setText(what)
+    _list(box, lines)
     box.exec()
     box.deleteLater()
 

@@ -58,6 +58,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "graph": ViewRow("Graph", lazily("graph_view", "GraphView"), CENTRE, shown=False, picture=True),
         "laws": ViewRow("Laws", lazily("laws_view", "LawsView"), CENTRE, shown=False, picture=True),
         "stability": ViewRow("Stability", lazily("stability_view", "StabilityView"), CENTRE, shown=False, picture=True),
+        "log": ViewRow("Log", lazily("log_view", "LogView"), CENTRE, shown=False),
         "parameters": ViewRow("Parameters", lazily("forms", "ParametersView"), LEFT),
         "motion": ViewRow("Motion", lazily("segments_view", "SegmentsView"), LEFT),
         "centres": ViewRow("Centres", lazily("centres_view", "CentresView"), LEFT, "motion", shown=False),

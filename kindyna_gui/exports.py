@@ -71,7 +71,11 @@ def _patiently(make: Callable[[], Made]) -> Made:
 
 
 def save_picture(view: View, name: str) -> None:
-    """Ask for a file and write a view's picture there."""
+    """Ask for a file and write a view's picture there; where the view has nothing to show, say why."""
+    view.pull()
+    if view.no_picture:
+        dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
+        return
     path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
     told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()))
     if told:
@@ -79,7 +83,10 @@ def save_picture(view: View, name: str) -> None:
 
 
 def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
-    """Ask for a file and write the channels' numbers there."""
+    """Ask for a file and write the channels' numbers there; where there are none, say why."""
+    if not rows:
+        dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())
+        return
     design = view.session.design
     path = dialogs.table_to_save(view, Settings().folder / f"{name}.csv")
     told = written(view, path, lambda: numbers(design, rows))

@@ -12,7 +12,7 @@ from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from core.design import Design, Entry, Info, Unit, get, is_assumed, with_assumed
+from core.design import Design, Entry, Info, Unit, get, is_assumed
 from kindyna_gui.field_parts import Mark, NameLabel
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -149,8 +149,8 @@ class Field(QObject):
 
     def _accepted(self, path: str) -> None:
         self._blame.pop(path, None)
-        if path == self.spec.path:
-            self._show(self.session.design)
+        if path == self.spec.path and not self.gone:
+            self._show(self.session.typed)
         self._tell()
 
     def _restored(self) -> None:
@@ -175,12 +175,27 @@ class Field(QObject):
 
     # -- to the session -----------------------------------------------------------------------------------
 
+    @property
+    def gone(self) -> bool:
+        """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
+        of its name may outlast it."""
+        try:
+            self.spec.read(self.session.typed)
+        except KeyError:
+            return True
+        return False
+
+    def edit(self, value: Any, text: str) -> None:
+        """Put a value into the design in place, where it has this field; text names the step."""
+        if not self.gone:
+            self.session.edit(self.spec.path, value, text)
+
     def _enter(self, value: Any) -> None:
         spec = self.spec
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
         else:
-            self.session.edit(spec.path, value, step_text(spec.info.label, value, spec.unit))
+            self.edit(value, step_text(spec.info.label, value, spec.unit))
 
     def _choose(self, index: int) -> None:
         assert isinstance(self.editor, WordBox)
@@ -188,9 +203,11 @@ class Field(QObject):
         self.session.end_gesture()
 
     def _assume(self, on: bool) -> None:
+        if self.gone:
+            return
         name = self.spec.info.label
         text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
-        self.session.put(with_assumed(self.session.design, self.spec.path, on), text)
+        self.session.mark_assumed(self.spec.path, on, text)
 
     def _label_released(self) -> None:
         self.session.end_gesture()

@@ -18,6 +18,7 @@ from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import COLUMNS, Field, NameField, Spec
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
 from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
@@ -74,6 +75,8 @@ class Form(QScrollArea):
         super().__init__()
         self._session, self._section = session, section
         self.fields: dict[str, Field] = {}
+        self._place = Rebuilt(session)
+        self.setWidget(self._place)
         self._shown: tuple[Any, Any] | None = None
         self._heads: list[str] = []
         self.setFrameShape(QFrame.Shape.NoFrame)
@@ -115,7 +118,7 @@ class Form(QScrollArea):
             row += 2
             self.fields[spec.path] = field
         grid.setRowStretch(row, 1)
-        self.setWidget(paper)
+        self._place.replace(paper)
         # else the fields are squeezed under the scroll bar
         self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
 
@@ -172,9 +175,9 @@ class ParametersView(View):
                 self.tabs.setTabVisible(tab, there)
             if not there:
                 continue
-            before = form.widget()
+            before = form.fields
             form.refresh(design)
-            if form.widget() is not before:
+            if form.fields is not before:
                 self._order_fields()
                 for field in form.fields.values():
                     field.trouble_changed.connect(partial(self._show_trouble, form, field))

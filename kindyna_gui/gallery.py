@@ -22,8 +22,9 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design, edited
+from core.design import Design, edited, get
 from core.errors import KindynaError
+from core.followers import LAYOUT_TABLE
 from core.project import load
 from core.study import Study
 from kindyna_gui.look import QUIET, coloured
@@ -46,6 +47,9 @@ LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
 )  # fmt: skip
 """Layout -> guide height [mm] and fixed angle [deg] with which the lift's other lengths make a sound mechanism."""
 
+FORCE = "loads.external_force_n"
+"""Of the cylinder on the slider, along the guide."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -57,12 +61,17 @@ class Choice:
 
 
 def layout_design(letter: str) -> Design:
-    """The lift's lengths in another layout, its guide moved to where the arm can reach it. The guide's place is assumed."""
+    """The lift's lengths in another layout, its guide moved to where the arm can reach it. The guide's place is assumed.
+
+    A roller below the line from cam to pivot is pressed on by turning the arm the other way: the cylinder, which pulls
+    the slider in the layouts with the roller above, pushes it in those.
+    """
     height, angle = LAYOUT_LENGTHS[letter]
     design: Design = load(example(FIRST_EXAMPLE))
-    original = design
+    original, force = design, float(get(design, FORCE))
     for path, value in (
         ("follower.layout", letter), ("follower.guide_height_mm", height), ("follower.fixed_angle_deg", angle),
+        (FORCE, force if LAYOUT_TABLE[letter].roller_above else -force),
     ):  # fmt: skip
         design = edited(design, path, value)
     return original if design == original else replace(design, name=f"Cam slider, layout {letter}")

@@ -27,6 +27,7 @@ from kindyna_gui.live_plot import LivePlot
 from kindyna_gui.look import icon
 from kindyna_gui.player import Player
 from kindyna_gui.player_keys import obey
+from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
 from kindyna_gui.shown import lack, stages_of
 from kindyna_gui.shown_kinds import is_linkage
@@ -48,12 +49,9 @@ class GraphView(View):
         self._lacking: dict[str, str] = {}
         self._built: tuple[object, ...] = ()
         self._shared = False
-        self._paper = QWidget()
+        self._paper = Rebuilt(session, player)
         self._paper.setBackgroundRole(QPalette.ColorRole.Base)
         self._paper.setAutoFillBackground(True)
-        self._grid = QGridLayout(self._paper)
-        self._grid.setContentsMargins(0, 4, 4, 4)
-        self._grid.setSpacing(2)
         self.area = QScrollArea(widgetResizable=True)
         self.area.setFrameShape(QScrollArea.Shape.NoFrame)
         self.area.setWidget(self._paper)
@@ -152,12 +150,14 @@ class GraphView(View):
         count = len(self.choice.plots)
         wanted = (self.form, count)
         if wanted != self._built:
-            for panel in self.panels:
-                panel.setParent(None)
-                panel.deleteLater()
+            paper = QWidget()
+            self._grid = QGridLayout(paper)
+            self._grid.setContentsMargins(0, 4, 4, 4)
+            self._grid.setSpacing(2)
             self.panels = [self._panel(i, count) for i in range(count)]
             self._built = wanted
             self._lay()
+            self._paper.replace(paper)
         for index, panel in enumerate(self.panels):
             panel.set_active(count > 1 and index == self.choice.active)
         self.tree.show_ticks(self.choice.chosen)
@@ -179,15 +179,18 @@ class GraphView(View):
 
     def _lay(self) -> None:
         """Put the plots into a column, or polar ones into a grid in which they are as large as can be."""
+        if not self.panels:
+            return
         room = self.area.viewport().size()
-        form, count = FORMS[self.form], max(1, len(self.panels))
+        form, count = FORMS[self.form], len(self.panels)
         most = max(1, room.width() // form.least)
         columns = min(form.columns(count, room.width(), room.height()), most)
-        for row in range(self._grid.rowCount()):
-            self._grid.setRowStretch(row, 0)
+        grid = self._grid
+        for row in range(grid.rowCount()):
+            grid.setRowStretch(row, 0)
         for index, panel in enumerate(self.panels):
-            self._grid.addWidget(panel, index // columns, index % columns)
-            self._grid.setRowStretch(index // columns, 1)
+            grid.addWidget(panel, index // columns, index % columns)
+            grid.setRowStretch(index // columns, 1)
 
     def _changed(self) -> None:
         """Another choice: the session is asked anew."""

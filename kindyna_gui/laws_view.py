@@ -21,13 +21,14 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import UNITS, Motion, motion_of
+from core.design import UNITS, Motion, edited, motion_of
 from core.design.edits import still
 from core.study import Study
 from kindyna_gui.laws_model import ENDS, NAME, LawsModel
 from kindyna_gui.laws_plot import QUANTITIES, LawPlot, Legend
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.session import Refusal, Session
 from kindyna_gui.view import View
 from kindyna_gui.wording import law_label, shortest, value_text
@@ -170,7 +171,7 @@ class LawsView(View):
     # -- showing --------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        motion = motion_of(study.design)
+        motion = motion_of(self.session.typed)
         segment = None if motion is None else motion.segments[self.session.segment]
         slug = "" if segment is None else segment.curve.law
         self.model.mark(slug, f"◂ segment {self.session.segment + 1}")
@@ -183,13 +184,13 @@ class LawsView(View):
     def _segment_chosen(self) -> None:
         """Another segment, another mark, as for another design."""
         self.invalidate()
-        motion = motion_of(self.session.design)
+        motion = motion_of(self.session.typed)
         self.table.choose("" if motion is None else motion.segments[self.session.segment].curve.law)
 
     def _name_button(self, *_: object) -> None:
         """What the button would do."""
         slug, number = self.table.slug, self.session.segment + 1
-        self.use_button.setEnabled(bool(slug) and motion_of(self.session.design) is not None)
+        self.use_button.setEnabled(bool(slug) and motion_of(self.session.typed) is not None)
         self.use_button.setText(f"Use in segment {number}")
         told = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
         self.use_button.setToolTip(told)
@@ -207,7 +208,7 @@ class LawsView(View):
     def use(self, number: int | None = None) -> None:
         """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, say why."""
         slug, index = self.table.slug, self.session.segment if number is None else number
-        if not slug or motion_of(self.session.design) is None:
+        if not slug or motion_of(self.session.typed) is None:
             return
         path = f"motion.segments[{index}].law"
         told: list[str] = []
@@ -216,7 +217,11 @@ class LawsView(View):
             told.extend(text for _, _, text in refusal.told)
 
         self.session.refused.connect(listen)
-        done = self.session.edit(path, slug, f"Change law of segment {index + 1} to {law_label(slug)}")
+        text = f"Change law of segment {index + 1} to {law_label(slug)}"
+        if self.session.draft is not None:
+            done = self.session.edit(path, slug, text)
+        else:  # nothing was typed that would have to stay
+            done = self.session.put(edited(self.session.design, path, slug), text, path)
         self.session.refused.disconnect(listen)
         self.session.end_gesture()
         if not done:
@@ -229,8 +234,8 @@ class LawsView(View):
         self.note.setToolTip(text)
 
     def _fill_menu(self, menu: QMenu) -> None:
-        menu.clear()
-        motion = motion_of(self.session.design)
+        clear_menu(menu)
+        motion = motion_of(self.session.typed)
         for number, text in enumerate(segment_texts(motion) if motion is not None else ()):
             action = menu.addAction(text)
             action.setCheckable(True)

@@ -25,12 +25,20 @@ def fill_drivers(window: MainWindow, menu: QMenu) -> None:
     group, now = QActionGroup(menu), design.drive.mechanism.driver
     for driver in drivers(design):
         action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
-        action.setStatusTip("The linkage goes on from the position in which it stands now")
+        loses = _loses(design, driver)
+        action.setStatusTip(f"The linkage goes on from the position in which it stands now{f', without {loses}' if loses else ''}")
         action.triggered.connect(partial(_drive, window, driver))
 
 
 def _same(one: Driver, other: Driver) -> bool:
     return (one.link, one.kind) == (other.link, other.kind)
+
+
+def _loses(design: Design, driver: Driver) -> str:
+    """What of the design goes with another driver: a crank at speed has neither motion nor cam."""
+    if driver.kind != CRANK or design.drive.motion is None:
+        return ""
+    return "its motion" if design.drive.cam is None else "its motion and its cam"
 
 
 def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
@@ -45,8 +53,11 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
         return with_driver(before, driver, session.at(player.theta).linkage)
 
     train = session.at(player.theta).linkage
-    window.designing.change(changed, f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}")
+    step, loses = f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}", _loses(before, driver)
+    window.designing.change(changed, f"{step}, without {loses}" if loses else step)
     if session.design is not before:
+        if loses:
+            window.status.tell(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
         player.set_theta(driver_place(session.design.drive.mechanism, train) % TURN if driver.kind == CRANK else 0.0)
 
 

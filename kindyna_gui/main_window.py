@@ -17,9 +17,12 @@ from core.project import load
 from kindyna_gui import dialogs, menus
 from kindyna_gui.centre import Centre
 from kindyna_gui.designing import Designing
+from kindyna_gui.disk_button import DiskButton
 from kindyna_gui.docks import CENTRE, VIEWS, Dock, arrange, proportion
 from kindyna_gui.documents import Documents, dropped_design
 from kindyna_gui.exports import Exports, save_picture
+from kindyna_gui.faults import Faults
+from kindyna_gui.file_watch import FileWatch
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
@@ -72,12 +75,16 @@ class MainWindow(QMainWindow):
         }
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
-        self.status = StatusLine(session, player, lambda: self.show_view("findings"))
+        self.status = StatusLine(session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"))
         self.setStatusBar(self.status)
+        self.watch = FileWatch(session, self)
+        self.disk = DiskButton(self.watch, self.documents)
+        self.status.insertPermanentWidget(0, self.disk)
         self.titles = Titles(self)
         self._lay_out()
         self.shares = Shares(self, self.docks.values())
         self._connect()
+        self.faults = Faults(self)
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
@@ -105,6 +112,7 @@ class MainWindow(QMainWindow):
         session.refused.connect(self._tell_refusal)
         self.documents.told.connect(self.status.tell)
         self.exports.told.connect(self.status.tell)
+        self.disk.told.connect(self.status.tell)
         self.designing.told.connect(self.status.tell)
         self.exports.layers = self._layers
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
@@ -294,8 +302,8 @@ def run(path: Path | None = None) -> int:
 
     Raises DesignError, FileError where the file is wrong.
     """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal; raised in a slot it would end nothing
     window = open_window(ensure_app(), path)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal
     window.show()
     return QApplication.exec()
 

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QMenu, QToolBar
 
 from kindyna_gui import submenus
 from kindyna_gui.look import icon
+from kindyna_gui.rebuilt import clear_menu
 
 if TYPE_CHECKING:
     from kindyna_gui.main_window import MainWindow
@@ -84,6 +85,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("&Examples", submenus.fill_examples),
             SEPARATOR,
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
+            Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
             SEPARATOR,
             Item("&Import measured motion...", "designing.import_measured", None, None,
@@ -205,6 +207,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
             SEPARATOR,
+            _view("Lo&g", "log", "What has failed in this program, and when"),
             Item("&About KINDYNA", "about", None, None, "Version and origin"),
         ),
     ),
@@ -257,7 +260,7 @@ def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[st
     submenu.setToolTipsVisible(True)
 
     def refill() -> None:
-        submenu.clear()
+        clear_menu(submenu)
         row.fill(window, submenu)
 
     # with the menu it stands in, so that an empty one can be greyed or left out

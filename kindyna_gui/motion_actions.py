@@ -9,8 +9,9 @@ from types import MappingProxyType
 from core.design import (
     Design,
     insert_segment,
+    lacks,
     mirror_stroke,
-    remove_segment,
+    remove_laid_out,
     require_motion,
     with_stroke_mirrored,
 )
@@ -28,6 +29,7 @@ class SegmentAction:
     step    name of the step of the undo stack; {n} is the segment's number
     able    whether it makes sense for a segment
     after   which segment is chosen then: so many further on
+    whole   it takes a motion that is whole
     """
 
     text: str
@@ -38,6 +40,11 @@ class SegmentAction:
     change: Change
     able: Callable[[Design, int], bool]
     after: int = 0
+    whole: bool = False
+
+    def makes_sense(self, design: Design, index: int) -> bool:
+        """Whether it can be done with a segment of a design, whose motion need not be whole."""
+        return not (self.whole and lacks(design)) and self.able(design, index)
 
 
 def _span(design: Design, index: int) -> float:
@@ -70,6 +77,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "Split segment {n}",
             split_segment,
             _has_room,
+            whole=True,
         ),
         "duplicate": SegmentAction(
             "Duplicate",
@@ -80,6 +88,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             lambda design, index, _: copy_segment(design, index),
             _has_room,
             after=1,
+            whole=True,
         ),
         "mirror": SegmentAction(
             "Mirror",
@@ -90,6 +99,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "Mirror the stroke of segment {n}",
             lambda design, index, _: mirror_stroke(design, index),
             lambda design, index: with_stroke_mirrored(require_motion(design), index) != require_motion(design),
+            whole=True,
         ),
         "delete": SegmentAction(
             "Delete",
@@ -97,7 +107,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "Take the chosen segment away; the one before it gets its span (Del)",
             "delete",
             "Delete segment {n}",
-            lambda design, index, _: remove_segment(design, index),
+            lambda design, index, _: remove_laid_out(design, index),
             lambda design, _: len(require_motion(design).segments) > 1,
         ),
     }

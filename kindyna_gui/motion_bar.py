@@ -63,7 +63,7 @@ class SegmentBar(QWidget):
 
     def show_segment(self, design: Design, index: int) -> None:
         """Grey what makes no sense for a segment."""
-        able = {name: action.able(design, index) for name, action in ACTIONS.items()}
+        able = {name: action.makes_sense(design, index) for name, action in ACTIONS.items()}
         if able != self._able:
             self._able = able
             for name, on in able.items():

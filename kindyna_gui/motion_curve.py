@@ -16,6 +16,7 @@ from kindyna_gui.motion_fields import CurveField, EndField, end_specs
 from kindyna_gui.motion_points import PointsTable
 from kindyna_gui.number_box import row_height
 from kindyna_gui.player import Player
+from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
 from kindyna_gui.wording import law_label, segment_of
 
@@ -53,8 +54,8 @@ class CurveForm(QWidget):
         self._column = QVBoxLayout(self)
         self._column.setContentsMargins(10, 3, 6, 0)
         self._column.setSpacing(2)
-        self._paper = QWidget()
-        self._column.addWidget(self._paper)
+        self._place = Rebuilt(session, player)
+        self._column.addWidget(self._place)
         self.setMinimumHeight(row_height(self) + 5)  # one row always, so that choosing a segment moves nothing
 
     def show_segment(self, design: Design, index: int) -> None:
@@ -71,16 +72,13 @@ class CurveForm(QWidget):
             self.points.show_segment(design, index)
 
     def _build(self, design: Design, index: int, kind: type | None) -> None:
-        self._column.removeWidget(self._paper)
-        self._paper.hide()
-        self._paper.deleteLater()  # and its fields with it
         self._paper = QWidget()
-        self._column.addWidget(self._paper)
         self.fields, self.points = {}, None
         if kind is None:
             self._nothing(design, index)
         else:
             FORMS[kind](self, design, index)
+        self._place.replace(self._paper)
 
     def _nothing(self, design: Design, index: int) -> None:
         told = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")

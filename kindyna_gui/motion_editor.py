@@ -66,6 +66,7 @@ class MotionEditor(MotionDiagram):
         self._at = QPointF()
         self._right = False  # join 0 is held at 360 degrees
         self._turning = False  # the cam, by a press beside the joins
+        self.locked = False  # it shows another motion than the table, which cannot be drawn at
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setMouseTracking(True)
         self.viewport().setMouseTracking(True)
@@ -129,7 +130,7 @@ class MotionEditor(MotionDiagram):
     # -- mouse --------------------------------------------------------------------------------------------
 
     def _grip(self, place: QPointF) -> Grip | None:
-        if self.motion is None:
+        if self.motion is None or self.locked:
             return None
         at = self.mapToScene(place.toPoint())
         return grip_at(self.motion, self.scale_now(), at.x(), at.y())
@@ -144,7 +145,8 @@ class MotionEditor(MotionDiagram):
         if grip is None:
             self._turning = True
             self._turn(event.position())
-            self.segment_chosen.emit(segment_at(self.motion, self._angle_at(event.position())))
+            if not self.locked:
+                self.segment_chosen.emit(segment_at(self.motion, self._angle_at(event.position())))
             return
         self.segment_chosen.emit(grip.segment)
         self._at = event.position()
@@ -195,7 +197,7 @@ class MotionEditor(MotionDiagram):
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         event.accept()
-        if self.motion is None or self.pulling:
+        if self.motion is None or self.pulling or self.locked:
             return
         angle = self._angle_at(QPointF(event.pos()))
         self.segment_chosen.emit(segment_at(self.motion, angle))
@@ -227,7 +229,7 @@ class MotionEditor(MotionDiagram):
         keys = event.modifiers() & ~(Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.ShiftModifier)
         if event.key() == Qt.Key.Key_Escape:
             self.escape()
-        elif self.motion is not None and event.key() in PAGES and not event.modifiers():
+        elif self.motion is not None and not self.locked and event.key() in PAGES and not event.modifiers():
             self._end()
             last = len(self.motion.segments) - 1
             self.segment_chosen.emit(min(max(self.chosen + PAGES[event.key()], 0), last))
@@ -238,7 +240,7 @@ class MotionEditor(MotionDiagram):
 
     def nudge(self, way: tuple[int, int], fine: bool) -> None:
         """Move the join at the end of the chosen segment by one step; steps in a row are one step back."""
-        if self.pulling or self.motion is None:
+        if self.pulling or self.motion is None or self.locked:
             return
         grip = Grip(POINT, self.join, self.chosen)
         if not self._runs or self.over != grip:

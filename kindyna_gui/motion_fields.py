@@ -100,10 +100,12 @@ class CurveField(Field):
 
     def _enter(self, value: Any) -> None:
         spec = self.spec
+        if self.gone:
+            return
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
         else:
-            name = described(self.session.design, spec.path)
+            name = described(self.session.typed, spec.path)
             self.session.edit(spec.path, value, f"Change {name} to {value_text(value, spec.unit)}")
 
 
@@ -124,7 +126,7 @@ class EndField(CurveField):
         return box
 
     def _leave_open(self) -> None:
-        self.session.edit(self.spec.path, None, f"Leave {described(self.session.design, self.spec.path)} free")
+        self.edit(None, f"Leave {described(self.session.typed, self.spec.path)} free")
 
 
 def described(design: Design, path: str) -> str:

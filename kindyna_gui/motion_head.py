@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from core.design import UNITS, Info, entries, require_motion, stroke
+from core.design import UNITS, Design, Info, entries, require_motion, stroke
 from core.design.fields import LONGEST_MM
-from core.study import Study
 from kindyna_gui.fields import Field, Spec
+from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
 from kindyna_gui.wording import segment_of
 
@@ -26,50 +26,49 @@ class MotionHead(QWidget):
         self._session = session
         self.fields: dict[str, Field] = {}
         self.moves = False  # there is a stroke to be changed
-        self._row = QHBoxLayout(self)
-        self._row.setContentsMargins(10, 5, 6, 2)
-        self._row.setSpacing(10)
+        self._place = Rebuilt(session)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self._place)
 
-    def show_motion(self, study: Study) -> None:
-        """Show start and stroke of a study's motion."""
-        motion = require_motion(study.design)
-        specs = self._specs(study)
+    def show_motion(self, design: Design) -> None:
+        """Show start and stroke of a design's motion."""
+        motion = require_motion(design)
+        specs = self._specs(design)
         if [spec.path for spec in specs] != list(self.fields):
             self._build(specs)
         for field in self.fields.values():
-            field.refresh(study.design)
+            field.refresh(design)
         self.moves = stroke(motion) != 0.0
         field = self.fields[f"motion.stroke_{motion.unit}"]
         field.editor.setEnabled(self.moves)
         field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
 
     @staticmethod
-    def _specs(study: Study) -> list[Spec]:
-        unit = require_motion(study.design).unit
-        start = [Spec.of(e) for e in entries(study.design, "motion") if segment_of(e.path) is None]
+    def _specs(design: Design) -> list[Spec]:
+        unit = require_motion(design).unit
+        start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
         return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(require_motion(d)), can_be_assumed=False)]
 
     def _build(self, specs: list[Spec]) -> None:
-        for field in self.fields.values():
-            for widget in field.widgets():
-                widget.hide()  # it may be painted once more before it goes
-                widget.deleteLater()
-            field.deleteLater()
-        while self._row.count():
-            self._row.takeAt(0)
+        paper = QWidget()
+        row = QHBoxLayout(paper)
+        row.setContentsMargins(10, 5, 6, 2)
+        row.setSpacing(10)
         self.fields = {}
         for spec in specs:
             field = Field(self._session, spec)
-            field.setParent(self)
+            field.setParent(paper)  # goes with it
             grid = QGridLayout()
             grid.setHorizontalSpacing(5)
             grid.setVerticalSpacing(2)
             grid.setColumnStretch(1, 1)
             field.add_to(grid, 0)
             field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
-            self._row.addLayout(grid, 1)
+            row.addLayout(grid, 1)
             self.fields[spec.path] = field
+        self._place.replace(paper)
 
     def focus_field(self, path: str) -> bool:
         """Bring the field of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""

@@ -53,7 +53,7 @@ class PointsModel(QAbstractTableModel):
         self._session = session
         self.segment = 0
         self._points: tuple[Point, ...] = ()
-        self.columns = point_columns(require_motion(session.design))
+        self.columns = point_columns(require_motion(session.typed))
         self._wrong: dict[str, str] = {}
         self._trying = ""
         session.refused.connect(self._refused)
@@ -129,7 +129,7 @@ class PointsModel(QAbstractTableModel):
         """Enter a text; an empty one leaves the entry open."""
         row, column = index.row(), index.column()
         path, unit = self.path(row, column), self.columns[column][2]
-        name = described(self._session.design, path)
+        name = described(self._session.typed, path)
         self._trying = str(value)
         if not str(value).strip() and self.columns[column][1].optional:
             return self._session.edit(path, None, f"Leave {name} free")
@@ -269,21 +269,21 @@ class PointsTable(QWidget):
 
     def add(self) -> None:
         """A point where the cam stands, else in the longest stretch without one."""
-        design, segment = self._session.design, self.model.segment
+        design, segment = self._session.typed, self.model.segment
         angle = meant(degrees(self._player.theta))
         self._session.end_gesture()
-        self._session.put(add_point(design, segment, angle), f"Add point to segment {segment + 1}")
+        self._session.lay_out(add_point(design, segment, angle), f"Add point to segment {segment + 1}")
 
     def remove(self) -> None:
         """Take the chosen point away."""
-        row, design = self.table.currentIndex().row(), self._session.design
+        row, design = self.table.currentIndex().row(), self._session.typed
         curve = require_motion(design).segments[self.model.segment].curve
         if row < 0 or not isinstance(curve, Spline):
             return
         points = (*curve.points[:row], *curve.points[row + 1 :])
         changed = put(design, f"motion.segments[{self.model.segment}].points", points)
         self._session.end_gesture()
-        self._session.put(changed, f"Remove point {row + 1} of segment {self.model.segment + 1}")
+        self._session.lay_out(changed, f"Remove point {row + 1} of segment {self.model.segment + 1}")
 
 
 __all__ = ["PointsModel", "PointsTable"]

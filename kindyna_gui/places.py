@@ -40,3 +40,10 @@ def help_text(name: str) -> str:
     """A page of the help (Markdown); says so where the page is missing."""
     path = resources() / "help" / f"{name}.md"
     return path.read_text(encoding="utf-8") if path.is_file() else f"The page {name} is missing."
+
+
+def state_folder() -> Path:
+    """The user's folder for what the program keeps between its runs: log and recovery. It need not exist yet."""
+    from PySide6.QtCore import QStandardPaths
+
+    return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericStateLocation)) / "kindyna"

@@ -35,6 +35,7 @@ class PlotView(View):
         self.note = Note(QUIET, margin=3)
         self.note.setIndent(6)
         self.rows: tuple[Channel, ...] = ()
+        self.message = ""  # in place of the curves
         self.set_column(self.plot, self.note, grows=self.plot)
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
@@ -64,10 +65,11 @@ class PlotView(View):
         drawn, told = split(study, rows_of(study, self.quantities))
         self.rows = tuple(drawn)
         self.plot.name_angle(study)
+        self.message = "" if drawn else "\n".join(told) or self._missing(study)
         if drawn:
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
-            self.plot.show_message("\n".join(told) or self._missing(study))
+            self.plot.show_message(self.message)
         self.note.tell("; ".join(told) if drawn else "")
 
     def _missing(self, study: Study) -> str:
@@ -79,6 +81,10 @@ class PlotView(View):
     def _turn(self, theta: float) -> None:
         self.player.play(False)
         self.player.set_theta(theta)
+
+    @property
+    def no_picture(self) -> str:
+        return super().no_picture or self.message
 
     def picture(self, ending: str) -> bytes:
         """The plot on paper, without the cursor."""

@@ -27,6 +27,7 @@ READS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "centres": ("linkage",),
         "circle": ("linkage",),
         "polygon": ("linkage",),
+        "log": NONE,
         "player": NONE,
     }
 )

@@ -11,10 +11,22 @@ from typing import Any
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
 from PySide6.QtGui import QColor, QFont
 
-from core.design import CURVES, UNITS, Info, Motion, Segment, Unit, info_of, join_angles, motion_of, require_motion
+from core.design import (
+    CURVES,
+    UNITS,
+    Design,
+    Info,
+    Motion,
+    Segment,
+    Unit,
+    info_of,
+    join_angles,
+    motion_of,
+    require_motion,
+)
+from core.design.edits import rest
 from core.laws import LAWS, find_law
 from core.motion import Join
-from core.study import Study
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion_laws import law_tip, short_label
 from kindyna_gui.motion_marks import Words, join_help, join_text, marks, wordings
@@ -64,6 +76,12 @@ def readable(value: float) -> str:
     return text if len(text) <= LONGEST else shortest(float(f"{value:.5g}"))
 
 
+def _ends(motion: Motion) -> tuple[float, ...]:
+    """The cam angle where each segment begins, and where the last one ends [deg]."""
+    begins = join_angles(motion)
+    return (*begins, rest(begins[-1], (-motion.segments[-1].span_deg,)))
+
+
 @dataclass(frozen=True)
 class Look:
     """A cell as it is painted: its text, with what is written where there is little room; or for a join the ways to
@@ -89,9 +107,11 @@ class SegmentsModel(QAbstractTableModel):
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._session = session
-        self._motion, self._assumed = motion_of(session.design) or STILL, session.design.assumed
-        self._angles = (*join_angles(self._motion), 360.0)
+        self._motion, self._assumed = motion_of(session.typed) or STILL, session.typed.assumed
+        self._angles = _ends(self._motion)
         self._joins: tuple[Join, ...] = ()
+        self._amiss: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
+        self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._looks: dict[tuple[int, int], Look] = {}
         self._trying = ""
@@ -101,17 +121,18 @@ class SegmentsModel(QAbstractTableModel):
 
     # -- from the session ---------------------------------------------------------------------------------
 
-    def show(self, study: Study) -> None:
-        """Show the motion of a study; where another part of the design has changed there is nothing to do."""
-        motion, assumed = require_motion(study.design), study.design.assumed
-        if self._joins and (motion, assumed) == (self._motion, self._assumed):
+    def show(self, design: Design, joins: tuple[Join, ...], amiss: frozenset[str] = frozenset()) -> None:
+        """Show the motion of a design, its joins where it is whole enough to have any, and mark what is amiss at these
+        paths; where another part of the design has changed there is nothing to do."""
+        motion, assumed = require_motion(design), design.assumed
+        if self._shown and (motion, assumed, amiss) == (self._motion, self._assumed, self._amiss):
             return
-        same = len(motion.segments) == len(self._motion.segments) and self._joins
+        same = self._shown and len(motion.segments) == len(self._motion.segments)
         if not same:
             self.beginResetModel()
         self._looks.clear()
-        self._motion, self._assumed, self._joins = motion, assumed, study.program.joins
-        self._angles = (*join_angles(motion), 360.0)
+        self._motion, self._assumed, self._joins, self._amiss = motion, assumed, joins, amiss
+        self._angles, self._shown = _ends(motion), True
         if same:
             self._all_changed()
         else:
@@ -243,6 +264,7 @@ class SegmentsModel(QAbstractTableModel):
             rows = wordings(marks(self._joins[row], self._motion)) if self._joins else ()
             return Look(value, QUIET, False, words=rows)
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
+        refused = refused or self.amiss(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
         return Look(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
 
@@ -259,6 +281,10 @@ class SegmentsModel(QAbstractTableModel):
     def refused(self, row: int, column: int) -> bool:
         """What stands in the cell is not in the design."""
         return column not in (FROM, TO) and self.path(row, column) in self._wrong
+
+    def amiss(self, row: int, column: int) -> bool:
+        """What stands in the cell keeps the motion from being whole."""
+        return column not in (FROM, TO, JOIN) and self.path(row, column) in self._amiss
 
     # -- to the session -----------------------------------------------------------------------------------
 

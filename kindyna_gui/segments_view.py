@@ -11,9 +11,11 @@ from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
 from core.channels import Channel
-from core.design import Design, is_assumed, motion_of, with_assumed
+from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
 from core.study import Study
+from kindyna_gui.draft_bar import DraftBar
+from kindyna_gui.draft_words import amiss, closing_words, joins_of, misses
 from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import Field
 from kindyna_gui.look import WRONG, coloured
@@ -56,6 +58,7 @@ class SegmentsView(View):
         self.diagram.setMinimumSize(240, 96)
         self.curve = CurveForm(session, player)
         self.head = MotionHead(session)
+        self.draft = DraftBar()
         self.message = QLabel(wordWrap=True)
         self.message.setMargin(6)
         coloured(self.message, WRONG)
@@ -89,6 +92,7 @@ class SegmentsView(View):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.head)
+        layout.addWidget(self.draft)
         layout.addWidget(self.splitter, 1)
         self.set_content_layout(layout)
 
@@ -108,6 +112,9 @@ class SegmentsView(View):
         self.diagram.menu_wanted.connect(self._open_diagram_menu)
         self.diagram.settled.connect(self._draw)
         self.diagram.released.connect(self._forget_before)
+        self.draft.close_wanted.connect(self.session.close_draft)
+        self.draft.drop_wanted.connect(self.session.drop_draft)
+        self.session.draft_changed.connect(self.invalidate)
         self.session.refused.connect(self._refused)
         self.session.accepted.connect(self._accepted)
         self.session.segment_chosen.connect(self._segment_chosen)
@@ -121,22 +128,36 @@ class SegmentsView(View):
 
     def refresh(self, study: Study) -> None:
         motion_shown(study.design)
+        typed = self.session.typed
+        self._show_draft(typed)
         if not self.head.fields:
             self._sharing.start()
         before = list(self.head.fields.values())
-        self.head.show_motion(study)
+        self.head.show_motion(typed)
         if list(self.head.fields.values()) != before:
             heads = (field.editor for field in self.head.fields.values())
             in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
         at, count = self.table.currentIndex(), self.model.rowCount()
         place = (at.row(), at.column())
-        self.model.show(study)
+        draft = self.session.draft
+        joins = study.program.joins if draft is None else joins_of(draft)
+        self.model.show(typed, joins, frozenset() if draft is None else amiss(draft, typed))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
         self._draw()
         self._show_chosen()
         if self._act_refused:  # something else has been done since
             self.session.withdraw(_ACTS)
+
+    def _show_draft(self, typed: Design) -> None:
+        """What an unfinished motion lacks; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
+        draft, closing = self.session.draft, self.session.closing
+        self.diagram.locked = draft is not None
+        words = "" if draft is None or closing is None else closing_words(draft, closing)
+        hidden = self.draft.isHidden()
+        self.draft.show_draft([] if draft is None else misses(draft, typed), words)
+        if self.draft.isHidden() != hidden:
+            self._sharing.start()  # the rows of the table keep their room
 
     def follow(self, theta: float) -> None:
         self.diagram.set_angle(theta)
@@ -232,7 +253,7 @@ class SegmentsView(View):
 
     def _show_chosen(self) -> None:
         """What belongs to the chosen segment: its curve, and what can be done with it."""
-        design, row = self.session.design, self.chosen
+        design, row = self.session.typed, self.chosen
         self.session.choose_segment(row)
         self.curve.show_segment(design, row)
         self.bar.show_segment(design, row)
@@ -242,8 +263,8 @@ class SegmentsView(View):
     def act(self, name: str, angle: float | None = None) -> None:
         """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
         self.pull()
-        action, row, design = ACTIONS[name], self.chosen, self.session.design
-        if not action.able(design, row):
+        action, row, design = ACTIONS[name], self.chosen, self.session.typed
+        if not action.makes_sense(design, row):
             return
         there = meant(degrees(self.player.theta)) if angle is None else angle
         self.session.end_gesture()
@@ -252,7 +273,7 @@ class SegmentsView(View):
         except KindynaError as error:
             self.session.refuse(_ACTS, str(error))
             return
-        done = self.session.put(changed, action.step.format(n=row + 1), _ACTS)
+        done = self.session.lay_out(changed, action.step.format(n=row + 1), _ACTS)
         self.session.end_gesture()
         if done:
             self.pull()
@@ -277,7 +298,7 @@ class SegmentsView(View):
         path = self.model.path(index.row(), index.column()) if index.isValid() else ""
         menu = self.bar.menu(self.table)
         if path and index.column() in (LAW, SPAN, RISE):
-            on = is_assumed(self.session.design, path)
+            on = is_assumed(self.session.typed, path)
             first = menu.actions()[0]
             assumed = menu.addAction("Assumed, not taken from a source", lambda: self._assume(path, not on))
             menu.insertAction(first, assumed)
@@ -292,7 +313,7 @@ class SegmentsView(View):
     def _assume(self, path: str, on: bool) -> None:
         key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0
         text = f"Mark {key} of segment {number + 1} as {'assumed' if on else 'known'}"
-        self.session.put(with_assumed(self.session.design, path, on), text)
+        self.session.mark_assumed(path, on, text)
 
 
 __all__ = ["SegmentsView"]

@@ -2,96 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
-from PySide6.QtGui import QUndoCommand, QUndoStack
+from PySide6.QtGui import QUndoStack
 
-from core.design import Design, edited, faults, motion_of
-from core.errors import Fault, KindynaError, NoAnswer
-from core.project import load, save
+from core.design import (
+    Design,
+    blunders,
+    closed_design,
+    edited,
+    lacks,
+    laid_out,
+    motion_of,
+    one_value_apart,
+    with_assumed,
+)
+from core.errors import DesignError, Fault, KindynaError
+from core.project import dumps, loads
+from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Study
-from kindyna_gui.wording import name_of, named, sentence
+from kindyna_gui.draft import Draft
+from kindyna_gui.refusal import SAMPLES, Refusal, Wrong, faults_told, why_not
+from kindyna_gui.steps import BeginDesign, ChangeDesign
+from kindyna_gui.wording import name_of, segment_of
 
-SAMPLES = 1800
-"""Cam angles per turn on the screen."""
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """An edit that was wrong: the path it was made at, and (path, name, sentence) of every field it is wrong for."""
-
-    path: str
-    told: tuple[tuple[str, str, str], ...]
-
-    def at(self, path: str) -> str:
-        """What is to be read beside the field of this path; empty where it has no part in it.
-
-        The field that was edited tells everything: first what concerns itself, the rest with the other's name.
-        """
-        own = [sentence(text) for field, _, text in self.told if field == path]
-        others = [f"{name}: {text}" for field, name, text in self.told if field != path] if path == self.path else []
-        return "\n".join(own + others)
-
-
-def _told(fault: Fault) -> str:
-    return f"{fault.problem}; allowed: {fault.allowed}" if fault.allowed else fault.problem
-
-
-class ChangeDesign(QUndoCommand):
-    """One step of the undo stack: the design before and after. Steps of one gesture at one path become one."""
-
-    def __init__(self, session: Session, after: Design, text: str, path: str, gesture: int) -> None:
-        super().__init__(text)
-        self._session = session
-        self._before, self._after = session.design, after
-        self._path, self._gesture = path, gesture
-        self._new = True
-
-    def redo(self) -> None:
-        self._session._show(self._after, restored=not self._new)
-        self._new = False
-
-    def undo(self) -> None:
-        self._session._show(self._before, restored=True)
-
-    def id(self) -> int:
-        return 1
-
-    def mergeWith(self, other: QUndoCommand) -> bool:
-        if not isinstance(other, ChangeDesign):
-            return False
-        if (other._path, other._gesture) != (self._path, self._gesture) or not self._path:
-            return False
-        self._after = other._after
-        self.setText(other.text())
-        self.setObsolete(self._after == self._before)
-        return True
-
-
-class BeginDesign(QUndoCommand):
-    """Another design that has no file yet; undone, the one before comes back with its file."""
-
-    def __init__(self, session: Session, design: Design, text: str) -> None:
-        super().__init__(text)
-        self._session, self._after = session, design
-        self._before = (session.design, session.path)
-
-    def redo(self) -> None:
-        self._session._begin(self._after, None)
-
-    def undo(self) -> None:
-        self._session._begin(*self._before)
+MOTION = "motion"
 
 
 class Session(QObject):
     """Owns the design and the undo stack.
 
+    design   the last design whose motion is whole: all views show it, files and exports hold it
+    draft    a motion that is not finished, None where there is none; ``typed`` is the design with it
+
     design_changed   another design is in place
+    draft_changed    another draft is in place, or none any more; the design may be the same
     started          another design begins; what was chosen or zoomed for the one before is void
     restored         it was not typed: undo, redo, or another file; what was typed and refused is void
     refused          (Refusal): an edit was wrong; the last good design stays
@@ -103,6 +52,7 @@ class Session(QObject):
     """
 
     design_changed = Signal()
+    draft_changed = Signal()
     started = Signal()
     restored = Signal()
     refused = Signal(Refusal)
@@ -116,7 +66,9 @@ class Session(QObject):
         super().__init__()
         self.stack = QUndoStack(self)
         self.design: Any = design
+        self.draft: Draft | None = None
         self.path = path
+        self.document = 0  # its number: opening or beginning anew counts, a step of the undo stack does not
         self._gesture = 0
         self._segment = 0
         self._running = ("", -1)  # path and gesture of the last step
@@ -126,6 +78,9 @@ class Session(QObject):
         self._at: tuple[float, Study] | None = None
         self.stages_on_screen: Callable[[], Iterable[str]] = tuple
         self._unchanged: list[tuple[Design, Path | None]] = [(design, path)]
+        self._files = DesignFiles()
+        if path is not None:
+            self._files.note(path)
         self.stack.cleanChanged.connect(self.file_changed)
         self.stack.indexChanged.connect(self._step_taken)
 
@@ -158,7 +113,7 @@ class Session(QObject):
     @property
     def segment(self) -> int:
         """The number of the chosen segment, from 0: the one that the user works on, whichever view it was chosen in."""
-        motion = motion_of(self.design)
+        motion = motion_of(self.typed)
         return min(self._segment, len(motion.segments) - 1) if motion is not None else 0
 
     def choose_segment(self, number: int) -> None:
@@ -169,31 +124,135 @@ class Session(QObject):
 
     @property
     def modified(self) -> bool:
-        return not self.stack.isClean()
+        return not self.stack.isClean() or self.draft is not None
+
+    # -- a motion that is not finished ----------------------------------------------------------------------
+
+    @property
+    def typed(self) -> Any:
+        """The design as typed: with the unfinished motion where there is one. It may have faults."""
+        return self.design if self.draft is None else self.draft.applied(self.design)
+
+    @property
+    def closing(self) -> Any:
+        """The design as typed with its motion made whole; None where nothing is unfinished, or nothing simple helps."""
+        if self.draft is None:
+            return None
+        at = segment_of(self.draft.path)
+        return closed_design(self.typed, -1 if at is None else at)
+
+    def close_draft(self) -> bool:
+        """Make the unfinished motion whole with a return, as one step; False where that has no answer."""
+        closing = self.closing
+        self.end_gesture()
+        if closing is None:
+            self.refuse(MOTION, "no single return makes it whole; change a span or a rise")
+            return False
+        wrong = self._why_not(closing)
+        if wrong:
+            self.refused.emit(Refusal(wrong[0][0], wrong))
+            return False
+        return self._step(closing, None, "Close the motion", MOTION)
+
+    def drop_draft(self) -> None:
+        """Back to the last whole motion, as one step."""
+        self.end_gesture()
+        self._step(self.design, None, "Drop the unfinished motion", MOTION)
+
+    def lay_out(self, design: Design, label: str, path: str = "") -> bool:
+        """Put another motion in place as one step, which need not be whole: made from ``typed``, it differs in nothing
+        but its motion and the marks of that. While it is not whole it becomes the draft, and the design stays.
+
+        False where it is refused: for a fault that nothing typed later can mend, or as ``put`` does.
+        """
+        wrong = faults_told(design, blunders(design))
+        if wrong:
+            self.refused.emit(Refusal(path or wrong[0][0], wrong))
+            return False
+        if lacks(design):
+            return self._step(self.design, Draft.of(design, path), label, path)
+        wrong = () if self.draft is None else self._why_not(design)
+        if wrong:  # whole now, but without an answer: what was typed stays all the same
+            reason = f"{wrong[0][1]}: {wrong[0][2]}"
+            return self._step(self.design, Draft.of(design, path, reason), label, path)
+        return self._step(design, None, label, path)
+
+    def state(self) -> dict[str, Any]:
+        """Everything that would be lost with the window, as a plain dictionary of text, numbers and lists.
+
+        It is another one after ``design_changed``, ``draft_changed`` and ``file_changed``, and only then.
+        """
+        return {
+            "design": dumps(self.design),
+            "path": None if self.path is None else str(self.path),
+            "modified": self.modified,
+            "draft": None if self.draft is None else self.draft.state(),
+        }
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Begin with what ``state`` has given; the undo stack starts anew, and what was unsaved is unsaved.
+
+        Raises DesignError where it cannot be read; then nothing changes.
+        """
+        try:
+            design, path, modified = loads(state["design"]), state["path"], bool(state["modified"])
+            draft = None if state["draft"] is None else Draft.from_state(state["draft"])
+            own = None if path is None else Path(path)
+        except (KeyError, TypeError) as error:
+            raise DesignError([Fault("state", str(error), "cannot be read", "what Session.state() gives")]) from error
+        self.document += 1
+        self._unchanged = [] if modified else [(design, own)]
+        if own is not None:
+            self._files.note(own)
+        self.stack.clear()
+        self._begin(design, own, draft)
+        if modified:
+            self.stack.resetClean()
 
     # -- editing ------------------------------------------------------------------------------------------
 
     def edit(self, path: str, value: Any, label: str) -> bool:
         """Change the value at a path, with what goes with it; label names the step: ``Change rod to 850 mm``.
 
-        A wrong value, or one for which a stage on screen has no answer, is refused and nothing changes. Steps at the
-        same path become one until ``end_gesture``.
+        A wrong value, or one for which a stage on screen has no answer, is refused and nothing changes. A motion that
+        is not whole then becomes the draft. Steps at the same path become one until ``end_gesture``.
         """
+        if path.startswith(f"{MOTION}."):
+            again = self.draft is not None and one_value_apart(self.design, self.typed, path)
+            return self.lay_out(laid_out(self.design if again else self.typed, path, value), label, path)
         return self.put(edited(self.design, path, value), label, path)
 
+    def mark_assumed(self, path: str, on: bool, label: str) -> bool:
+        """Mark a value as assumed, or no longer, as one step."""
+        if path.startswith(f"{MOTION}."):
+            return self.lay_out(with_assumed(self.typed, path, on), label)
+        return self.put(with_assumed(self.design, path, on), label)
+
     def put(self, design: Design, label: str, path: str = "") -> bool:
-        """Put another design in place as one step; False where it is refused."""
-        if design == self.design:
+        """Put another design in place as one step; False where it is refused.
+
+        An unfinished motion stays, unless the design brings another motion than the last whole one.
+        """
+        kept = self.draft is not None and motion_of(design) == motion_of(self.design)
+        return self._step(design, self.draft if kept else None, label, path)
+
+    def _step(self, design: Design, draft: Draft | None, label: str, path: str) -> bool:
+        """Put design and draft in place together; False where the design is refused."""
+        if draft is not None and draft.reason:  # another length may have given it an answer
+            whole = draft.applied(design)
+            if not self._why_not(whole):
+                design, draft = whole, None
+        if (design, draft) == (self.design, self.draft):
             self.take_back(path)
             return True
-        wrong = self._why_not(design)
+        wrong = self._why_not(design) if design != self.design else ()
         if wrong:
             self.refused.emit(Refusal(path or wrong[0][0], wrong))
             return False
         if not path or (path, self._gesture) != self._running:
             self._before = self.design
         self._running = (path, self._gesture)
-        self.stack.push(ChangeDesign(self, design, label, path, self._gesture))
+        self.stack.push(ChangeDesign(self, (design, draft), label, path, self._gesture))
         self.take_back(path)
         return True
 
@@ -214,41 +273,32 @@ class Session(QObject):
         """What comes next is a step of its own."""
         self._gesture += 1
 
-    def _why_not(self, design: Design) -> tuple[tuple[str, str, str], ...]:
-        found = faults(design)
-        if found:
-            return tuple((f.path, name_of(design, f.path), named(design, _told(f))) for f in found)
-        study = Study(design, SAMPLES)
-        try:
-            # only what is on screen: it is computed anyway once the design is in place
-            for stage in self.stages_on_screen():
-                if stage in study.stages:  # another kind of linkage may lack what is shown now
-                    getattr(study, stage)
-        except NoAnswer as error:
-            told = named(design, str(error).removeprefix(f"{error.field}: "))
-            return ((error.field, name_of(design, error.field), told),)
-        except KindynaError as error:  # a curve that there is none of
-            field, _, why = str(error).partition(": ")
-            return ((field, name_of(design, field), why or field),)
-        return ()
+    def _why_not(self, design: Design) -> Wrong:
+        return why_not(design, self.stages_on_screen())
 
-    def _show(self, design: Design, restored: bool) -> None:
-        self.design = design
-        self._study = self._at = None
+    def _show(self, design: Design, draft: Draft | None, restored: bool, begun: bool = False) -> None:
+        another, redrafted = begun or design is not self.design, draft != self.draft
+        self.design, self.draft = design, draft
+        if another:
+            self._study = self._at = None
         if restored:
             self._before = None
             self.end_gesture()
             self.restored.emit()
-        self.design_changed.emit()
+        if redrafted:
+            self.draft_changed.emit()
+        if another:
+            self.design_changed.emit()
 
     # -- files --------------------------------------------------------------------------------------------
 
     def open(self, path: Path) -> None:
         """Open a file; the undo stack starts anew. Raises DesignError, FileError; then nothing changes."""
-        self.start(load(path), path)
+        self.start(self._files.read(path), path)
 
     def start(self, design: Design, path: Path | None = None) -> None:
         """Begin with a design; path None: it has no file yet."""
+        self.document += 1
         self.stack.clear()
         self._unchanged = [(design, path)]
         self._begin(design, path)
@@ -256,31 +306,55 @@ class Session(QObject):
     def begin(self, design: Design, text: str) -> None:
         """Begin with a design that has no file yet, as a step that can be undone; text names it."""
         self._unchanged.append((design, None))
-        self.stack.push(BeginDesign(self, design, text))
+        self.stack.push(BeginDesign(self, design, None, text))
 
-    def _begin(self, design: Design, path: Path | None) -> None:
+    def reload(self) -> None:
+        """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
+        changes."""
+        path = self._file()
+        design = self._files.read(path)
+        self._is_in_file(design, path)
+        if design != self.design:
+            self.stack.push(BeginDesign(self, design, path, f"Reload {path.name}"))
+        self.stack.setClean()
+        self.file_changed.emit()
+
+    def _begin(self, design: Design, path: Path | None, draft: Draft | None = None) -> None:
         self.path = path
         self.choose_step(None)
         self.started.emit()
-        self._show(design, restored=True)
+        self._show(design, draft, restored=True, begun=True)
         self.file_changed.emit()
 
     def _step_taken(self, *_: object) -> None:
         """What stands as its file has it, or as it was begun, asks for no saving, whichever way it was reached."""
-        if (self.design, self.path) in self._unchanged:
+        if self.draft is None and (self.design, self.path) in self._unchanged:
             self.stack.setClean()
 
-    def save(self, path: Path | None = None) -> None:
-        """Write the design, to its own file where none is named. Raises FileError, DesignError."""
-        target = path or self.path
-        if target is None:
+    def _is_in_file(self, design: Design, path: Path) -> None:
+        self._unchanged = [each for each in self._unchanged if each[1] != path] + [(design, path)]
+
+    def _file(self) -> Path:
+        if self.path is None:
             raise KindynaError("no file name; choose one")
-        save(self.design, target)
+        return self.path
+
+    def save(self, path: Path | None = None) -> None:
+        """Write the design, to its own file where none is named; an unfinished motion stays beside it, unsaved.
+
+        Raises FileError, DesignError.
+        """
+        target = path or self._file()
+        self._files.write(self.design, target)
         self.path = target
-        self._unchanged = [each for each in self._unchanged if each[1] != target] + [(self.design, target)]
+        self._is_in_file(self.design, target)
         self.stack.setClean()
         self.end_gesture()
         self.file_changed.emit()
+
+    def on_disk(self) -> OnDisk:
+        """Whether the design's file is as it was read or written last."""
+        return OnDisk.SAME if self.path is None else self._files.state(self.path)
 
 
 __all__ = ["SAMPLES", "ChangeDesign", "Refusal", "Session"]

@@ -23,12 +23,17 @@ STAY_MS = 6000  # of a message
 class StatusLine(QStatusBar):
     """What the session and the player are at; the findings are those of the stages on screen, no other is computed."""
 
-    def __init__(self, session: Session, player: Player, show_findings: Callable[[], object]) -> None:
+    def __init__(self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object]) -> None:
         super().__init__()
         self._session, self._player = session, player
         self.findings = QToolButton(autoRaise=True)
         self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.findings.clicked.connect(lambda: show_findings())
+        self.faults = QToolButton(autoRaise=True, text="Log")
+        self.faults.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.faults.setIcon(sign(ERROR))
+        self.faults.clicked.connect(lambda: show_log())
+        self.faults.hide()
         self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         # of a fixed size: else each angle that is told would lay out the whole line anew
@@ -38,7 +43,7 @@ class StatusLine(QStatusBar):
         for label in (self.saved, self.assumed):
             coloured(label, QUIET)
             label.setContentsMargins(6, 0, 6, 0)
-        for widget in (self.findings, self.saved, self.assumed, self.angle):
+        for widget in (self.faults, self.findings, self.saved, self.assumed, self.angle):
             self.addPermanentWidget(widget)
         self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._soon.timeout.connect(self.count_findings)
@@ -60,6 +65,12 @@ class StatusLine(QStatusBar):
         """Say that an edit was refused, until it is mended or taken back, or for a while."""
         self._refusal = f"Refused: {text}"
         self.tell(self._refusal)
+
+    def tell_fault(self, text: str) -> None:
+        """Say that the program has failed, until something else is to be said; the way to the log stays."""
+        self.faults.setToolTip(f"{text} Click to read the log.")
+        self.faults.show()
+        self.showMessage(text)
 
     def _mended(self, *_: object) -> None:
         if self._refusal and self.currentMessage() == self._refusal:

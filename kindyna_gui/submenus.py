@@ -116,7 +116,8 @@ def fill_pictures(window: MainWindow, menu: QMenu) -> None:
         if row.picture and view is not None and view.on_screen():
             title = title_of(name, window.session.design)
             action = menu.addAction(f"{title}...")
-            action.setStatusTip(f"Write the picture {title} as PNG or SVG")
+            action.setEnabled(not view.no_picture)
+            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Write the picture {title} as PNG or SVG")
             action.triggered.connect(partial(_without_state, window.export_picture, name))
     menu.menuAction().setEnabled(not menu.isEmpty())
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from PySide6.QtCore import QEvent, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QShowEvent
-from PySide6.QtWidgets import QLabel, QLayout, QStackedLayout, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QLabel, QLayout, QPushButton, QStackedLayout, QVBoxLayout, QWidget
 
 from core.errors import KindynaError
 from core.study import Study
+from kindyna_gui.fault_log import short
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
 from kindyna_gui.shown_kinds import NotHere
@@ -29,12 +32,30 @@ def in_sight(widget: QWidget) -> bool:
     return not rect.isEmpty()
 
 
+class FaultPage(QWidget):
+    """What has failed, and a button to try it again."""
+
+    def __init__(self, text: str, again: Callable[[], None]) -> None:
+        super().__init__()
+        label = QLabel(text, wordWrap=True, alignment=Qt.AlignmentFlag.AlignCenter)
+        label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        label.setMinimumSize(1, 1)
+        button = QPushButton("Try again")
+        button.clicked.connect(lambda: again())
+        column = QVBoxLayout(self)
+        column.addStretch(1)
+        column.addWidget(label)
+        column.addWidget(button, 0, Qt.AlignmentFlag.AlignHCenter)
+        column.addStretch(1)
+
+
 class View(QWidget):
     """A widget over the session's study.
 
     Subclasses state ``stages``, the stages they read, and implement ``refresh`` (the design changed) and
     ``follow`` (the cam angle changed). Neither is called while the view is hidden or tabbed behind another: it then
-    only remembers that it is out of date. Where a stage has no answer the view says why in place of its content.
+    only remembers that it is out of date. Where a stage has no answer the view says why in place of its content. Where it
+    fails itself it says so there, passes the exception on, and rests until it is tried again or another design begins.
 
     told   (str): what has been done, for the status line
 
@@ -50,6 +71,8 @@ class View(QWidget):
         super().__init__()
         self.session, self.player = session, player
         self._stale, self.not_here = True, False
+        self._shown: Study | None = None  # what the content, or the reason in its place, is of
+        self._fault: FaultPage | None = None
         self._content = content if content is not None else QWidget()
         self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         self._trouble.setMargin(24)
@@ -64,6 +87,7 @@ class View(QWidget):
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._pull_if_seen)
+        session.started.connect(self._forget_fault)
         session.design_changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
 
@@ -101,6 +125,13 @@ class View(QWidget):
         """Checkable actions that show and hide parts of the picture, for the menu View > Layers."""
         return []
 
+    @property
+    def no_picture(self) -> str:
+        """Why there is nothing that could be exported as a picture, in a sentence; empty where there is."""
+        if not self.in_trouble:
+            return ""
+        return self._trouble.text() if self._fault is None else "This view has failed; Try again in it, or see Help > Log."
+
     def picture(self, ending: str) -> bytes:
         """What is shown as a file: ``.png`` or ``.svg``."""
         from kindyna_gui.pictures.files import png, svg
@@ -111,7 +142,8 @@ class View(QWidget):
 
     @property
     def up_to_date(self) -> bool:
-        return not self._stale
+        """False also while a design is in place that the view does not show yet."""
+        return not self._stale and self._shown is self.session.study
 
     def on_screen(self) -> bool:
         """True where something of the view can be seen."""
@@ -128,17 +160,47 @@ class View(QWidget):
 
     def pull(self) -> None:
         """Refresh if out of date."""
-        if not self._stale:
+        if not self._stale or self._fault is not None:
             return
         self._stale, self.not_here = False, False
+        self._shown = self.session.study
         try:
-            self.refresh(self.session.study)
+            self.refresh(self._shown)
             self._stack.setCurrentWidget(self._content)
             self.follow(self.player.theta)
         except KindynaError as error:
             self.not_here = isinstance(error, NotHere)
             self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
             self._stack.setCurrentWidget(self._trouble)
+        except Exception as error:
+            self._fail(error)
+            raise
+
+    def _follow(self) -> None:
+        """Show the cam angle at hand."""
+        try:
+            self.follow(self.player.theta)
+        except Exception as error:
+            self._fail(error)
+            raise
+
+    def _fail(self, error: Exception) -> None:
+        """Say in place of the content that the view has failed."""
+        if self._fault is None:
+            self._fault = FaultPage(f"This view has failed ({short(error)}). The rest of the window works on.", self._try_again)
+            self._stack.addWidget(self._fault)
+        self._stack.setCurrentWidget(self._fault)
+
+    def _forget_fault(self) -> None:
+        if self._fault is not None:
+            self._stack.removeWidget(self._fault)
+            self._fault.deleteLater()
+            self._fault = None
+
+    def _try_again(self) -> None:
+        self._forget_fault()
+        self._stale = True
+        self.pull()
 
     def settle(self) -> None:
         """Do now what waits for a pause."""
@@ -154,7 +216,7 @@ class View(QWidget):
     @property
     def in_trouble(self) -> bool:
         """The view says why it has nothing to show."""
-        return self._stack.currentWidget() is self._trouble
+        return self._stack.currentWidget() is not self._content
 
     def wake(self) -> None:
         """The view may have come into sight: catch up once the events at hand are done, what is read rather than watched
@@ -165,8 +227,9 @@ class View(QWidget):
             self._soon.start()
 
     def _angle_changed(self, theta: float) -> None:
-        if not self._stale and not self.in_trouble and self.on_screen():
-            self.follow(theta)
+        # a design with other ranges moves the angle before the views know it; then ``pull`` follows
+        if self.up_to_date and not self.in_trouble and self.on_screen():
+            self._follow()
 
     def _pull_if_seen(self) -> None:
         if not self.on_screen():
@@ -174,7 +237,7 @@ class View(QWidget):
         if self._stale:
             self.pull()
         elif not self.in_trouble:
-            self.follow(self.player.theta)
+            self._follow()
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)

@@ -46,6 +46,19 @@ def slider_crank(crank: float, rod: float, offset: float = 0.0, side: int = 1) -
     return Design("slider-crank", None, (Drive(None, Linkage(links, sliders, Driver(2), sides(B=side)), None, LinkageLoads()),))
 
 
+def chain(count: int) -> Design:
+    """``count`` links (even): a crank and four-bars in a row, each led by the rocker before it."""
+    points: dict[int, dict[str, tuple[float, float]]] = {1: {"O2": (0, 0)}, 2: {"O2": (0, 0), "A": (30, 0)}}
+    leading, branch = "A", {}
+    for i, (coupler, rocker) in enumerate(zip(range(3, count, 2), range(4, count + 1, 2), strict=True), 1):
+        points[1][f"O{rocker}"] = (100.0 * i, 0.0)
+        points[coupler] = {leading: (0, 0), f"B{i}": (102, 0)}
+        points[rocker] = {f"O{rocker}": (0, 0), f"B{i}": (80, 0), f"C{i}": (60, 5)}
+        leading, branch[f"B{i}"] = f"C{i}", 1
+    links = tuple(link(n, **at) for n, at in points.items())
+    return Design("chain", None, (Drive(None, Linkage(links, (), Driver(2), sides(**branch)), None, LinkageLoads()),))
+
+
 # Stephenson III driven at its far end: no dyad hangs on the crank, four links must be solved at once
 INSIDE_OUT = Design("Stephenson III driven inside", None, (Drive(None, Linkage(
         (

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
-from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt
+from PySide6.QtCore import QDeadlineTimer, QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QAction
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu, QWidget
+from PySide6.QtWidgets import QAbstractButton, QAbstractItemView, QApplication, QMenu, QMessageBox, QWidget
 
 from core.design import Design
 from core.study import Study
@@ -29,6 +29,8 @@ from kindyna_gui.session import Session
 from kindyna_gui.view import View
 
 PATIENCE_MS = 5000
+QUESTIONS = {name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_unfinished")}
+"""Those that are buttons to be clicked, as the program asks them."""
 
 
 def plain(text: str) -> str:
@@ -76,7 +78,7 @@ class User:
         self._patch = patch
         self.faults: list[tuple[str, list[str]]] = []
         patch.setattr(dialogs, "show_faults", lambda _, what, lines: self.faults.append((what, list(lines))))
-        for question in ("ask_to_save", "design_to_open", "design_to_save", "picture_to_save"):
+        for question in (*QUESTIONS, "design_to_open", "design_to_save", "picture_to_save"):
             patch.setattr(dialogs, question, partial(_not_foreseen, question))
 
     @property
@@ -227,6 +229,36 @@ class User:
             return answer
 
         self._patch.setattr(dialogs, "ask_to_save", ask)
+        return asked
+
+    def clicks(self, *buttons: str, before: Callable[[QWidget], object] = lambda _: None) -> list[str]:
+        """The buttons the user will click in the dialogs that come, one in each; what they say is noted.
+
+        before   called with each dialog before its button is clicked
+        """
+        asked: list[str] = []
+        left = list(buttons)
+        for name, question in QUESTIONS.items():
+            self._patch.setattr(dialogs, name, question)
+
+        def look() -> None:
+            box = QApplication.activeModalWidget()
+            if box is not None and box.isVisible():
+                asked.append(box.text() if isinstance(box, QMessageBox) else box.windowTitle())
+                before(box)
+                found = [b for b in box.findChildren(QAbstractButton) if plain(b.text()) == left[0] and b.isEnabled()]
+                wanted = left.pop(0)
+                if found:
+                    QTest.mouseClick(found[0], Qt.MouseButton.LeftButton)
+                else:
+                    box.close()
+                    raise AssertionError(f"{wanted}: no such button")
+            if left:
+                timer.start()
+
+        timer = QTimer(self.window, singleShot=True, interval=5)
+        timer.timeout.connect(look)
+        timer.start()
         return asked
 
     def picks(self, dialog: str, path: Path | None) -> list[Any]:

@@ -24,6 +24,7 @@ PRESSURE_FIELDS: Mapping[type, tuple[str, str]] = MappingProxyType(
     {RollerCam: ("pressure-angle", "cam.base_radius_mm"), LinkageCam: ("roller-pressure-angle", "cam.point")}
 )
 
+ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit itself does not exceed it
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
@@ -33,16 +34,21 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | Linkag
     found = []
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
     angle = degrees(worst.value)
-    if angle > limit:
+    if angle > limit * (1.0 + ROUNDING):
         values = {"value": angle, "limit": limit}
         severity = ERROR if angle > NO_DRIVE else WARNING
         code, field = PRESSURE_FIELDS[type(cam)]
         found.append(Finding(code, severity, field, degrees(worst.theta), values))
-    sharpest, radius = extremes["pitch_curvature"].high, si(cam).roller_radius
-    if radius * sharpest.value >= 1.0:
+    if undercut(extremes, cam):
+        sharpest = extremes["pitch_curvature"].high
         values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}
         found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(sharpest.theta), values))
     return found
+
+
+def undercut(extremes: Mapping[str, Range], cam: RollerCam | LinkageCam) -> bool:
+    """Whether the pitch curve is somewhere no blunter than the roller: there the profile has a cusp, or crosses itself."""
+    return bool(si(cam).roller_radius * extremes["pitch_curvature"].high.value >= 1.0)
 
 
 def require_hold(train: Train) -> None:

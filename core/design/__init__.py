@@ -79,7 +79,18 @@ from core.design.parts import (
     kind_of,
 )
 from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed
-from core.design.rules import faults, part_faults
+from core.design.rules import faults, part_faults, whole_faults
+from core.design.unfinished import (
+    blunders,
+    closed,
+    closed_design,
+    lacks,
+    laid_out,
+    one_value_apart,
+    remove_laid_out,
+    rise_gap,
+    span_gap,
+)
 from core.design.units import NO_UNIT, SI, UNITS, Unit, si, split_unit
 from core.design.whole import SECTIONS, Design, Drive, require_follower, require_linkage, with_drive, with_table
 
@@ -136,6 +147,9 @@ __all__ = [
     "TranslatingLoads",
     "Unit",
     "all_paths",
+    "blunders",
+    "closed",
+    "closed_design",
     "curve_of",
     "edited",
     "entries",
@@ -151,21 +165,28 @@ __all__ = [
     "join_range",
     "joins_of_level",
     "kind_of",
+    "lacks",
+    "laid_out",
     "mirror_stroke",
     "mirrored",
     "motion_of",
     "move_join",
+    "one_value_apart",
     "part_faults",
     "put",
+    "remove_laid_out",
     "remove_segment",
     "require_follower",
     "require_linkage",
     "require_motion",
+    "rise_gap",
     "si",
+    "span_gap",
     "split_unit",
     "stretched",
     "stroke",
     "unit_of",
+    "whole_faults",
     "with_assumed",
     "with_drive",
     "with_elastic",

@@ -20,7 +20,7 @@ from core.laws import LAWS, find_law
 CLOSING = 1e-9  # spans and rises may miss their sums by this much, in their own units
 
 
-def _total(numbers: Iterable[float]) -> float:
+def total_of(numbers: Iterable[float]) -> float:
     """The sum; nan, on which no rule fires, where infinities meet."""
     try:
         return math.fsum(numbers)
@@ -34,13 +34,13 @@ def _spans_make_a_turn(motion: Motion, path: str) -> Iterator[Fault]:
     if not motion.segments:
         yield Fault(f"{path}.segments", [], "no segments", "at least one, spans adding up to 360 deg")
         return
-    total = _total(s.span_deg for s in motion.segments)
+    total = total_of(s.span_deg for s in motion.segments)
     if abs(total - 360.0) > CLOSING:
         yield Fault(f"{path}.segments", f"spans add up to {total:.12g} deg", "must make one turn", "a sum of 360 deg")
 
 
 def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
-    total = _total(s.rise for s in motion.segments)
+    total = total_of(s.rise for s in motion.segments)
     if abs(total) > CLOSING:
         told = f"rises add up to {total:.12g} {motion.unit}"
         yield Fault(
@@ -48,13 +48,16 @@ def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
         )
 
 
-def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
-    if not isinstance(segment.curve, Named):
-        return
-    law = find_law(segment.curve.law)
-    if law is None:
+def _law_is_known(segment: Segment, path: str) -> Iterator[Fault]:
+    if isinstance(segment.curve, Named) and find_law(segment.curve.law) is None:
         yield Fault(f"{path}.law", segment.curve.law, "unknown law", " | ".join(LAWS))
-    elif law.still and segment.rise != 0.0:
+
+
+def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
+    law = find_law(segment.curve.law) if isinstance(segment.curve, Named) else None
+    if law is None:
+        return
+    if law.still and segment.rise != 0.0:
         yield Fault(f"{path}.rise_{unit}", segment.rise, "a dwell does not rise", "0, or another law")
     elif law.rises < 0 and segment.rise >= 0.0:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")
@@ -118,6 +121,7 @@ def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
         at = f"{path}.segments[{i}]"
         for fault in field_faults(segment, at):
             yield Fault(_with_unit(fault.path, motion.unit), fault.value, fault.problem, fault.allowed)
+        yield from _law_is_known(segment, at)
         yield from _law_fits_rise(segment, at, motion.unit)
         yield from _curve_faults(segment, at)
 
@@ -192,4 +196,13 @@ def faults(design: Design) -> list[Fault]:
             if fault.path not in told:
                 told.add(fault.path)
                 found.append(fault)
+    return found
+
+
+def whole_faults(motion: Motion, path: str) -> list[Fault]:
+    """Those faults of a motion that tell that it is not whole yet: it makes no turn, does not come back, or a law does
+    not fit its rise. Each is mended by another value somewhere in the motion."""
+    found = [*_spans_make_a_turn(motion, path), *_rises_return_to_start(motion, path)] if motion.segments else []
+    for i, segment in enumerate(motion.segments):
+        found.extend(_law_fits_rise(segment, f"{path}.segments[{i}]", motion.unit))
     return found

@@ -55,7 +55,7 @@ def _arm_pin(design: Design, train: Train, to: complex) -> Changes:
 def _slider_pin(design: Design, train: Train, to: complex) -> Changes:
     """Rod, guide height and fixed angle: pivot and arm pin stay where they are, the roller on the base circle."""
     pivot, pin = _at(train, "pivot"), _at(train, "arm_pin")
-    along = cmath.exp(1j * si(design.drive.follower).guide_angle)
+    along = cmath.exp(1j * si(design.drive.mechanism).guide_angle)
     return {
         "follower.rod_mm": abs(to - pin) * 1e3,
         "follower.guide_height_mm": ((to - pivot) / along).imag * 1e3,
@@ -66,7 +66,7 @@ def _slider_pin(design: Design, train: Train, to: complex) -> Changes:
 def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slider: complex) -> Changes:
     """Fixed angle and layout with which the pins of arm and rod stand at these places: γ = α0 - φ0 - δ, Shin1995 (5), with
     φ0 of the triangle whose slider is back at the base position. Raises NoAssembly where there is none."""
-    follower = design.drive.follower
+    follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
     along = cmath.exp(1j * g.guide_angle)
@@ -92,7 +92,7 @@ def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slid
 
 def _roller(design: Design, train: Train, to: complex) -> Changes:
     """Roller arm, fixed angle and base radius: arm, rod and slider stay where they are."""
-    follower = design.drive.follower
+    follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
     pivot = _at(train, "pivot")
@@ -110,7 +110,7 @@ def _roller(design: Design, train: Train, to: complex) -> Changes:
 
 def _on_guide(design: Design, train: Train, to: complex) -> Changes:
     """Offset and base radius: the roller has gone as far as the motion says."""
-    g = si(design.drive.follower)
+    g = si(design.drive.mechanism)
     place = to * cmath.exp(-1j * g.direction)
     back = place.real - float(train.motion.y[0, 0])
     if back <= 0.0:
@@ -142,7 +142,7 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 
 def drags_of(design: Design) -> Mapping[str, Drag]:
     """The joints of a design that can be drawn elsewhere."""
-    return DRAGS[type(design.drive.follower)]
+    return DRAGS[type(design.drive.mechanism)]
 
 
 def with_joint_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:

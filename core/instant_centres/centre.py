@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+Key = tuple[str, str]
+"""Two bodies, in the order of a mechanism's."""
 FAR = 1e12  # sizes of the mechanism: beyond this a centre counts as at infinity
 
 

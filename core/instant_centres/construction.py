@@ -6,16 +6,15 @@ with known ones: the three centres of any three bodies lie on one line, so it is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from heapq import heappop, heappush
 from itertools import combinations
 
 import numpy as np
 
-from core.instant_centres.centre import Centres
-
-Key = tuple[str, str]
+from core.instant_centres.centre import Centres, Key
 
 
 @dataclass(frozen=True)
@@ -47,31 +46,56 @@ class Construction:
 
 @lru_cache(maxsize=64)
 def construction(bodies: tuple[str, ...], known: frozenset[Key]) -> Construction:
-    """The order of the construction, lowest bodies first, round by round."""
+    """The order of the construction, lowest bodies first, round by round.
+
+    A pair of bodies is reached when two others share a known centre with both: each newly known centre reaches at most
+    2 (b - 2) pairs of b bodies, so that the whole order takes about b³ steps.
+    """
     order = {name: i for i, name in enumerate(bodies)}
     all_keys = list(combinations(bodies, 2))
-    have = set(known)
+    joined = [0] * len(bodies)  # bit j of row i: the centre of i and j is known
+    ready: list[tuple[int, int]] = []  # pairs that are reached, the lowest first
+    waiting: set[tuple[int, int]] = set()
+
+    def join(a: int, b: int) -> None:
+        joined[a] |= 1 << b
+        joined[b] |= 1 << a
+
+    def reach(a: int, b: int) -> None:
+        """The pairs that the centre of a and b gives a triangle."""
+        for one, other in ((a, b), (b, a)):
+            for third in _bits(joined[other] & ~(joined[one] | 1 << one)):
+                pair = (one, third) if one < third else (third, one)
+                if pair not in waiting and (joined[one] & joined[third]).bit_count() > 1:
+                    waiting.add(pair)
+                    heappush(ready, pair)
+
+    at_sight = [(order[first], order[second]) for first, second in known]
+    for pair in at_sight:
+        join(*pair)
+    for pair in at_sight:
+        reach(*pair)
     steps: list[Wanted] = []
-    while True:
-        wanted = next((w for key in all_keys if key not in have and (w := _reached(key, bodies, have, order))), None)
-        if wanted is None:
-            break
-        steps.append(wanted)
-        have.add(wanted.key)
+    while ready:
+        a, b = heappop(ready)
+        steps.append(Wanted((bodies[a], bodies[b]), tuple(
+            Triangle(bodies[c], _sorted(bodies[a], bodies[c], order), _sorted(bodies[b], bodies[c], order))
+            for c in _bits(joined[a] & joined[b])
+        )))  # fmt: skip
+        join(a, b)
+        reach(a, b)
+    have = known.union(step.key for step in steps)
     return Construction(
         tuple(key for key in all_keys if key in known), tuple(steps), tuple(key for key in all_keys if key not in have)
     )
 
 
-def _reached(key: Key, bodies: tuple[str, ...], have: set[Key], order: Mapping[str, int]) -> Wanted | None:
-    a, b = key
-    triangles = []
-    for third in bodies:
-        if third not in key:
-            first, second = _sorted(a, third, order), _sorted(b, third, order)
-            if first in have and second in have:
-                triangles.append(Triangle(third, first, second))
-    return Wanted(key, tuple(triangles)) if len(triangles) > 1 else None
+def _bits(mask: int) -> Iterator[int]:
+    """The numbers of the bits that are set, lowest first."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low
 
 
 def _sorted(a: str, b: str, order: Mapping[str, int]) -> Key:

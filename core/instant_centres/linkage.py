@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
 
-from core.instant_centres.centre import Centres
+from core.instant_centres.centre import Centres, Key
 from core.instant_centres.construction import Construction, agreement, construction, kennedy
 from core.train import FRAME, REVOLUTE, Pose, Train
 
 EPS = float(np.finfo(float).eps)
 _AT_REST = 1e3 * EPS  # relative velocity, against those of the driver, below which two bodies do not move on each other
 _AGREES = 1e-6  # of unit vectors: lines that miss a centre by more have none in common
-Key = tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,19 +26,50 @@ class CentreTable:
     bodies        their names, the frame first
     centres       pair of names, in the order of ``bodies`` -> Centres (n,), scaled to the size
     primary       the pairs whose centre a pin or a guide shows at sight
-    construction  in which order Kennedy's theorem finds the others
     size          [m] of the mechanism
     """
 
     bodies: tuple[str, ...]
     centres: Mapping[Key, Centres]
     primary: frozenset[Key]
-    construction: Construction
     size: float
+
+    @cached_property
+    def construction(self) -> Construction:
+        """In which order Kennedy's theorem finds the others."""
+        return construction(self.bodies, self.primary)
 
     def of(self, a: str, b: str) -> Centres:
         """The centre of two bodies, in either order."""
         return self.centres[(a, b) if self.bodies.index(a) < self.bodies.index(b) else (b, a)]
+
+
+def centres_in_motion(
+    train: Train, size: float, names: tuple[str, ...]
+) -> tuple[dict[Key, Centres], dict[Key, np.ndarray], frozenset[Key]]:
+    """Centres scaled to the size, in the order of the names: of the pairs at sight, of all others by velocity; how much the
+    two bodies move against each other (n,), as a part of the fastest body's velocity; and which are seen.
+
+    Where two bodies have no velocity against each other, a centre by velocity is made of rounding, and its doubt is large.
+    """
+    order = {name: i for i, name in enumerate(names)}
+    primary = {key: centre.scaled(size) for key, centre in primary_pairs(train, order).items()}
+    speed = max(
+        (float(np.abs(p.turn[1]).max()) * size + float(np.abs(p.origin[1]).max()) for p in train.bodies.values()),
+        default=0.0,
+    )
+    found: dict[Key, Centres] = {}
+    motion: dict[Key, np.ndarray] = {}
+    for key in combinations(names, 2):
+        centre = _by_velocity(train.bodies[key[0]], train.bodies[key[1]])
+        motion[key] = np.hypot(np.abs(centre.point), centre.weight * size) / speed
+        if key in primary:
+            found[key] = primary[key]
+            continue
+        with np.errstate(divide="ignore"):
+            doubt = np.maximum(1.0, 1.0 / motion[key])  # where both move nearly alike, little is left of their velocities
+        found[key] = replace(centre.scaled(size), doubt=doubt)
+    return found, motion, frozenset(primary)
 
 
 def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> CentreTable:
@@ -49,26 +80,9 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
     other, and every point is a centre.
     """
     names = tuple(bodies) or tuple(train.bodies)
-    order = {name: i for i, name in enumerate(names)}
-    primary = {key: centre.scaled(size) for key, centre in primary_pairs(train, order).items()}
-    plan = construction(names, frozenset(primary))
-    found = dict(primary)
-    resting: dict[Key, np.ndarray] = {}
-    speed = max(
-        (float(np.abs(p.turn[1]).max()) * size + float(np.abs(p.origin[1]).max()) for p in train.bodies.values()),
-        default=0.0,
-    )
-    for key in combinations(names, 2):
-        if key not in primary:
-            centre = _by_velocity(train.bodies[key[0]], train.bodies[key[1]])
-            length = np.hypot(np.abs(centre.point), centre.weight * size)
-            rest = length <= _AT_REST * speed
-            with np.errstate(divide="ignore"):
-                doubt = np.maximum(1.0, speed / length)  # where both move nearly alike, little is left of their velocities
-            found[key] = replace(centre.scaled(size), doubt=doubt)
-            if rest.any():
-                resting[key] = rest
-    for wanted in plan.steps:
+    found, motion, primary = centres_in_motion(train, size, names)
+    resting = {key: rest for key in found if key not in primary and (rest := motion[key] <= _AT_REST).any()}
+    for wanted in construction(names, primary).steps if resting else ():
         if wanted.key in resting:
             limit, now = kennedy(found, wanted, size).scaled(size), found[wanted.key]
             told = agreement(found, wanted, limit, size) < _AGREES
@@ -79,8 +93,7 @@ def all_centres(train: Train, size: float, bodies: Iterable[str] = ()) -> Centre
             found[wanted.key] = Centres(
                 np.where(rest, limit.point, now.point), np.where(rest, limit.weight, now.weight), now.doubt
             )
-    ordered = {key: found[key] for key in combinations(names, 2)}
-    return CentreTable(names, MappingProxyType(ordered), frozenset(primary), plan, size)
+    return CentreTable(names, MappingProxyType(found), primary, size)
 
 
 def _by_velocity(a: Pose, b: Pose) -> Centres:
@@ -109,28 +122,3 @@ def primary_pairs(train: Train, order: Mapping[str, int]) -> dict[Key, Centres]:
 
 def _key(a: str, b: str, order: Mapping[str, int]) -> Key:
     return (a, b) if order[a] < order[b] else (b, a)
-
-
-def collinearity(table: CentreTable) -> np.ndarray:
-    """How far the three centres of any three bodies are from one line (n,): the largest determinant of their scaled
-    coordinates, 0 by Kennedy's theorem."""
-    return np.asarray(np.max([zero for zero, _ in _triples(table)] or [np.zeros(1)], axis=0))
-
-
-def doubted_collinearity(table: CentreTable) -> tuple[np.ndarray, np.ndarray]:
-    """The same of those three bodies of which it is largest against the doubt of their centres; and that doubt (n,)."""
-    worst, doubt = np.zeros(1), np.ones(1)
-    for zero, of_these in _triples(table):
-        larger = zero * doubt > worst * of_these
-        worst, doubt = np.where(larger, zero, worst), np.where(larger, of_these, doubt)
-    return worst, doubt
-
-
-def _triples(table: CentreTable) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Of every three bodies the determinant of their centres, and the largest of the centres' doubts."""
-    for a, b, c in combinations(table.bodies, 3):
-        three = [table.of(*pair) for pair in ((a, b), (b, c), (a, c))]
-        m = np.array([centre.homogeneous for centre in three])
-        m[:, :2] /= table.size
-        zero = np.abs(np.einsum("in,in->n", m[0], np.cross(m[1], m[2], axis=0)))
-        yield zero, np.broadcast_to(np.max(np.broadcast_arrays(*(c.doubt for c in three)), axis=0), zero.shape)

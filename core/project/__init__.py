@@ -11,11 +11,14 @@ import tomli_w
 from core.design import Design
 from core.errors import MISSING, DesignError, Fault
 from core.files import AnyPath, read_text, write
+from core.project.differences import Difference, differences
 from core.project.linkage_writing import linkage_tables, section_text
-from core.project.reading import from_table
-from core.project.writing import linkage_head, to_table
+from core.project.reading import from_table, motion_from_table
+from core.project.writing import linkage_head, motion_to_table, to_table
 
-__all__ = ["dumps", "from_table", "load", "loads", "save", "to_table"]
+__all__ = [
+    "Difference", "differences", "dumps", "from_table", "load", "loads", "motion_from_table", "motion_to_table", "save", "to_table",
+]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
@@ -31,14 +34,15 @@ def loads(text: str, source: str = "design") -> Design:
     return from_table(_parsed(text, source))
 
 
-def save(design: Design, path: AnyPath) -> None:
-    """Write a design, whole or not at all.
+def save(design: Design, path: AnyPath) -> str:
+    """Write a design, whole or not at all; the text that the file holds now.
 
     Raises FileError where it cannot be written, DesignError where ``load`` would refuse it.
     """
     text = dumps(design)
     loads(text)
     write(path, text)
+    return text
 
 
 def dumps(design: Design) -> str:

@@ -21,6 +21,7 @@ from core.design import (
     Segment,
     Shaft,
     part_faults,
+    whole_faults,
 )
 from core.errors import DesignError, Fault
 from core.project.hooks import NO_NUMBER, NO_WORD, converter, keys_of, required_keys
@@ -54,6 +55,16 @@ def from_table(table: Mapping[str, Any]) -> Design:
         raise DesignError(found)
     drive = Drive(parts["motion"], parts["follower"], parts["cam"], parts["loads"])
     return Design(table["name"], parts["shaft"], (drive,), tuple(table.get("assumed", ())))
+
+
+def motion_from_table(table: Mapping[str, Any], unit: str) -> Motion:
+    """A motion that need not be whole, in ``unit``. Raises DesignError with all other faults."""
+    motion, found = _read({"motion": table}, "motion", Motion, unit)
+    missing_yet = whole_faults(motion, "motion") if motion is not None else []
+    if blunders := [fault for fault in found if fault not in missing_yet]:
+        raise DesignError(blunders)
+    assert isinstance(motion, Motion)
+    return motion
 
 
 # -- the head of the file ---------------------------------------------------------------------------------

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, kind_of
+from core.design import FOLLOWER_KINDS, Design, Motion, kind_of
 from core.project.hooks import converter
 from core.project.linkage_writing import linkage_tables
 
@@ -24,11 +24,17 @@ def to_table(design: Design) -> dict[str, Any]:
     return table
 
 
+def motion_to_table(motion: Motion) -> dict[str, Any]:
+    """The table [motion] of the file."""
+    table: dict[str, Any] = converter(motion.unit).unstructure(motion)
+    return table
+
+
 def linkage_head(design: Design) -> dict[str, Any]:
     """What stands before [linkage]: head and motion."""
     table = _head(design)
     if design.drive.motion is not None:
-        table["motion"] = converter(design.drive.motion.unit).unstructure(design.drive.motion)
+        table["motion"] = motion_to_table(design.drive.motion)
     return table
 
 

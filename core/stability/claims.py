@@ -1,27 +1,32 @@
-"""What Kim1990 says of its cam against what comes out here, one row each; where they differ, why."""
+"""What Kim1990 says of its cam against what comes out here, one row each, its numbers beside it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import exp, pi
+from math import pi
+from typing import Any
 
 import numpy as np
 
 from core.errors import NoStability
-from core.stability import paper
+from core.stability import judgements, paper
 from core.stability.coefficients import INERTIA, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.edges import tongues
 from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.judgements import AGREES, DIFFERS, MISPRINT
 from core.stability.means import Averages, mean_wind_up
 from core.stability.stage import Stability
 from core.stability.tongues import Tongues
-from core.stability.verdicts import FROM_REST, STEADY, Verdict, linear_verdicts, rest_verdict, steady_verdict
+from core.stability.verdicts import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.windup import History, histories
 
-AGREES, DIFFERS, MISPRINT = "agrees", "differs", "misprint"
+__all__ = ["AGREES", "DIFFERS", "FIGURES", "MISPRINT", "ROWS", "Claim", "claims", "require_kim"]
+
 FACTOR = 1.5
 SHAPE = 1e-9
+SHARP = 1e-12  # wanted error of an edge: the narrowest tongue that is judged is 3e-7 wide
+COUNT = 11
 Q, TWICE = 0.05, 0.1
 FIRST_TURN = (Q, TWICE, 0.2, 0.3, 0.4, 0.5)  # rows of Q in which the follower is watched through its first turn
 ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
@@ -29,15 +34,33 @@ ROWS = (0.05, 0.1, 0.2, 0.5, 1.0)
 FIGURES = ((9, 0.85, 0.10, True), (10, 0.90, 0.10, False), (11, 2.10, 0.05, True), (12, 2.00, 0.05, False))
 """Kim1990 Figs. 9-12: figure, η, Q, whether the paper calls it stable."""
 
+Numbers = Mapping[str, Any]
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Claim:
-    """where it stands, what the paper says, what comes out here, and whether that is the same."""
+    """One statement of the paper.
+
+    where, paper  the place and what stands there
+    numbers       what was computed here: all that verdict and sentence depend on
+    judge, text   plain functions of these numbers
+    """
 
     where: str
     paper: str
-    here: str
-    verdict: str
+    numbers: Numbers
+    judge: Callable[..., str]
+    text: Callable[..., str]
+
+    @property
+    def verdict(self) -> str:
+        """Whether that is the same."""
+        return self.judge(**self.numbers)
+
+    @property
+    def here(self) -> str:
+        """What comes out here, in words."""
+        return self.text(**self.numbers)
 
 
 def require_kim(coefficients: Coefficients) -> None:
@@ -59,158 +82,122 @@ def require_kim(coefficients: Coefficients) -> None:
 def claims(found: Stability) -> tuple[Claim, ...]:
     """The table. Raises NoStability where the design is not Kim1990's."""
     require_kim(found.coefficients)
-    rows: list[Callable[[Stability], Claim]] = [
-        _spring_sign, _second_derivative, _approximation, _halves, _widest, _grows, _eleven,
-    ]  # fmt: skip
-    told = [row(found) for row in rows]
+    exact, twice, approximate = _row(found, Q, EXACT), _row(found, TWICE, EXACT), _row(found, Q, APPROXIMATE)
+    widths = _widths(exact)
     eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
-    gone = histories(found.coefficients, eta, q, contact=found.contact)
+    later = histories(found.coefficients, eta, q, contact=found.contact)
     first = mean_wind_up(found.coefficients, FIRST_TURN, 5.0, contact=found.contact)
+    j = judgements
     return (
-        *told,
-        _wind_up(first),
-        _contact(first, gone),
-        *(_figure(found, *row) for row in zip(FIGURES, gone, strict=True)),
+        Claim("(13)", "the spring's term is -4π²η²β", _spring_growth(FIGURES[0][1]), j.spring_sign, j.spring_sign_text),
+        Claim("(22)", "ψ holds X''X'' + X'²", _load_means(found), j.load_slope, j.load_slope_text),
+        Claim(
+            "(21) → (22)",
+            "(22) stands for (21) where Q ≪ 1",
+            {"q": Q, "approximate": approximate.edges[0], "exact": exact.edges[0]},
+            j.approximation,
+            j.approximation_text,
+        ),
+        Claim(
+            "Fig. 8, §7",
+            "parametric resonance at 1/N of the shaft's frequency: η ≈ 1, 2, 3, 4, 5",
+            {"q": Q, "widths": widths, "errors": 2.0 * exact.error[0]},
+            j.whole_numbers_only,
+            j.whole_numbers_only_text,
+        ),
+        Claim(
+            "Fig. 8",
+            "the tongues at η ≈ 1 and 2 are much wider than the others",
+            {"q": Q, "widths": widths},
+            j.widest,
+            j.widest_text,
+        ),
+        Claim(
+            "Fig. 8, §7",
+            "tongues widen with Q",
+            {"q": np.array([Q, TWICE]), "small": widths, "large": _widths(twice)},
+            j.widen_with_q,
+            j.widen_with_q_text,
+        ),
+        Claim(
+            "Fig. 8, §7",
+            "tongues widen towards the natural frequency (small η)",
+            {"q": Q, "widths": widths},
+            j.widen_with_speed,
+            j.widen_with_speed_text,
+        ),
+        Claim(
+            "§6 (2)",
+            "ten harmonics, an 11 x 11 matrix, give the edges",
+            {"q": Q, "off": _off(found, approximate), "widths": _widths(approximate)},
+            j.eleven,
+            j.eleven_text,
+        ),
+        Claim(
+            "Figs. 6, 7",
+            "for Q up to 0.1 the mean wind-up stays within 0.02; it grows with Q",
+            {"q": first.q, "means": first.wind_up, "slopes": first.slope},
+            j.wind_up,
+            j.wind_up_text,
+        ),
+        Claim(
+            "Figs. 6, 7",
+            "the follower stays on the cam for Q below 0.1 and leaves it above",
+            _losses(first, later),
+            j.contact,
+            j.contact_text,
+        ),
+        *(_figure(found, *row) for row in zip(FIGURES, later, strict=True)),
     )
 
 
-def _row(found: Stability, q: float, equation: str = EXACT, count: int = 11) -> Tongues:
-    return tongues(found.coefficients, np.array([q]), count, equation)
+def _row(found: Stability, q: float, equation: str) -> Tongues:
+    return tongues(found.coefficients, np.array([q]), COUNT, equation, error=SHARP)
 
 
 def _widths(row: Tongues) -> np.ndarray:
-    return row.edges[0, :, 1] - row.edges[0, :, 0]
+    return np.asarray(row.edges[0, :, 1] - row.edges[0, :, 0])
 
 
-def _spring_sign(found: Stability) -> Claim:
-    eta = FIGURES[0][1]
-    return Claim(
-        "(13)",
-        "the spring's term is -4π²η²β",
-        f"+4π²η²β: as printed any shaft would run away, by {exp(2.0 * pi * eta):.3g} a turn at η = {eta:g}",
-        MISPRINT,
-    )
+def _spring_growth(eta: float) -> Numbers:
+    """ln of the growth a turn of β'' = ∓4π²η²β, the cam at rest: the real part of its root 2πη √∓1."""
+    as_printed, corrected = (float(np.real(2.0 * pi * eta * np.emath.sqrt(sign))) for sign in (1.0, -1.0))
+    return {"eta": eta, "printed": as_printed, "corrected": corrected}
 
 
-def _second_derivative(found: Stability) -> Claim:
-    theta = np.linspace(0.0, pi, 2001)[:-1]
+def _load_means(found: Stability) -> Numbers:
+    """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used."""
+    panels = found.coefficients.panels
+    theta = panels.theta
     c = np.cos(2.0 * theta)
-    printed = FACTOR * 2.0 * (4.0 * c * c + np.sin(2.0 * theta) ** 2)  # with X''X''
-    return Claim(
-        "(22)",
-        "ψ holds X''X'' + X'²",
-        f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {0.5 * printed.mean():.3g}",
-        MISPRINT,
-    )
+    as_printed = np.where(theta < pi, 2.0 * FACTOR * (4.0 * c * c + np.sin(2.0 * theta) ** 2), 0.0)
+    return {
+        "printed": float((panels.weights * as_printed).sum()),
+        "corrected": float((panels.weights * panels.values[LOAD_SLOPE]).sum()),
+    }
 
 
-def _approximation(found: Stability) -> Claim:
-    edges = [_row(found, Q, e).edges[0] for e in (APPROXIMATE, EXACT)]
-    still, shift = ((e.mean(axis=1) - 0.5 * np.arange(1, 12)) / Q for e in edges)
-    apart = 1 + int((edges[1][:, 0] > edges[0][:, 1]).argmax())
-    return Claim(
-        "(21) → (22)",
-        "(22) stands for (21) where Q ≪ 1",
-        f"the tongues of (21) move with Q in the first order, by {shift[3]:.3f} Q for n = 4 and {shift[10]:.3f} Q for n = 11; "
-        f"those of (22) stand still (n = 4: {still[3]:.3f} Q); at Q = {Q} they have nothing in common from n = {apart} on",
-        DIFFERS,
-    )
+def _off(found: Stability, approximate: Tongues) -> np.ndarray:
+    """The farther of each tongue's two edges (11,) in the paper's own matrix; inf where it has no second edge."""
+    off = np.abs(paper.edges(found.coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
+    return np.where(np.isnan(off), np.inf, off)
 
 
-def _halves(found: Stability) -> Claim:
-    widths = _widths(_row(found, Q))
-    told = ", ".join(f"{widths[n - 1]:.4f} at {0.5 * n:g}" for n in (1, 3, 5))
-    return Claim(
-        "Fig. 8, §7",
-        "parametric resonance at 1/N of the shaft's frequency: η ≈ 1, 2, 3, 4, 5",
-        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; widths at Q = {Q}: {told}",
-        DIFFERS,
-    )
-
-
-def _widest(found: Stability) -> Claim:
-    both = {e: _widths(_row(found, Q, e)) for e in (APPROXIMATE, EXACT)}
-    order = np.argsort(-both[EXACT])[:4]
-    told = ", ".join(f"{0.5 * (n + 1):g} ({both[EXACT][n]:.4f})" for n in order)
-    return Claim(
-        "Fig. 8",
-        "the tongues at η ≈ 1 and 2 are much wider than the others",
-        f"of whole η, yes; of all, the widest in (21) stand at η ≈ {told}",
-        AGREES,
-    )
-
-
-def _grows(found: Stability) -> Claim:
-    small, large = _widths(_row(found, Q)), _widths(_row(found, TWICE))
-    growing = int((large > small).sum())
-    return Claim(
-        "Fig. 8, §7",
-        "tongues widen with Q, and towards the natural frequency (small η)",
-        f"{growing} of 11 are wider at Q = {TWICE} than at {Q}; widths at {Q} fall from {small[1]:.4f} (η ≈ 1) to "
-        f"{small[9]:.0e} (η ≈ 5)",
-        AGREES if growing == 11 else DIFFERS,
-    )
-
-
-def _eleven(found: Stability) -> Claim:
-    exact = tongues(found.coefficients, np.array([Q]), 5, APPROXIMATE, error=1e-12)
-    off = float(np.abs(paper.edges(found.coefficients, Q, 5) - exact.edges[0]).max())
-    return Claim(
-        "§6 (2)",
-        "ten harmonics, an 11 x 11 matrix, give the edges",
-        f"to {off:.0e} for the tongues up to η ≈ 2.5",
-        AGREES,
-    )
-
-
-def _wind_up(first: Averages) -> Claim:
-    small = first.wind_up[first.q <= TWICE]
-    rising = bool((np.diff(first.wind_up[:3], axis=0) > 0.0).all() and (np.diff(first.slope[:3], axis=0) > 0.0).all())
-    return Claim(
-        "Figs. 6, 7",
-        "for Q up to 0.1 the mean wind-up stays within 0.02; it grows with Q",
-        f"the mean of the first turn from rest is at most {small.max():.4f} for η = 0.5 ... 5; later turns reach more "
-        "(Figs. 9-12)",
-        AGREES if small.max() <= 0.02 and rising else DIFFERS,
-    )
-
-
-def _contact(first: Averages, gone: Sequence[History]) -> Claim:
-    """first: rows of Q, from the paper's on upwards."""
-    told = [
-        f"(η = {h.eta:.2f}, Q = {h.q:.2f}) from y = {h.contact_lost:.4f}" for h in gone if h.contact_lost is not None
-    ]
-    leaves = first.q[first.lost.any(axis=1)] if first.lost is not None else first.q[:0]
-    least = f"Q = {leaves[0]:g}" if leaves.size else "no Q looked at"
-    return Claim(
-        "Figs. 6, 7",
-        "the follower stays on the cam for Q below 0.1 and leaves it above",
-        f"in the first turn, which these figures average, it leaves it from {least} on; later it does at "
-        f"{' and at '.join(told) or 'none of the points of Figs. 9-12'}",
-        DIFFERS if told or leaves.min(initial=np.inf) > 1.5 * TWICE else AGREES,
-    )
+def _losses(first: Averages, later: Sequence[History]) -> Numbers:
+    lost = np.zeros(first.q.size, dtype=bool) if first.lost is None else first.lost.any(axis=1)
+    return {"q": first.q, "lost": lost, "later": [(h.eta, h.q, h.contact_lost) for h in later]}
 
 
 def _figure(found: Stability, figure: tuple[int, float, float, bool], gone: History) -> Claim:
     number, eta, q, stable = figure
-    verdicts = [
+    models = (
         *linear_verdicts(found.coefficients, eta, q),
         steady_verdict(found.coefficients, eta, q, contact=found.contact)[0],
-    ]
-    rest = rest_verdict(gone)
-    told = "; ".join(_told(v) for v in verdicts)
-    lost = "" if rest.lost is None else f", follower off the cam from y = {rest.lost:.4f}"
+    )
     return Claim(
         f"Fig. {number}",
         f"η = {eta:.2f}, Q = {q:.2f} is {'stable' if stable else 'unstable'}",
-        f"{told}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}",
-        AGREES if verdicts[-1].stable == stable else DIFFERS,
+        {"stable": stable, "models": models, "rest": rest_verdict(gone)},
+        judgements.figure,
+        judgements.figure_text,
     )
-
-
-_SHORT = {APPROXIMATE: "(22)", EXACT: "(21)", STEADY: "steady response", FROM_REST: "from rest"}
-
-
-def _told(verdict: Verdict) -> str:
-    said = {True: "stable", False: f"unstable, e^{verdict.growth:.3f} a turn", None: "cannot say"}[verdict.stable]
-    return f"{_SHORT[verdict.model]} {said}"

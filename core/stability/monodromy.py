@@ -44,9 +44,20 @@ class Monodromy:
         return np.trace(self.matrix, axis1=1, axis2=2)
 
     @property
+    def _products(self) -> np.ndarray:
+        """What the determinant is the difference of (L,), 1 at least."""
+        m = np.abs(self.matrix)
+        return np.maximum(1.0, m[:, 0, 0] * m[:, 1, 1] + m[:, 0, 1] * m[:, 1, 0])
+
+    @property
     def liouville(self) -> np.ndarray:
-        """|det - exp(...)| (L,), which exact arithmetic would make zero."""
-        return np.abs(determinant(self.matrix) - self.det)
+        """|det - exp(...)| (L,), which exact arithmetic would make zero, relative to the products that det is taken from:
+        where a turn grows a millionfold little is left of their difference."""
+        return np.abs(determinant(self.matrix) - self.det) / self._products
+
+    def liouville_error(self, eta: np.ndarray) -> np.ndarray:
+        """What rounding may make of ``liouville`` (L,): each of four entries is wrong by ``error`` and times another one."""
+        return 4.0 * self.error * np.maximum(1.0, size(self.matrix, eta)) / self._products
 
     @property
     def growth(self) -> np.ndarray:
@@ -70,9 +81,9 @@ def determinant(matrix: np.ndarray) -> np.ndarray:
 
 def growth(trace: np.ndarray, det: np.ndarray) -> np.ndarray:
     """ln of the larger |root| of μ² - trace μ + det, det > 0."""
-    half = 0.5 * np.abs(trace)
-    beyond = np.maximum((half - np.sqrt(det)) * (half + np.sqrt(det)), 0.0)
-    return np.where(beyond > 0.0, np.log(np.where(beyond > 0.0, half + np.sqrt(beyond), 1.0)), 0.5 * np.log(det))
+    half, root = 0.5 * np.abs(trace), np.sqrt(det)
+    beyond = np.sqrt(np.maximum(half - root, 0.0)) * np.sqrt(half + root)  # the square of half may be beyond all numbers
+    return np.where(beyond > 0.0, np.log(np.where(beyond > 0.0, half + beyond, 1.0)), np.log(root))
 
 
 @lru_cache(maxsize=1)
@@ -101,11 +112,11 @@ def monodromy(
 
 
 def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -> Coefficients:
-    """The coefficients on panels that hold no more than ``PHASE`` of the fastest wave; where the train stands still one
-    panel holds any wave."""
+    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave; where the train stands still one
+    panel holds any wave. A short steep segment narrows itself and nothing else."""
     w, p = weight_and_potential(coefficients, equation, np.array([q]))
-    fastest = np.sqrt(float(np.abs(eta * eta * w + p).max()))
-    panels = coefficients.panels.split(PHASE / max(fastest, 1e-300), ~still(coefficients.panels))
+    fastest = np.sqrt(np.abs(eta * eta * w[0] + p[0]).max(axis=1))
+    panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300), ~still(coefficients.panels))
     return coefficients if panels is coefficients.panels else replace(coefficients, panels=panels)
 
 

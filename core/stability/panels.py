@@ -136,8 +136,9 @@ class Panels:
         t = 2.0 * (theta - self.start[at]) / self.width[at] - 1.0
         return np.einsum("nrk,nk->rn", self.powers[at, :rows], powers(t, NODES))
 
-    def split(self, widest: float, which: np.ndarray) -> Panels:
-        """The same functions on panels no wider than ``widest`` [rad]; of those only that ``which`` (m,) names."""
+    def split(self, widest: float | np.ndarray, which: np.ndarray) -> Panels:
+        """The same functions on panels no wider than ``widest`` [rad], one for all or (m,); of those only that ``which`` (m,)
+        names."""
         parts = np.where(which, np.maximum(1, np.ceil(self.width / widest - 1e-9)), 1).astype(int)
         if (parts == 1).all():
             return self

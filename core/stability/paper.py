@@ -21,6 +21,8 @@ def matrix(coefficients: Coefficients, q: float, half: bool) -> np.ndarray:
 
 
 def edges(coefficients: Coefficients, q: float, count: int = 2 * ORDER - 1) -> np.ndarray:
-    """Edges (count, 2) of the tongues 1 ... count, as Kim1990 Fig. 8 has them."""
+    """Edges (count, 2) of the tongues 1 ... count, count ≤ 11, as Kim1990 Fig. 8 has them: each pair of eigenvalues one
+    tongue; nan where an eleventh value is left without a second."""
     whole, half = (np.sqrt(np.maximum(np.linalg.eigvalsh(matrix(coefficients, q, g)), 0.0)) for g in (False, True))
-    return np.array([(half if n % 2 else whole)[n - 1 : n + 1] for n in range(1, count + 1)])
+    values = [np.append(half if n % 2 else whole, np.nan) for n in range(1, count + 1)]
+    return np.array([row[n - 1 : n + 1] for n, row in enumerate(values, 1)])

@@ -12,7 +12,7 @@ import numpy as np
 from core.design import Elastic, si
 from core.dynamics import Loading
 from core.errors import NoAnswer, NoStability
-from core.findings import Residual
+from core.findings import LEAST_BOUND, Residual
 from core.motion import Program
 from core.stability.chart import ETA_MAX, count_up_to
 from core.stability.coefficients import Coefficients
@@ -170,14 +170,14 @@ class Stability:
         except NoStability:
             return {}
         again = refined(self.coefficients, found)
-        room = np.maximum(found.error + again.error, 1e-300)
+        room = np.maximum(found.error + again.error, LEAST_BOUND)
         apart = np.abs(found.edges - again.edges).max(axis=2)
         worst = int((apart / room).argmax())
         turn = monodromy(
             self.coefficients, again.edges.ravel(), np.array([self.machine.q]), EXACT, self.machine.damping
         )
-        slack = 64.0 * turn.error
-        late = int((turn.liouville / slack).argmax())
+        slack = 16.0 * turn.liouville_error(again.edges.ravel())
+        late = int((turn.liouville / np.maximum(slack, LEAST_BOUND)).argmax())
         return {
             "tongue_residual": Residual(float(apart.flat[worst]), float(room.flat[worst])),
             "tongue_error": Residual(float(np.nanmax(self.exact.error, initial=0.0)), 1e-8),

@@ -131,7 +131,9 @@ def tongues_of_order(
     edges = np.sqrt(np.maximum(squares, 0.0))
     # of η² into η, and η itself where η² may be 0
     lower = np.maximum(edges[..., 0], np.sqrt(errors))
-    return Tongues(equation, q, edges, errors / np.where(lower > 0.0, lower, 1.0), bottom, order)
+    known = (lower > 0.0) & np.isfinite(errors)
+    wrong = np.where(known, errors / np.where(known, lower, 1.0), errors)
+    return Tongues(equation, q, edges, wrong, bottom, order)
 
 
 def _lowest(
@@ -199,5 +201,7 @@ def _beyond(
     # what is left: the outer harmonics' pull on each other, and those beyond reach, which fall like r⁻⁴ or faster
     pull = 2.0 * (np.abs(cp[:, None, 1:]) + np.abs(square[..., None]) * np.abs(cw[:, None, 1:])).sum(axis=2)
     farthest = outer.numbers > 2.0 * outer.numbers.min()
-    wrong = change * pull / stiff.min(axis=1) + 0.5 * np.abs(parts[:, farthest]).sum(axis=1)
-    return corrected, wrong
+    least = stiff.min(axis=1)
+    with np.errstate(divide="ignore"):
+        wrong = change * pull / least + 0.5 * np.abs(parts[:, farthest]).sum(axis=1)
+    return corrected, np.where(least > 0.0, wrong, np.inf)  # harmonics that the load outweighs are not beyond

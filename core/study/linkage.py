@@ -15,8 +15,8 @@ from core.design import CRANK, Design, Linkage, LinkageCam, LinkageLoads, si
 from core.dynamics import Forces, Loading, link_loading
 from core.errors import NoAnswer, NoPosition, angle_list
 from core.extremes import Extreme, Range
-from core.findings import ERROR, NOTE, Finding, Residual
-from core.instant_centres import CentreTable, all_centres, doubted_collinearity
+from core.findings import ERROR, LEAST_BOUND, NOTE, Finding, Residual
+from core.instant_centres import CentreTable, all_centres, moving_collinearity
 from core.mechanism import Course, CrankProgram, body_name, course_of, linkage_train, swept, unit_speed_train
 from core.motion import EPS, Angles, MotionState, Program, degrees, program
 from core.study.base import Study
@@ -26,6 +26,8 @@ from core.study.stages import cam_stage, dynamics_stage, grid, motion_stage, rem
 from core.train import REVOLUTE, Train
 
 _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
+_POSITIONS = 120  # at which the centres are proven
+_SAYS_NOTHING = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
 _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
 
 
@@ -60,7 +62,7 @@ def link_loads(loads: LinkageLoads) -> Loading:
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
     """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
-    i = int(np.argmax(residual / bound))
+    i = int(np.argmax(residual / np.maximum(bound, LEAST_BOUND)))
     return Residual(float(residual[i]), float(bound[i]))
 
 
@@ -270,7 +272,11 @@ class LinkageStudy(Study, of=True):
         part, train = self.design.drive.cam, self.linkage
         assert part is not None
         ground = train.pairs[train.ground].kind if train.ground else REVOLUTE
-        return cam.findings(self.extremes("cam", ("pressure_angle", "pitch_curvature")), ground, part)
+        return cam.findings(self._cam_extremes, ground, part)
+
+    @property
+    def _cam_extremes(self) -> Mapping[str, Range]:
+        return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
     def _linkage_findings(self) -> list[Finding]:
         names = [n for n in names_of(self.design) if n.startswith("transmission.")]
@@ -288,20 +294,35 @@ class LinkageStudy(Study, of=True):
         if "linkage" in wanted:
             train = self.linkage
             proof["loop_closure"] = _worst(train.residual, EPS * train.condition)
-            lines, doubt = doubted_collinearity(self.centres)
-            proof["three_centres"] = _worst(lines, 16.0 * EPS * train.condition * doubt)
+            proof["three_centres"] = self._three_centres()
         if "cam" in wanted:
+            assert self.design.drive.cam is not None
             centre = cam.centre_residual(self.linkage, self.cam)
             proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
-            radius: float = si(self.design.drive.cam).roller_radius
+            part = self.design.drive.cam
+            radius: float = si(part).roller_radius
             reach = float(np.abs(self.cam.flank.pitch).max())
-            proof["roller_tangency"] = Residual(cam.tangency_residual(self.cam, radius, reach), 64.0 * EPS)
+            proof["roller_tangency"] = cam.tangency(
+                self.cam, radius, reach, 64.0 * EPS, lambda: cam.undercut(self._cam_extremes, part)
+            )
         if "dynamics" in wanted:
             bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())
             parts = (self.linkage, self._shape, self.dynamics, self.loading)
             proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
             proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
         return proof
+
+    def _three_centres(self) -> Residual:
+        """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
+        a triple whose bound would say nothing is left out where it is so."""
+        step = max(1, self.theta.size // _POSITIONS)
+        there = LinkageStudy(self.design, self.samples, Angles(self.theta[::step], self.angles.piece[::step]))
+        train = unit_speed_train(self._places, there.drive.y[0], self.course)
+        found = moving_collinearity(train, self.course.plan.size)
+        bound = 16.0 * EPS * there.linkage.condition * found.doubt
+        well = bound <= _SAYS_NOTHING
+        worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
+        return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
 
     def _over_lever(self) -> np.ndarray:
         """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force

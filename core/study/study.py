@@ -13,6 +13,7 @@ from core.cam import CamShape
 from core.design import Design, kind_of, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoStability
+from core.extremes import Range
 from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
 from core.shaft import Flywheel, TorqueCurve, flywheel, lag, torque_curve
@@ -60,7 +61,7 @@ class CamStudy(Study, of=False):
     @cached_property
     def linkage(self) -> Train:
         try:
-            return self._stage(linkage_stage, self.design.drive.follower, self.reach, self.motion)
+            return self._stage(linkage_stage, self.design.drive.mechanism, self.reach, self.motion)
         except NoAnswer as error:
             raise self._located(error, "linkage") from None
 
@@ -89,7 +90,7 @@ class CamStudy(Study, of=False):
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         try:
             found = stability_stage(
-                drive.motion, drive.follower, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
+                drive.motion, drive.mechanism, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
             )
         except NoStability:
             raise
@@ -143,7 +144,7 @@ class CamStudy(Study, of=False):
     @property
     def kind(self) -> str:
         """Slug of the follower's kind."""
-        return kind_of(self.design.drive.follower)
+        return kind_of(self.design.drive.mechanism)
 
     @property
     def omega(self) -> float:
@@ -160,7 +161,7 @@ class CamStudy(Study, of=False):
 
     @property
     def loading(self) -> Loading:
-        loads: Loading = loading(self.design.drive.follower, self.design.drive.loads)
+        loads: Loading = loading(self.design.drive.mechanism, self.design.drive.loads)
         return loads
 
     def _depends_on(self, stage: str) -> tuple[Any, ...]:
@@ -168,8 +169,8 @@ class CamStudy(Study, of=False):
         drive, shaft = self.design.drive, self.design.shaft
         parts = {
             "motion": (drive.motion, self.omega),
-            "linkage": (drive.motion, self.omega, drive.follower, self.reach),
-            "cam": (drive.motion, drive.follower, drive.cam, shaft.rotation),
+            "linkage": (drive.motion, self.omega, drive.mechanism, self.reach),
+            "cam": (drive.motion, drive.mechanism, drive.cam, shaft.rotation),
             "dynamics": (drive, shaft.rotation, self.omega),
             "stability": (drive, shaft.rotation, self.omega, shaft.elastic),
         }
@@ -188,7 +189,7 @@ class CamStudy(Study, of=False):
             "motion": lambda: motion.findings(self.program),
             "linkage": lambda: followers.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
             "cam": lambda: cam.findings(
-                self.extremes("cam", ("pressure_angle", "pitch_curvature")),
+                self._cam_extremes,
                 self.linkage.pairs[self.linkage.ground].kind,
                 self.design.drive.cam,
             ),
@@ -198,6 +199,10 @@ class CamStudy(Study, of=False):
             "stability": self._stability_findings,
         }
         return rows[stage]()
+
+    @property
+    def _cam_extremes(self) -> Mapping[str, Range]:
+        return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft.elastic is None:
@@ -225,8 +230,8 @@ class CamStudy(Study, of=False):
             radius: float = si(self.design.drive.cam).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
-            proof["roller_tangency"] = Residual(
-                cam.tangency_residual(self.cam, radius, self.reach), 64.0 * EPS * farthest
+            proof["roller_tangency"] = cam.tangency(
+                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, self.design.drive.cam)
             )
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))

@@ -485,6 +485,61 @@ def test_interrupted_at_any_line(out: Path, folder: str) -> None:
     assert number > 50
 
 
+# -- what killed writes leave behind ------------------------------------------------------------------------
+
+AT_THE_MOVE = """
+import os, signal, sys
+from core import files
+
+def stop(*_):
+    {stop}
+    return right(*_)
+
+right, os.replace = os.replace, stop
+{call}
+"""
+WRITES = ("files.write('b.csv', 'of another')", "files.write_all('.', {'b.csv': 'of another', 'sub/c.csv': ''})")
+
+
+def writing(folder: Path, call: str, stop: str) -> "subprocess.Popen[str]":
+    """Another process that writes, stopped when it is about to move its first file into place."""
+    code = AT_THE_MOVE.format(call=call, stop=stop)
+    environment = os.environ | {"PYTHONPATH": str(Path(files.__file__).parents[1])}
+    return subprocess.Popen(
+        [sys.executable, "-c", code], cwd=folder, env=environment, text=True, stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+
+
+@posix
+@pytest.mark.parametrize("call", WRITES)
+def test_the_next_write_sweeps_up_what_a_killed_one_left(out: Path, call: str) -> None:
+    (out / "sub").mkdir()
+    (out / ".0123456789abcdef.tmp").write_text("of another program")
+    before = content(out)
+    writing(out, call, "os.kill(os.getpid(), signal.SIGKILL)").communicate()
+    left = content(out).keys() - before.keys()
+    assert left
+    assert all(Path(name).name.startswith(".kindyna-") for name in left)
+    files.write_all(out, {"b.csv": "new", "sub/d.csv": ""})
+    assert content(out) == before | {"b.csv": b"new", "sub/d.csv": b""}
+
+
+@posix
+@pytest.mark.parametrize("call", WRITES)
+def test_a_write_that_runs_is_not_swept_up(out: Path, call: str) -> None:
+    (out / "sub").mkdir()
+    other = writing(out, call, "print('here', flush=True); sys.stdin.readline()")
+    assert other.stdout is not None
+    assert other.stdout.readline() == "here\n"
+    running = content(out).keys()
+    files.write_all(out, {"b.csv": "new", "sub/d.csv": ""})
+    assert content(out).keys() == running | {"sub/d.csv"}
+    other.communicate("\n" * 9)
+    assert other.returncode == 0
+    assert (out / "b.csv").read_bytes() == b"of another", "what is written last stays"
+    assert not [name for name in content(out) if name.endswith(".tmp")]
+
+
 @posix
 def test_full_disk(tiny_disk: Path) -> None:
     (tiny_disk / "a").write_bytes(b"old")

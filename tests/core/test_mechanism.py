@@ -488,11 +488,10 @@ STILL: dict[str, Callable[[], Design]] = {
 
 @pytest.mark.parametrize("design", STILL)
 def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
-    made = STILL[design]()
-    train = linkage_train(
-        made.drive.mechanism, CrankProgram(course_of(made.drive.mechanism)).state(CrankProgram(course_of(made.drive.mechanism)).angles(np.arange(6.0))),
-        course_of(made.drive.mechanism),
-    )  # fmt: skip
+    linkage = STILL[design]().drive.linkage
+    course = course_of(linkage)
+    run = CrankProgram(course)
+    train = linkage_train(linkage, run.state(run.angles(np.arange(6.0))), course)
     assert list(train.bodies) == [FRAME, "link2", "link3", "link4"]
     for pair in train.pairs.values():
         assert {pair.on, pair.body} <= set(train.bodies)

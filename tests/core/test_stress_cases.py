@@ -47,7 +47,8 @@ def test_of_sides_that_are_given_no_digit_is_lost_at_a_dead_centre(name: str) ->
 def test_a_thousand_segments_keep_motion_linkage_and_forces_in_balance() -> None:
     study = Study(many_segments(1000))
     proof = study.certificate()
-    assert [name for name, residual in proof.items() if not residual.kept] == ["roller_tangency"], "it is undercut, and said to be"
+    assert all(residual.kept for residual in proof.values())
+    assert proof["roller_tangency"].left_out > 0, "it is undercut, and said to be"
     assert {f.code for f in study.findings()} >= {"undercut"}
     assert len(study.program.joins) == 1000
     assert not any(j.jumps.any() for j in study.program.joins if j.theta) or "jump-acceleration" not in {f.code for f in study.findings()}

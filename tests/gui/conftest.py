@@ -83,6 +83,7 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
 
     yield open
     for user in users:
+        user.session.drop_draft()
         user.session.stack.setClean()
         user.window.close()
         user.window.deleteLater()

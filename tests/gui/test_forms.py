@@ -313,3 +313,22 @@ def test_an_assumed_value_stays_assumed_when_changed(user: User) -> None:
     user.enter("loads.friction", "0.2")
     assert user.design.assumed == LIFT.assumed
     assert get(user.design, "loads.friction") == 0.2
+
+
+def test_a_name_that_is_dragged_while_another_design_takes_its_field_away_changes_nothing(user: User) -> None:
+    user.window.documents.new("translating")
+    begun = user.design
+    user.window.documents.begin(LIFT, "lift")
+    user.session.stack.undo()
+    field = user.field("follower.direction_deg")
+    label = field.label
+    start = label.rect().center()
+    QTest.mousePress(label, Qt.MouseButton.LeftButton, pos=start)
+    user.window.documents.begin(load(example("four_bar")), "four-bar")  # whose window has no page for a follower
+    QTest.mouseMove(label, start + QPoint(60, 0))
+    field.editor.stepUp()
+    QTest.mouseRelease(label, Qt.MouseButton.LeftButton, pos=start)
+    settle()
+    assert user.design == load(example("four_bar"))
+    user.session.stack.undo()
+    assert user.design == begun

@@ -50,6 +50,11 @@ def test_each_layout_begins_a_sound_mechanism(letter: str) -> None:
     assert [f for f in Study(design, 180).findings(("linkage", "cam")) if f.severity == "error"] == []
 
 
+@pytest.mark.parametrize("letter", LAYOUTS)
+def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
+    assert Study(gallery.layout_design(letter), 720).dynamics.contact.min() > 0.0
+
+
 def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every layout and every linkage, from the lift; nothing is to be saved on either side."""
     user = open_user(plots=False)

@@ -233,6 +233,24 @@ def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
     assert user.design == crank
 
 
+def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(open_user: Open) -> None:
+    """The driver's ranges move the angle before the plots show the new design."""
+    user = open_user(example("four_bar_coupler_cam"))
+    user.turn(270.0)
+    before = user.design
+    entry = ("Compo", "Driver", "Link 4 turns at speed")
+    assert user.action(*entry).statusTip().endswith("without its motion and its cam")
+    user.choose(*entry)
+    assert user.design.drive.motion is None
+    assert user.design.drive.cam is None
+    assert user.window.status.currentMessage().startswith("Let link 4 turn at speed: the linkage has lost its motion and its cam")
+    assert user.steps == ["Let link 4 turn at speed, without its motion and its cam"]
+    user.choose("Edit", f"Undo {user.steps[0]}")
+    assert user.design == before
+    user.choose("Edit", f"Redo {user.steps[0]}")
+    assert user.design.drive.cam is None
+
+
 def test_the_roller_asks_for_a_motion_first(open_user: Open) -> None:
     user = open_user(example("four_bar"), plots=False)
     assert user.entries("Compo", "Cam roller") == ["No cam", "A on link 2", "B on link 3", "C on link 3"]

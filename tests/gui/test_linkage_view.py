@@ -333,3 +333,17 @@ def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -
     assert user.design == before
     user.turn(200.0)
     assert not user.drawing().in_trouble
+
+
+def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported(open_user: Open, tmp_path: Path) -> None:
+    user = open_user(example("four_bar"))
+    user.see("curvature")
+    entry = user.action("Graph", "Export picture", "Curvature...")
+    assert not entry.isEnabled()
+    assert entry.statusTip().startswith("No cam makes this linkage move")
+    user.picks("picture_to_save", tmp_path / "curvature.png")
+    for action in user.window.show_view("curvature").plot.actions():  # type: ignore[attr-defined]
+        action.trigger()
+    assert [what for what, _ in user.faults] == ["There is no picture to export.", "There are no numbers to export."]
+    assert all(lines[0].startswith("No cam makes this linkage move") for _, lines in user.faults)
+    assert list(tmp_path.iterdir()) == []

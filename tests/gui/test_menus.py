@@ -3,12 +3,13 @@
 from collections import Counter
 from collections.abc import Iterator
 
+import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
 from window_user import User, plain, settle, wait_for
 
-from core.design import FOLLOWER_KINDS, LAYOUTS, Motion, Segment, kind_of
+from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.menus import MENUS, TOOLBAR, Item
 from kindyna_gui.places import examples
@@ -128,7 +129,12 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         user.choose("File", "New", row.label)
         assert kind_of(user.design.drive.mechanism) == slug
         assert user.design.name.lower() == f"new {row.label.lower()}"
-        assert user.design.drive.motion == Motion(0.0, (Segment(360.0, 0.0),)), "its motion is still to be laid out"
+        assert faults(user.design) == []
+        levels = user.session.study.whole.motion.y[0]
+        assert levels[0] == levels.min() == 0.0
+        assert levels.max() == pytest.approx(stroke(user.design.drive.motion) * 1e-3, rel=1e-15)
+        assert [s.curve.law for s in user.design.drive.motion.segments] == ["dwell", "modified-sine"] * 2
+        assert user.session.study.findings() == ()
         assert not any(path.startswith("motion") for path in user.design.assumed)
 
 

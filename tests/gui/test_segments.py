@@ -211,13 +211,16 @@ def test_a_wrong_span_stays_in_its_cell_in_red(user: User) -> None:
     assert user.window.status.currentMessage() == ""
 
 
-def test_a_span_its_neighbour_cannot_give_is_refused(user: User) -> None:
+def test_a_span_its_neighbour_cannot_give_stays_until_it_is_mended(user: User) -> None:
     user.enter_cell(1, SPAN, "300")
+    view = user.motion()
     assert user.design == LIFT
-    assert "Segment 3, span: outside its range" in user.motion().message.text()
+    assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
+    assert view.model.amiss(1, SPAN)
+    assert "258.5° more than a turn" in view.draft.trouble.text()
     user.enter_cell(1, SPAN, "45")
-    assert spans(user)[1] == 45.0
-    assert not user.motion().message.isVisible()
+    assert spans(user) == [35.0, 45.0, 203.5, 41.5, 35.0]
+    assert not view.draft.isVisible()
 
 
 def test_what_is_no_number_is_refused(user: User) -> None:

@@ -7,9 +7,11 @@ from pathlib import Path
 
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent
+from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import User
 
+from kindyna_gui.places import example, examples
 from kindyna_gui.player import FRAME_MS
 
 LOST = 40  # references to None that may come and go by chance
@@ -73,3 +75,12 @@ def test_views_that_come_and_go_are_freed(user: User) -> None:
     gc.collect()
     assert memory() - before < 16_000_000
     assert sys.getrefcount(None) > references - LOST
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("names", [("transfer_lift", "four_bar_coupler_cam"), tuple(path.stem for _, path in examples())])
+def test_a_window_survives_any_number_of_designs(user: User, names: tuple[str, ...]) -> None:
+    for number in range(364):
+        user.session.stack.setClean()
+        user.window.documents.open_example(example(names[number % len(names)]))
+        QTest.qWait(60)

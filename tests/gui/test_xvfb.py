@@ -91,19 +91,52 @@ def display() -> Iterator[str]:
         server.wait(PATIENCE)
 
 
-def test_a_real_window(display: str, tmp_path: Path) -> None:
+MANY_DESIGNS = """
+from PySide6.QtTest import QTest
+from kindyna_gui import main_window
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.places import examples
+
+app = ensure_app()
+window = main_window.open_window(app)
+window.show()
+assert app.platformName() == "xcb", app.platformName()
+assert QTest.qWaitForWindowExposed(window)
+for number in range(208):
+    window.documents.open_example(examples()[number % len(examples())][1])
+    QTest.qWait(60)
+window.close()
+print("done", flush=True)
+"""
+
+
+def run(program: str, display: str, home: Path, patience: int) -> subprocess.CompletedProcess[str]:
+    """Run a program on a display; skips the test where the libraries of X are missing."""
     environment = {name: value for name, value in os.environ.items() if name != "QT_QPA_PLATFORM"}
-    environment |= {"DISPLAY": display, "KINDYNA_TEST_XVFB": "1", "XDG_RUNTIME_DIR": str(tmp_path)}
+    environment |= {"DISPLAY": display, "KINDYNA_TEST_XVFB": "1", "XDG_RUNTIME_DIR": str(home)}
     environment.pop("WAYLAND_DISPLAY", None)
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, str(tmp_path / "window.png")],
+        [sys.executable, "-X", "faulthandler", "-c", program, str(home / "window.png")],
         env=environment,
         capture_output=True,
         text=True,
-        timeout=PATIENCE,
+        timeout=patience,
     )
     if "could not load the Qt platform plugin" in done.stderr.lower() or "no window" in done.stdout:
         pytest.skip("the libraries of X are missing")
+    return done
+
+
+@pytest.mark.soak
+def test_a_real_window_survives_any_number_of_designs(display: str, tmp_path: Path) -> None:
+    done = run(MANY_DESIGNS, display, tmp_path, 600)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "done\n", done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_real_window(display: str, tmp_path: Path) -> None:
+    done = run(PROGRAM, display, tmp_path, PATIENCE)
     assert done.stdout == "done\n", done.stdout + done.stderr
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stderr

@@ -1,0 +1,218 @@
+"""A motion that is not whole yet: by how much it misses, edits of single values, and a way to close it.
+
+Whole is a motion whose spans make one turn, whose rises come back to the start, and whose laws fit their rises.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+
+from core.design.edits import back_at_start, edited, rest, still, with_law
+from core.design.mirror import MIRRORS
+from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
+from core.design.parts import Motion, Named, Segment
+from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
+from core.design.whole import Design
+from core.errors import Fault
+from core.laws import find_law
+
+RETURN_LAW = "modified-sine"
+"""Of a return that no other segment gives a law."""
+
+_CELL = re.compile(r"motion\.segments\[(\d+)\]\.(span_deg|rise|law)(?:_mm|_deg)?")
+
+
+def span_gap(motion: Motion) -> float:
+    """By how much the spans exceed one turn [deg]; 0 where they make one."""
+    return _gap(total_of(s.span_deg for s in motion.segments) - 360.0)
+
+
+def rise_gap(motion: Motion) -> float:
+    """How far above its start the follower ends, in the motion's unit; 0 where it comes back."""
+    return _gap(total_of(s.rise for s in motion.segments))
+
+
+def _gap(number: float) -> float:
+    return 0.0 if abs(number) <= CLOSING else rest(number, ())
+
+
+def lacks(design: Design) -> list[Fault]:
+    """What the motion of a design still lacks to be whole; it may have other faults besides."""
+    motion = motion_of(design)
+    return [] if motion is None else whole_faults(motion, "motion")
+
+
+def blunders(design: Design) -> list[Fault]:
+    """Every fault of a design but what its motion still lacks: no value that is typed later can mend these."""
+    missing = lacks(design)
+    return [fault for fault in faults(design) if fault not in missing]
+
+
+def laid_out(design: Design, path: str, value: object) -> Design:
+    """The design with a value of its motion changed, which need not be whole before or after.
+
+    What was in balance stays so, by the segment that gives or takes the difference (``edited``); where that is not
+    possible, or the motion was out of balance already, only the one value changes.
+    """
+    cell = _CELL.fullmatch(path)
+    balanced = edited(design, path, value)
+    if cell is None:
+        return balanced
+    motion = require_motion(design)
+    gap = span_gap(motion) if cell[2] == "span_deg" else rise_gap(motion)
+    if gap == 0.0 and not blunders(balanced) and len(lacks(balanced)) <= len(lacks(design)):
+        return balanced
+    return with_motion(design, _with_cell(motion, int(cell[1]), cell[2], value))
+
+
+def one_value_apart(design: Design, other: Design, path: str) -> bool:
+    """Whether the motions of two designs differ in nothing but the span, rise or law at a path."""
+    cell, one, two = _CELL.fullmatch(path), motion_of(design), motion_of(other)
+    if cell is None or one is None or two is None or len(one.segments) != len(two.segments):
+        return False
+    index, key = int(cell[1]), {"law": "curve"}.get(cell[2], cell[2])
+    first, second = ({**vars(m.segments[index]), key: None} for m in (one, two))
+    there = replace(two, segments=(*two.segments[:index], one.segments[index], *two.segments[index + 1 :]))
+    return first == second and one == there
+
+
+def _with_cell(motion: Motion, index: int, key: str, value: object) -> Motion:
+    """One value of a segment changed and no other; a dwell does not rise."""
+    segment = motion.segments[index]
+    if key == "law":
+        changed = with_law(replace(motion, segments=(segment,)), 0, str(value)).segments[0]
+    else:
+        changed = Segment(**{**vars(segment), key: value})
+    return replace(motion, segments=(*motion.segments[:index], changed, *motion.segments[index + 1 :]))
+
+
+def remove_laid_out(design: Design, index: int) -> Design:
+    """A segment taken out of a motion, which need not be whole: what is out of balance stays so."""
+    before = require_motion(design)
+    if not lacks(design):
+        return remove_segment(design, index)
+    motion = without_unbalanced(before, index)
+    numbers = [i for i in range(len(before.segments)) if i != index]
+    return design if motion is before else with_marks_of(with_motion(design, motion), numbers)
+
+
+def without_unbalanced(motion: Motion, index: int) -> Motion:
+    """One segment less, its span given to the one before it (the first one's to the second); no rise changes."""
+    segments = list(motion.segments)
+    if len(segments) == 1:
+        return motion
+    gone = segments.pop(index)
+    heir = max(index - 1, 0)
+    segments[heir] = replace(segments[heir], span_deg=rest(segments[heir].span_deg, (-gone.span_deg,)))
+    return replace(motion, segments=tuple(segments))
+
+
+# -- closing ----------------------------------------------------------------------------------------------
+
+
+def closed(motion: Motion, index: int = -1) -> Motion | None:
+    """The motion made whole with as little as possible changed, and never the segment ``index`` where another will
+    do: spans first, then a return. None where no such change makes it whole."""
+    if not 0 <= index < len(motion.segments):
+        index = max(range(len(motion.segments)), key=lambda i: abs(motion.segments[i].rise))
+    for turn in _turns(motion, index):
+        for found in _returns(turn, index):
+            if not part_faults(found, "motion"):
+                return found
+    return None
+
+
+def closed_design(design: Design, index: int = -1) -> Design | None:
+    """``closed`` in a design: what is assumed of a segment goes where it goes."""
+    before = require_motion(design)
+    motion = closed(before, index)
+    if motion is None:
+        return None
+    changed = with_motion(design, motion)
+    if len(motion.segments) == len(before.segments):
+        return changed
+    numbers: list[int | None] = list(range(len(before.segments)))
+    at = next((i for i, s in enumerate(before.segments) if s != motion.segments[i]), len(numbers) - 1)
+    return with_marks_of(changed, [*numbers[: at + 1], None, *numbers[at + 1 :]])
+
+
+def _after(motion: Motion, index: int) -> list[int]:
+    """The other segments, in the order of the turn from the one behind ``index`` on."""
+    count = len(motion.segments)
+    return [(index + k) % count for k in range(1, count)]
+
+
+def _turns(motion: Motion, index: int) -> Iterator[Motion]:
+    """The motion with spans that make one turn: as it is; what is left of the turn added as a segment at its end, a
+    return where one is missing; one segment shorter or longer; all in proportion."""
+    gap = span_gap(motion)
+    if gap == 0.0:
+        yield motion
+        return
+    segments = list(motion.segments)
+    if gap < 0.0:
+        added = Segment(rest(0.0, (gap,)), rest(0.0, (rise_gap(motion),)), Named(RETURN_LAW))
+        yield replace(motion, segments=(*segments, added if added.rise else replace(added, curve=Named("dwell"))))
+    for other in _after(motion, index):
+        span = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
+        yield _with_cell(motion, other, "span_deg", span)
+    total = total_of(s.span_deg for s in segments)
+    scaled = [replace(s, span_deg=s.span_deg * 360.0 / total) for s in segments]
+    scaled[-1] = replace(scaled[-1], span_deg=rest(360.0, (s.span_deg for s in scaled[:-1])))
+    yield replace(motion, segments=tuple(scaled))
+
+
+def _returns(motion: Motion, index: int) -> Iterator[Motion]:
+    """The motion with rises that come back: as it is; the next segment that moves takes the difference; a dwell behind
+    ``index`` becomes the return, of several the one most like it in span, but not the first; the second half of the
+    only one does; else the second half of ``index`` itself. A law that only returns gives way to one that does not,
+    where nothing else helps."""
+    gap = rise_gap(motion)
+    if gap == 0.0:
+        yield motion
+    segments = list(motion.segments)
+    for other in _after(motion, index):
+        if not still(segments[other]):
+            yield replace(motion, segments=back_at_start(segments, (other,)))
+    if gap != 0.0:
+        back = rest(0.0, (gap,))
+        dwells = [i for i in range(index + 1, len(segments)) if still(segments[i])]
+        for law in (_law_back(segments[index]), RETURN_LAW):
+            if len(dwells) > 1:
+                at = min(reversed(dwells[1:]), key=lambda i: abs(segments[i].span_deg - segments[index].span_deg))
+                made = replace(segments[at], rise=back, curve=Named(law))
+                yield replace(motion, segments=(*segments[:at], made, *segments[at + 1 :]))
+            for at in (dwells[-1] if dwells else index,):
+                whole = segments[at].span_deg
+                first = replace(segments[at], span_deg=whole / 2.0)
+                second = Segment(whole - whole / 2.0, back, Named(law))
+                yield replace(motion, segments=(*segments[:at], first, second, *segments[at + 1 :]))
+    fitting = [_fitting(segment) for segment in segments]
+    if fitting != segments:
+        yield from _returns(replace(motion, segments=tuple(fitting)), index)
+
+
+def _law_back(segment: Segment) -> str:
+    """The law of a return that answers a segment: its mirror image, itself where its halves are alike."""
+    law = find_law(segment.curve.law)
+    if law is None or law.still or not (law.symmetric or law.slug in MIRRORS):
+        return RETURN_LAW
+    return MIRRORS.get(law.slug, law.slug)
+
+
+def _fitting(segment: Segment) -> Segment:
+    """The segment with a law that fits its rise."""
+    law = find_law(segment.curve.law)
+    if law is not None and law.still and segment.rise != 0.0:
+        return replace(segment, curve=Named(RETURN_LAW))
+    if law is not None and law.rises < 0 and segment.rise >= 0.0:
+        return replace(segment, curve=Named(MIRRORS.get(law.slug, RETURN_LAW)))
+    return segment
+
+
+__all__ = [
+    "RETURN_LAW", "blunders", "closed", "closed_design", "lacks", "laid_out", "one_value_apart", "remove_laid_out",
+    "rise_gap", "span_gap", "without_unbalanced",
+]  # fmt: skip

@@ -1,0 +1,91 @@
+"""The theorem of three centres as a proof of a table of centres: those of any three bodies lie on one line (Kennedy)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from core.instant_centres.centre import Centres, Key
+from core.instant_centres.linkage import CentreTable, centres_in_motion
+from core.train import Train
+
+Triple = tuple[str, str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Collinearity:
+    """For T triples of bodies at n positions.
+
+    triples  (T,) names of bodies
+    zero     (T, n) determinant of the three centres' coordinates, each a vector (point/size, weight) of length 1: 0 by
+             the theorem
+    doubt    (T, n) how many times the rounding of the poses it carries; infinite where the three bodies do not move
+             against each other, and the theorem says nothing
+    """
+
+    triples: tuple[Triple, ...]
+    zero: np.ndarray
+    doubt: np.ndarray
+
+
+def proving_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Triple, ...]:
+    """Triples of b bodies that hold every centre, about b²/2 of the b³/6 there are.
+
+    First the frame (the first body) with every two others: from λ_ab P_ab = λ_fb P_fb - λ_fa P_fa, λ the relative turning
+    velocities, which these say, that of any other three follows by adding three of them. Then, for every two bodies, a third
+    one that pins or guides join to both: the line through these two centres is known without velocities.
+    """
+    shown = {frozenset(key) for key in primary}
+    neighbours = {name: {other for key in shown if name in key for other in key - {name}} for name in bodies}
+    order = {name: i for i, name in enumerate(bodies)}
+    frame, *others = bodies
+    found = dict.fromkeys((frame, a, b) for a, b in combinations(others, 2))
+    for a, b in combinations(bodies, 2):
+        common = neighbours[a] & neighbours[b]
+        if common:
+            third = min(common, key=order.__getitem__)
+            first, second, last = sorted((a, b, third), key=order.__getitem__)
+            found[first, second, last] = None
+    return tuple(found)
+
+
+def collinearity(table: CentreTable) -> np.ndarray:
+    """The largest determinant (n,) of the proving triples of a table of centres: 0 by Kennedy's theorem."""
+    triples = proving_triples(table.bodies, table.primary)
+    return np.asarray(_determinants(table.centres, triples, table.size).max(axis=0, initial=0.0))
+
+
+def moving_collinearity(train: Train, size: float) -> Collinearity:
+    """The proof at every position of a train whose driver moves at unit speed; size [m] of the mechanism.
+
+    A determinant carries the rounding of its worst centre, and no less than that of the largest relative velocity of the
+    three bodies: three links pinned to each other in a triangle have pins to see, and no centres.
+    """
+    bodies = tuple(train.bodies)
+    centres, motion, primary = centres_in_motion(train, size, bodies)
+    triples = proving_triples(bodies, primary)
+    n = train.theta.size
+    rows = {key: np.broadcast_to(np.asarray(centre.doubt, dtype=float), (n,)) for key, centre in centres.items()}
+    with np.errstate(divide="ignore"):
+        still = 1.0 / _of_keys({key: np.broadcast_to(m, (n,)) for key, m in motion.items()}, triples).max(axis=1)
+    doubt = np.maximum(_of_keys(rows, triples).max(axis=1), still)
+    return Collinearity(triples, _determinants(centres, triples, size), doubt)
+
+
+def _of_keys(rows: Mapping[Key, np.ndarray], triples: tuple[Triple, ...]) -> np.ndarray:
+    """Rows of the centres (a, b), (b, c), (a, c) of each triple (T, 3, ...)."""
+    at = {key: i for i, key in enumerate(rows)}
+    which = [(at[a, b], at[b, c], at[a, c]) for a, b, c in triples]
+    return np.array(list(rows.values()))[np.array(which, dtype=int).reshape(-1, 3)]
+
+
+def _determinants(centres: Mapping[Key, Centres], triples: tuple[Triple, ...], size: float) -> np.ndarray:
+    """|h1 · (h2 × h3)| (T, n)."""
+    points = _of_keys({key: centre.point / size for key, centre in centres.items()}, triples)
+    weights = _of_keys({key: centre.weight for key, centre in centres.items()}, triples)
+    (x1, x2, x3), (y1, y2, y3) = np.moveaxis(points.real, 1, 0), np.moveaxis(points.imag, 1, 0)
+    w1, w2, w3 = np.moveaxis(weights, 1, 0)
+    return np.asarray(np.abs(x1 * (y2 * w3 - y3 * w2) + y1 * (w2 * x3 - w3 * x2) + w1 * (x2 * y3 - x3 * y2)))

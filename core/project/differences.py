@@ -1,0 +1,68 @@
+"""What differs between two designs, value by value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from core.design import Design
+from core.errors import MISSING
+from core.project.writing import to_table
+
+
+class Difference(NamedTuple):
+    """One value that differs: its path as spelled in the file, what stands there before and after.
+
+    ``MISSING`` where nothing does: of a row of a list that has come or gone (``motion.segments[3]``) the other is the
+    whole row.
+    """
+
+    path: str
+    before: Any
+    after: Any
+
+
+def differences(before: Design, after: Design) -> list[Difference]:
+    """Every value that differs, in the order of the file.
+
+    Rows of lists are compared with the rows they correspond to: those that are equal, and between them in their order.
+    The index in a path is that of the row in ``after``, of a row that has gone in ``before``.
+    """
+    return list(_compare("", to_table(before), to_table(after)))
+
+
+def _compare(path: str, before: Any, after: Any) -> Iterator[Difference]:
+    if isinstance(before, Mapping) and isinstance(after, Mapping):
+        yield from _tables(path, before, after)
+    elif isinstance(before, Mapping) and after is MISSING:
+        yield from _tables(path, before, {})
+    elif isinstance(after, Mapping) and before is MISSING:
+        yield from _tables(path, {}, after)
+    elif _is_rows(before) and _is_rows(after):
+        yield from _rows(path, before, after)
+    elif before != after:
+        yield Difference(path, before, after)
+
+
+def _tables(path: str, before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[Difference]:
+    for key in {**before, **after}:
+        below = f"{path}.{key}" if path else key
+        yield from _compare(below, before.get(key, MISSING), after.get(key, MISSING))
+
+
+def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[Difference]:
+    from difflib import SequenceMatcher
+
+    matcher = SequenceMatcher(None, [repr(row) for row in before], [repr(row) for row in after], autojunk=False)
+    for _, i, i_end, j, j_end in matcher.get_opcodes():
+        common = min(i_end - i, j_end - j)
+        for k in range(common):
+            yield from _compare(f"{path}[{j + k}]", before[i + k], after[j + k])
+        for k in range(i + common, i_end):
+            yield Difference(f"{path}[{k}]", before[k], MISSING)
+        for k in range(j + common, j_end):
+            yield Difference(f"{path}[{k}]", MISSING, after[k])
+
+
+def _is_rows(value: Any) -> bool:
+    return isinstance(value, Sequence) and bool(value) and all(isinstance(row, Mapping) for row in value)

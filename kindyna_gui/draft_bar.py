@@ -1,0 +1,56 @@
+"""What an unfinished motion lacks, and what can be done about it: close it, or go back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QWidget
+
+from kindyna_gui.look import QUIET, WRONG, coloured
+
+KEPT = "Drawings, plots and files keep the last whole motion."
+
+
+class DraftBar(QWidget):
+    """Shown while a motion is not finished, hidden else.
+
+    close_wanted   the motion is to be made whole
+    drop_wanted    back to the last whole motion
+    """
+
+    close_wanted = Signal()
+    drop_wanted = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.trouble, self.remedy = QLabel(wordWrap=True), QLabel(wordWrap=True)
+        coloured(self.trouble, WRONG)
+        coloured(self.remedy, QUIET)
+        self.close_button, self.drop_button = QToolButton(text="Close it"), QToolButton(text="Drop")
+        self.drop_button.setToolTip("Back to the last whole motion; Undo brings what was typed back")
+        for button, signal in ((self.close_button, self.close_wanted), (self.drop_button, self.drop_wanted)):
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.clicked.connect(lambda _=False, signal=signal: signal.emit())
+        for label in (self.trouble, self.remedy):
+            label.setToolTip(KEPT)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(10, 2, 6, 3)
+        grid.setSpacing(2)
+        grid.setColumnStretch(0, 1)
+        grid.addWidget(self.trouble, 0, 0, 1, 3)
+        grid.addWidget(self.remedy, 1, 0)
+        for column, button in enumerate((self.close_button, self.drop_button), 1):
+            grid.addWidget(button, 1, column, Qt.AlignmentFlag.AlignTop)
+        self.hide()
+
+    def show_draft(self, misses: Sequence[str], closing: str) -> None:
+        """Show what is missed, and what would close it ('' where nothing simple would); nothing missed hides it."""
+        self.trouble.setText("\n".join(misses))
+        self.remedy.setText(f"Would close it: {closing}" if closing else KEPT)
+        self.close_button.setVisible(bool(closing))
+        self.close_button.setToolTip(f"Put in {closing}" if closing else "")
+        self.setVisible(bool(misses))
+
+
+__all__ = ["DraftBar"]

@@ -1,0 +1,66 @@
+"""Parts of the window that are made anew: for another kind of design, another segment, another number of plots.
+
+What is made anew stands in one widget, its content, which is replaced whole; no layout is emptied by hand. PySide keeps a
+wrapper for each item of a layout that was filled and then added to another one. Where the widgets of such a layout go one by
+one, Qt deletes the items and the wrappers stay behind: whatever is created at the same address next is taken for a layout
+item, and the process dies. Where the widget goes that has the outer layout, they go with it.
+"""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject
+from PySide6.QtGui import QActionGroup
+from PySide6.QtWidgets import QMenu, QVBoxLayout, QWidget
+
+
+def take_away(part: QWidget, *sources: QObject) -> None:
+    """Hide a part now, and delete it when the events at hand are done: one of its own signals may have led here.
+
+    Until then neither it nor what it holds emits a signal, or is called by one of ``sources``: focus that leaves an editor
+    would enter its text into a design that no longer has the field.
+    """
+    for each in (part, *part.findChildren(QObject)):
+        each.blockSignals(True)
+        for source in sources:
+            source.disconnect(each)
+    part.hide()
+    part.deleteLater()
+
+
+def clear_menu(menu: QMenu) -> None:
+    """Take all entries out of a menu, with the groups that were made for them."""
+    for child in menu.children():
+        if isinstance(child, QActionGroup):
+            child.deleteLater()
+    menu.clear()
+
+
+class Rebuilt(QWidget):
+    """The place of a content that is replaced whole.
+
+    sources: objects whose signals the contents are connected to, which a content that goes must not obey any longer.
+    """
+
+    def __init__(self, *sources: QObject) -> None:
+        super().__init__()
+        self._sources = sources
+        self._content: QWidget | None = None
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(0, 0, 0, 0)
+        self._column.setSpacing(0)
+
+    @property
+    def content(self) -> QWidget | None:
+        """What stands here now."""
+        return self._content
+
+    def replace(self, content: QWidget) -> None:
+        """Put a content, laid out with its own children, in place of the one before."""
+        before, self._content = self._content, content
+        self._column.addWidget(content)
+        if before is not None:
+            take_away(before, *self._sources)
+        content.show()
+
+
+__all__ = ["Rebuilt", "clear_menu", "take_away"]

@@ -1,0 +1,158 @@
+"""The certificate says *not kept* of what is wrong, and of nothing else: long motions, links that do not move against each
+other, undercut cams, shafts that run away."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from counting import calls
+from linkages import chain, four_bar, link, sides
+from mechanisms import PUSHER, levels, with_cam, with_drive, with_follower
+
+from core.__main__ import main
+from core.cam import tangency
+from core.design import Design, Drive, Driver, Linkage, LinkageLoads
+from core.findings import Residual
+from core.instant_centres import all_centres, collinearity, moving_collinearity
+from core.mechanism import course_of, unit_speed_train
+from core.motion import EPS
+from core.project import save
+from core.study import LinkageStudy, Study
+
+KIM = (Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml").read_text(encoding="utf-8")
+RIGID = Design("three links pinned to each other in a triangle, and a dyad on one of them", None, (Drive(None, Linkage(
+        (
+            link(1, O2=(0, 0), O4=(100, 0), O6=(180, 60)),
+            link(2, O2=(0, 0), A=(30, 0)),
+            link(3, A=(0, 0), B=(90, 0), C=(45, 40)),
+            link(4, B=(70, 0), O2=(0, 0)),
+            link(5, C=(0, 0), D=(140, 0)),
+            link(6, O6=(0, 0), D=(100, 0)),
+        ),
+        (),
+        Driver(2),
+        sides(B=1, D=1),
+    ), None, LinkageLoads()),))
+
+
+def short_fall(span_deg: float) -> str:
+    """Kim1990's cam whose fall takes that little, and then dwells."""
+    head, fall = KIM.split("[[motion.segments]]")[0], KIM[KIM.index("[follower]") :]
+    rows = (("simple-harmonic", 90.0, 9.0), ("simple-harmonic", span_deg, -9.0), ("dwell", 270.0 - span_deg, None))
+    made = [f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = {span!r}\n' + (f"rise_mm = {rise!r}\n" if rise else "")
+            for law, span, rise in rows]  # fmt: skip
+    return head + "\n".join(made) + "\n" + fall
+
+
+# -- what counts as kept ----------------------------------------------------------------------------------
+
+
+def test_a_residual_is_kept_within_its_derived_bound_or_the_promised_accuracy() -> None:
+    assert Residual(9e-13, 1e-16).kept
+    assert not Residual(2e-12, 1e-16).kept
+    assert Residual(2e-9, 3e-9).kept
+    assert not Residual(4e-9, 3e-9).kept
+    assert Residual(0.0, 1e-16).bound == 1e-12
+
+
+def test_a_motion_long_against_the_base_circle_closes_within_a_few_roundings() -> None:
+    """The follower's place is rounded as far out as it is, not as far as the base circle."""
+    motion = replace(levels(0.0, (180.0, 900.0, "cycloidal"), (180.0, 0.0, "cycloidal")), start=836.8)
+    design = with_drive(with_follower(PUSHER, offset_mm=0.0, direction_deg=344.5), motion=motion)
+    loop = Study(with_cam(design, base_radius_mm=22.0, roller_radius_mm=0.8)).certificate(("linkage",))["loop_closure"]
+    assert loop.value <= loop.derived <= 4.0 * EPS
+
+
+# -- three centres ----------------------------------------------------------------------------------------
+
+
+def test_links_that_do_not_move_against_each_other_have_no_centres_to_prove() -> None:
+    """Three pins of a rigid triangle are not on one line, and need not be: the theorem is about relative motion."""
+    study = Study(RIGID)
+    proof = study.certificate(("linkage",))["three_centres"]
+    assert proof.kept
+    assert proof.value <= 1e-14
+    found, total = re.fullmatch(r"(\d+) of (\d+) triples left out", proof.note).groups()  # type: ignore[union-attr]
+    assert 0 < int(found) == proof.left_out < int(total) / 10
+
+
+def test_what_was_left_out_stands_in_the_report_and_in_the_summary(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "rigid.toml"
+    save(RIGID, path)
+    main(["check", str(path)])
+    assert "4 of 4 residuals within their bounds" in capsys.readouterr().out
+    main(["report", str(path)])
+    assert re.search(r"three centres .* kept +\d+ of \d+ triples left out\n", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("design", [four_bar(100.0, 30.0, 90.0, 70.0), chain(8)], ids=["four-bar", "chain"])
+def test_every_centre_stands_in_a_triple_that_is_proven(design: Design) -> None:
+    """Whichever centre is moved off its place, the proof sees it."""
+    train = unit_speed_train(design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism))
+    size = 0.1
+    table = all_centres(train, size)
+    assert collinearity(table).max() <= 1e-12
+    triples = moving_collinearity(train, size).triples
+    for key, centre in table.centres.items():
+        assert any(set(key) <= set(triple) for triple in triples), key
+        shifted = replace(centre, point=centre.point + 1e-6 * (1.0 + 2.0j), weight=centre.weight + 3e-6).scaled(size)
+        moved = replace(table, centres={**table.centres, key: shifted})
+        assert collinearity(moved).max() > 1e-9, key
+
+
+def test_the_proof_of_centres_grows_as_the_table_of_centres_does() -> None:
+    """34 links have 5,984 triples of bodies, 60 have 34,220: those that are looked at grow like the number of centres."""
+    few, many = (Study(chain(n)) for n in (34, 60))
+    counts = []
+    for study in (few, many):
+        assert isinstance(study, LinkageStudy)
+        _ = study.linkage, study.dynamics
+        counts.append(calls(study.certificate))
+        proof = study.certificate()["three_centres"]
+        assert proof.kept
+        assert proof.left_out < 0.1 * int(proof.cases.split()[0])
+    assert counts[1] <= (60 / 34) ** 2 * counts[0]
+
+
+# -- the roller on the profile ----------------------------------------------------------------------------
+
+
+def test_an_undercut_is_a_finding_and_not_a_figure_that_is_wrong() -> None:
+    design = with_cam(PUSHER, base_radius_mm=7.0, roller_radius_mm=50.0)
+    study = Study(with_drive(design, motion=levels(0.0, (40.0, 20.0, "cycloidal"), (320.0, 0.0, "cycloidal"))))
+    assert "undercut" in {f.code for f in study.findings()}
+    proof = study.certificate(("cam",))["roller_tangency"]
+    assert proof.kept
+    assert re.fullmatch(r"\d+ of 120 positions \(undercut\) left out", proof.note)
+
+
+def test_what_enters_the_roller_without_an_undercut_is_wrong() -> None:
+    study = Study(PUSHER, 360)
+    flank, radius, reach = study.cam.flank, 0.012, study.reach
+    dented = flank.profile.copy()
+    dented[100] += 1e-6 * (flank.pitch[100] - flank.profile[100]) / radius
+    wrong = replace(study.cam, flanks=(replace(flank, profile=dented),))
+    for undercut in (True, False):  # the profile's own point is off even where others may be cut away
+        found = tangency(wrong, radius, reach, 64.0 * EPS, lambda undercut=undercut: undercut)
+        assert not found.kept
+        assert found.value == pytest.approx(1e-6 / reach, rel=1e-3)
+    entered = flank.profile.copy()
+    entered[90] = flank.pitch[105] - 0.9 * (flank.pitch[105] - flank.profile[105])
+    assert not tangency(replace(study.cam, flanks=(replace(flank, profile=entered),)), radius, reach, 64.0 * EPS, lambda: False).kept
+
+
+# -- a fall of hundredths of a degree ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("span", [0.09, 0.01])
+def test_a_fall_of_hundredths_of_a_degree_keeps_its_residuals(span: float, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(short_fall(span), encoding="utf-8")
+    with np.errstate(all="raise", under="ignore"):
+        assert main(["check", str(path)]) == 1
+    printed = capsys.readouterr().out
+    assert "certificate:" not in printed
+    assert "error: undercut" in printed
+    assert "the shaft" in printed

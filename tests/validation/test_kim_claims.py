@@ -1,0 +1,177 @@
+"""The table of ``stability --claims``: every verdict follows from the numbers beside it, and turns when they do."""
+
+import io
+import re
+from contextlib import redirect_stdout
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from core.__main__ import main
+from core.stability import Claim, Stability, Verdict, claims
+
+EXAMPLE = Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml"
+STABLE, UNSTABLE, SILENT = Verdict("steady", True), Verdict("steady", False), Verdict("steady", None)
+
+
+@cache
+def command() -> tuple[str, dict[str, Claim]]:
+    """What the command prints, and its rows by the statement they are about."""
+    rows: list[Claim] = []
+
+    def recorded(found: Stability) -> tuple[Claim, ...]:
+        rows.extend(claims(found))
+        return tuple(rows)
+
+    text = io.StringIO()
+    with redirect_stdout(text), pytest.MonkeyPatch.context() as patch:
+        patch.setattr("core.commands.stability.claims", recorded)
+        assert main(["stability", str(EXAMPLE), "--claims"]) == 0
+    return text.getvalue(), {claim.paper: claim for claim in rows}
+
+
+def row(start: str) -> Claim:
+    (claim,) = [claim for paper, claim in command()[1].items() if paper.startswith(start)]
+    return claim
+
+
+def turned(claim: Claim, **changed: Any) -> str:
+    return replace(claim, numbers={**claim.numbers, **changed}).verdict
+
+
+def changed(values: np.ndarray, **at: float) -> np.ndarray:
+    """A copy with some tongues' values: n7=0.5 is the seventh's."""
+    values = values.copy()
+    for name, value in at.items():
+        values[int(name[1:]) - 1] = value
+    return values
+
+
+def test_the_spring_as_printed_is_a_misprint_while_it_makes_the_shaft_run_away() -> None:
+    claim = row("the spring's term")
+    assert claim.numbers["printed"] == pytest.approx(2.0 * np.pi * 0.85)
+    assert claim.verdict == "misprint"
+    assert turned(claim, printed=0.0) == "agrees"
+    assert turned(claim, corrected=0.1) == "differs"
+
+
+def test_psi_as_printed_is_a_misprint_while_its_mean_is_not_zero() -> None:
+    claim = row("ψ holds")
+    # the mean over 2π of 2a (4 cos² 2θ + sin² 2θ) on 0 ... π is a (4 + 1)/2
+    assert claim.numbers["printed"] == pytest.approx(3.75)
+    assert claim.verdict == "misprint"
+    assert turned(claim, printed=0.0) == "agrees"
+    assert turned(claim, corrected=0.5) == "differs"
+
+
+def test_22_stands_for_21_only_where_their_tongues_meet() -> None:
+    claim = row("(22) stands for (21)")
+    assert claim.verdict == "differs"
+    assert turned(claim, approximate=claim.numbers["exact"]) == "agrees"
+
+
+def test_resonance_at_whole_numbers_only_where_nothing_is_open_between() -> None:
+    claim = row("parametric resonance at 1/N")
+    widths = claim.numbers["widths"].copy()
+    assert claim.verdict == "differs"
+    widths[::2] = 0.0
+    assert turned(claim, widths=widths) == "agrees"
+    assert turned(claim, widths=changed(widths, n11=1e-6)) == "differs"
+    assert turned(claim, widths=changed(widths, n10=0.0)) == "differs"
+
+
+def test_the_widest_tongues_are_at_1_and_2_only_where_both_exceed_every_other() -> None:
+    """They are 0.0272 wide at 0.5 and 0.0239 at 1.5, and 0.0068 at 2."""
+    claim = row("the tongues at η ≈ 1 and 2")
+    widths = claim.numbers["widths"]
+    assert widths[[0, 2, 3]] == pytest.approx([0.0272, 0.0239, 0.0068], abs=5e-5)
+    assert claim.verdict == "differs"
+    wide = changed(widths, n4=0.03)
+    assert turned(claim, widths=wide) == "agrees"
+    assert turned(claim, widths=changed(wide, n11=0.031)) == "differs"
+    assert turned(claim, widths=changed(wide, n2=0.02)) == "differs"
+
+
+def test_tongues_widen_with_q_where_every_one_does() -> None:
+    claim = row("tongues widen with Q")
+    small, large = claim.numbers["small"], claim.numbers["large"]
+    assert claim.verdict == "agrees"
+    assert turned(claim, large=changed(large, n6=small[5])) == "differs"
+
+
+def test_tongues_widen_towards_small_eta_where_each_exceeds_the_next() -> None:
+    claim = row("tongues widen towards")
+    assert claim.verdict == "differs", "the one at 4 is twice as wide as that at 3"
+    assert turned(claim, widths=np.sort(claim.numbers["widths"])[::-1]) == "agrees"
+
+
+def test_eleven_by_eleven_is_held_against_the_width_of_each_tongue() -> None:
+    claim = row("ten harmonics")
+    off, widths = claim.numbers["off"], claim.numbers["widths"]
+    assert off[7] / widths[7] == pytest.approx(0.5, abs=0.01), "half of the tongue at η ≈ 4"
+    assert off.size == widths.size == 11
+    assert claim.verdict == "differs"
+    for word in ("0.5 of it at 4", "55 of it at 5", "at η ≈ 5.5 the matrix has one edge only"):
+        assert word in claim.here
+    near = 0.05 * widths
+    assert turned(claim, off=near) == "agrees"
+    for n in range(1, 12):
+        assert turned(claim, off=changed(near, **{f"n{n}": 0.5 * widths[n - 1]})) == "differs"
+
+
+def test_the_mean_wind_up_stays_small_where_it_is_and_rises() -> None:
+    claim = row("for Q up to 0.1")
+    means, slopes = claim.numbers["means"], claim.numbers["slopes"]
+    assert claim.verdict == "agrees"
+    assert turned(claim, means=means + 0.001) == "differs"
+    assert turned(claim, means=means[[1, 0, 2, 3, 4, 5]]) == "differs"
+    assert turned(claim, slopes=slopes[[1, 0, 2, 3, 4, 5]]) == "differs"
+
+
+def test_the_follower_leaves_the_cam_above_a_tenth_only_where_it_does() -> None:
+    claim = row("the follower stays")
+    q, points = claim.numbers["q"], [(eta, each, None) for eta, each, _ in claim.numbers["later"]]
+    assert claim.verdict == "differs"
+    assert turned(claim, lost=q > 0.1, later=points) == "agrees"
+    assert turned(claim, lost=q > 0.05, later=points) == "differs"
+    assert turned(claim, lost=q > 0.1) == "differs", "Figs. 11 and 12 leave it later"
+
+
+@pytest.mark.parametrize(("start", "stable"), [
+    ("η = 0.85", True), ("η = 0.90", False), ("η = 2.10", True), ("η = 2.00", False),
+])  # fmt: skip
+def test_a_point_of_the_chart_is_what_its_steady_response_is(start: str, stable: bool) -> None:
+    claim = row(start)
+    others = claim.numbers["models"][:-1]
+    assert claim.numbers["stable"] is stable
+    assert claim.numbers["models"][-1].stable is True
+    assert claim.verdict == ("agrees" if stable else "differs")
+    assert turned(claim, stable=not stable) != claim.verdict
+    assert turned(claim, models=(*others, UNSTABLE)) == ("differs" if stable else "agrees")
+    assert turned(claim, models=(*others, SILENT)) == "differs"
+    assert {turned(claim, models=(*others, each)) for each in (STABLE, UNSTABLE)} == {"agrees", "differs"}
+
+
+def test_one_command_prints_the_papers_claims_against_ours() -> None:
+    text = command()[0]
+    head, *rows, count = text.strip().split("\n\n")
+    assert "1990" in head
+    verdicts = dict(row.splitlines()[0].rsplit(": ", 1) for row in rows)
+    assert verdicts["(13)"] == verdicts["(22)"] == "misprint"
+    assert verdicts["Fig. 9"] == verdicts["Fig. 11"] == "agrees"
+    assert verdicts["Fig. 10"] == verdicts["Fig. 12"] == verdicts["(21) → (22)"] == "differs"
+    assert verdicts["Fig. 8"] == verdicts["§6 (2)"] == "differs"
+    assert not re.search(r"\b(nan|None|inf)\b", text)
+    assert text.count("the paper:") == text.count("here:") == len(rows) == len(command()[1]) == 14
+    assert sum(int(part.split(": ")[1]) for part in count.split(", ")) == len(rows)
+    assert max(map(len, text.splitlines())) <= 108
+    plain = " ".join(text.split())
+    assert "it leaves it from Q = 0.3 on" in plain
+    assert "at most 0.0192 for" in plain
+    assert "max|β| = 0.172438 in 30 turns" in plain
+    assert "(22) unstable, e^0.060 a turn; (21) stable; steady response stable" in plain
+    assert plain.count("steady response stable") == 4, "the last word"
