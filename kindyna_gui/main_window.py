@@ -304,8 +304,8 @@ def run(path: Path | None = None) -> int:
 
     Raises DesignError, FileError where the file is wrong.
     """
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal; raised in a slot it would end nothing
     window = open_window(ensure_app(), path)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal
     window.show()
     return QApplication.exec()
 
