@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 
 import numpy as np
 
-from core.motion import EPS, Angles, Program
+from core.design import Motion, Named, Scca, stroke
+from core.motion import EPS, Angles, Program, program
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 17, 721  # points of a piece, and besides these
@@ -20,6 +22,8 @@ PASSES = 24
 FINEST = 1e-4  # of the piece, and at most FINEST_RAD: half width at which a parabola takes over where it is smooth ...
 FINEST_RAD = 2e-5
 SHARPEST = 1e-13  # ... and where a kink is left to be narrowed down
+
+DIGITS = 12  # of a stroke: those that are certain
 
 Quantities = Callable[[Angles], Mapping[str, np.ndarray]]
 
@@ -210,3 +214,14 @@ class _Search:
                 arrives = part[-1] == own[-1] and part[0] != own[0]
                 found.append((int(part[0]), int(part[-1] if arrives else part[0])))
         return found
+
+
+@lru_cache(maxsize=32)
+def true_stroke(motion: Motion) -> float:
+    """Highest minus lowest position over one turn, in the motion's unit, to ``DIGITS`` digits. A named law stays between
+    its ends; a polynomial or a spline need not. Raises NoAnswer where the points of a spline contradict each other."""
+    if all(isinstance(segment.curve, Named | Scca) for segment in motion.segments):
+        return stroke(motion)
+    compiled = program(motion)
+    y = find_extremes(lambda angles: {"y": compiled.state(angles).y[0]}, compiled)["y"]
+    return float(f"{(y.high.value - y.low.value) / motion.scale:.{DIGITS}g}")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
 from core.errors import KindynaError
@@ -66,6 +66,7 @@ class MainWindow(QMainWindow):
         self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
         self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
         self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.actions_by_key: dict[str, QAction] = {}
         self.centre = Centre(session, player, self._make)
         self.bar = self.centre.bar
         self.setCentralWidget(self.centre)
@@ -93,6 +94,7 @@ class MainWindow(QMainWindow):
             view.abilities_changed.connect(self._enable_segment_edits)
         if hasattr(view, "field_wanted"):
             view.field_wanted.connect(self.focus_field)
+        menus.add_view_keys(view, name, self.actions_by_key)
         return view
 
     def _lay_out(self) -> None:
@@ -302,8 +304,8 @@ def run(path: Path | None = None) -> int:
 
     Raises DesignError, FileError where the file is wrong.
     """
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal; raised in a slot it would end nothing
     window = open_window(ensure_app(), path)
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal
     window.show()
     return QApplication.exec()
 

@@ -8,8 +8,9 @@ from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
+from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QMenu, QToolBar
+from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
 from kindyna_gui import submenus
 from kindyna_gui.look import icon
@@ -26,6 +27,7 @@ class Item:
     """One entry. slot: what of the window is called, ``documents.save``; with ``argument`` where there is one.
 
     name   key of the action, the slot itself where empty
+    view   whose keys they are, by its name in ``VIEWS``: they act while the focus is in it; where empty, everywhere
     """
 
     text: str
@@ -36,6 +38,7 @@ class Item:
     icon: str = ""
     checkable: bool = False
     name: str = ""
+    view: str = ""
 
     @property
     def key(self) -> str:
@@ -65,7 +68,7 @@ def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "
 
 
 def _segment(text: str, name: str, keys: str, tip: str) -> Item:
-    return Item(text, "designing.segment", name, keys, tip, name)
+    return Item(text, "designing.segment", name, keys, tip, name, view="motion")
 
 
 def _field(text: str, path: str, tip: str) -> Item:
@@ -243,6 +246,8 @@ def _add_action(window: MainWindow, menu: QMenu, item: Item) -> QAction:
     action.setToolTip(item.tip)
     if item.keys is not None:
         action.setShortcut(QKeySequence(item.keys))
+    if item.view:
+        action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
     if item.icon:
         action.setIcon(icon(item.icon))
     slot = attrgetter(item.slot)
@@ -253,6 +258,12 @@ def _add_action(window: MainWindow, menu: QMenu, item: Item) -> QAction:
     else:
         action.triggered.connect(lambda: slot(window)(item.argument))
     return action
+
+
+def add_view_keys(view: QWidget, name: str, actions: dict[str, QAction]) -> None:
+    """Give a view its own shortcuts; name: its name in ``VIEWS``."""
+    rows = (row for _, entries in MENUS for row in entries if isinstance(row, Item) and row.view == name)
+    view.addActions([actions[row.key] for row in rows])
 
 
 def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[str, QAction]) -> None:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from core.design import UNITS, Design, Info, entries, require_motion, stroke
+from core.design import UNITS, Design, Info, entries, require_motion, span_gap, stroke, with_motion, with_stroke
 from core.design.fields import LONGEST_MM
+from core.errors import KindynaError
+from core.extremes import true_stroke
 from kindyna_gui.fields import Field, Spec
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session
@@ -16,6 +20,25 @@ STROKE = Info(
 )
 STILL_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
 LEAST = 74  # width of a number, pixels
+
+
+def stroke_of(design: Design) -> float:
+    """Highest minus lowest position; of a motion that is not whole, of the ends of its segments."""
+    motion = require_motion(design)
+    try:
+        return true_stroke(motion) if span_gap(motion) == 0.0 else stroke(motion)
+    except KindynaError:  # a spline whose points contradict each other
+        return stroke(motion)
+
+
+class StrokeField(Field):
+    """The stroke: all levels grow with it."""
+
+    def edit(self, value: Any, text: str) -> None:
+        if not self.gone:
+            design, now = self.session.typed, stroke_of(self.session.typed)
+            changed = with_motion(design, with_stroke(require_motion(design), value, now))
+            self.session.lay_out(changed, text, self.spec.path)
 
 
 class MotionHead(QWidget):
@@ -39,7 +62,7 @@ class MotionHead(QWidget):
             self._build(specs)
         for field in self.fields.values():
             field.refresh(design)
-        self.moves = stroke(motion) != 0.0
+        self.moves = stroke_of(design) != 0.0
         field = self.fields[f"motion.stroke_{motion.unit}"]
         field.editor.setEnabled(self.moves)
         field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
@@ -49,7 +72,7 @@ class MotionHead(QWidget):
         unit = require_motion(design).unit
         start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
         path = f"motion.stroke_{unit}"
-        return [*start, Spec(path, STROKE, UNITS[unit], lambda d: stroke(require_motion(d)), can_be_assumed=False)]
+        return [*start, Spec(path, STROKE, UNITS[unit], stroke_of, can_be_assumed=False)]
 
     def _build(self, specs: list[Spec]) -> None:
         paper = QWidget()
@@ -58,7 +81,7 @@ class MotionHead(QWidget):
         row.setSpacing(10)
         self.fields = {}
         for spec in specs:
-            field = Field(self._session, spec)
+            field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
             field.setParent(paper)  # goes with it
             grid = QGridLayout()
             grid.setHorizontalSpacing(5)

@@ -11,7 +11,6 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
     QHeaderView,
-    QStyledItemDelegate,
     QStyleOptionViewItem,
     QTableView,
     QToolButton,
@@ -21,6 +20,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, Point, Spline, put, require_motion
 from core.dividing import add_point
+from kindyna_gui.cell_editor import CellDelegate
 from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion_fields import OptionalBox, described, point_columns
 from kindyna_gui.motion_grips import meant
@@ -157,24 +157,24 @@ class PointsModel(QAbstractTableModel):
             self._changed()
 
 
-class _Delegate(QStyledItemDelegate):
+class _Delegate(CellDelegate):
     """A number, which may be left open, in the cell."""
 
     def __init__(self, session: Session, model: PointsModel, table: QTableView) -> None:
-        super().__init__(table)
-        self._session, self._model = session, model
-        self.closeEditor.connect(lambda *_: session.end_gesture())
+        super().__init__(session, model, table)
+        self._model = model
 
     def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
         _, info, unit = self._model.columns[index.column()]
         box = OptionalBox(info, unit, parent) if info.optional else NumberBox(info, unit, parent)
         box.setMinimumWidth(1)
-        box.entered.connect(lambda _: self.commitData.emit(box))
-        box.unreadable.connect(lambda: self.commitData.emit(box))
+        box.entered.connect(lambda _: self.commit(box))
+        box.unreadable.connect(lambda: self.commit(box))
         if isinstance(box, OptionalBox):
-            box.emptied.connect(lambda: self.commitData.emit(box))
+            box.emptied.connect(lambda: self.commit(box))
         box.withdrawn.connect(self._model.withdraw)
         box.finished.connect(self._session.end_gesture)
+        self.opened(box)
         return box
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
@@ -193,6 +193,9 @@ class _Delegate(QStyledItemDelegate):
             model.setData(index, editor.text())
 
 
+_ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where there is no point
+
+
 class _Table(QTableView):
     """Enter edits, Insert and Delete add and take points."""
 
@@ -202,8 +205,8 @@ class _Table(QTableView):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         editing = self.state() == QAbstractItemView.State.EditingState
         keys = {
-            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex()),
-            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex()),
+            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
+            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
             Qt.Key.Key_Insert: self.insert_wanted.emit,
             Qt.Key.Key_Delete: self.delete_wanted.emit,
         }

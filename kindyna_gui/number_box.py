@@ -11,20 +11,23 @@ from PySide6.QtGui import (
     QColor,
     QFocusEvent,
     QFontMetrics,
+    QHelpEvent,
     QKeyEvent,
     QKeySequence,
     QMouseEvent,
     QPainter,
     QPaintEvent,
+    QPalette,
     QPen,
     QValidator,
     QWheelEvent,
 )
-from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QWidget
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QStyle, QStyleOptionFrame, QToolTip, QWidget
 
 from core.design import NO_UNIT, Info, Unit
 from kindyna_gui.look import WRONG
-from kindyna_gui.wording import parsed, shortest
+from kindyna_gui.text_keys import TextKeys
+from kindyna_gui.wording import parsed, rounded_to, shortest, value_text
 
 UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
 _ELSEWHERE = (
@@ -32,6 +35,7 @@ _ELSEWHERE = (
     Qt.FocusReason.MenuBarFocusReason,
     Qt.FocusReason.ActiveWindowFocusReason,
 )
+_PADDING = 2  # of a line's text from its sides, pixels
 _BUTTONS = 28  # pixels for the arrows and the frame
 
 
@@ -93,11 +97,30 @@ class WordBox(RedFrame, QComboBox):
             super().keyPressEvent(event)
 
 
-class NameBox(RedFrame, QLineEdit):
+class NameBox(TextKeys, RedFrame, QLineEdit):
     """A line of text."""
 
 
-class NumberBox(RedFrame, QAbstractSpinBox):
+class _Line(QLineEdit):
+    """The line inside of a number box. What it has no room for is painted rounded, its first digits first, until it is
+    typed into; its text keeps every digit."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        box = self.parentWidget()
+        short = box.shortened if isinstance(box, NumberBox) else ""
+        if not short:
+            super().paintEvent(event)
+            return
+        option = QStyleOptionFrame()
+        self.initStyleOption(option)
+        painter = QPainter(self)
+        self.style().drawPrimitive(QStyle.PrimitiveElement.PE_PanelLineEdit, option, painter, self)
+        painter.setPen(self.palette().color(QPalette.ColorRole.Text))
+        painter.drawText(self.contentsRect().adjusted(_PADDING, 0, -_PADDING, 0), self.alignment(), short)
+        painter.end()
+
+
+class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     """A number of one field.
 
     Arrows, wheel (only when chosen) and arrow keys step it; typed text counts on Enter or when the focus leaves.
@@ -116,6 +139,7 @@ class NumberBox(RedFrame, QAbstractSpinBox):
 
     def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None) -> None:
         super().__init__(parent)
+        self.setLineEdit(_Line(self))
         self._info, self._unit = info, unit
         self._value = 0.0
         self._tried = ""  # the text that was last confirmed or shown
@@ -144,6 +168,18 @@ class NumberBox(RedFrame, QAbstractSpinBox):
             self.lineEdit().setText(self._tried)
             if chosen:
                 self.lineEdit().selectAll()
+
+    @property
+    def shortened(self) -> str:
+        """The number as it is painted where its field is too narrow for it: rounded to what the field holds; '' where
+        all of it is seen, or something is being typed or was refused."""
+        if self.hasFocus() or self.pending:
+            return ""
+        line = self.lineEdit()
+        metrics, room = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
+        if metrics.horizontalAdvance(self.text()) <= room:
+            return ""
+        return rounded_to(self._value, lambda text: metrics.horizontalAdvance(text) <= room)
 
     @property
     def typing(self) -> bool:
@@ -242,7 +278,12 @@ class NumberBox(RedFrame, QAbstractSpinBox):
             event.ignore()
 
     def event(self, event: QEvent) -> bool:
-        """The line inside claims the keys of undo; that is right only while something is being typed."""
+        """The line inside claims the keys of undo; that is right only while something is being typed. The tip of a
+        number that is shown rounded begins with all its digits."""
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self.shortened:
+            full = value_text(self._value, self._unit)
+            QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
+            return True
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             asked = any(event.matches(key) for key in UNDO_KEYS)
             if asked and not self.typing:

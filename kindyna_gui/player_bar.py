@@ -25,6 +25,7 @@ from kindyna_gui.player import TURN, Player
 from kindyna_gui.player_keys import TOLD, obey, step_of
 from kindyna_gui.session import Session
 from kindyna_gui.speeds import Speed, speeds, usual
+from kindyna_gui.text_keys import TextKeys
 from kindyna_gui.view import View
 
 FINE = 100  # steps of the slider in a degree
@@ -120,6 +121,10 @@ class AngleSlider(QAbstractSlider):
         painter.end()
 
 
+class AngleBox(TextKeys, QDoubleSpinBox):
+    """The cam angle as a number."""
+
+
 class PlayerBar(View):
     """What moves the cam by hand and by time."""
 
@@ -167,7 +172,7 @@ class PlayerBar(View):
         return made
 
     def _angle_box(self) -> QDoubleSpinBox:
-        box = QDoubleSpinBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0)
+        box = AngleBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0)
         box.setWrapping(True)
         box.setSuffix("°")
         box.setAlignment(Qt.AlignmentFlag.AlignRight)

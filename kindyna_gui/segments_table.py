@@ -11,12 +11,12 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QHeaderView,
     QStyle,
-    QStyledItemDelegate,
     QStyleOptionViewItem,
     QTableView,
     QWidget,
 )
 
+from kindyna_gui.cell_editor import CellDelegate
 from kindyna_gui.look import INK, PAPER, WRONG
 from kindyna_gui.motion_editor import WAYS
 from kindyna_gui.motion_law_box import LawBox
@@ -31,7 +31,7 @@ GAP = 6  # between the marks of a join, pixels
 INSET = 4  # of a text from the sides of its cell, pixels
 
 
-class CellDelegate(QStyledItemDelegate):
+class SegmentDelegate(CellDelegate):
     """The picker of laws, or a number that steps live, in the cell; a red frame around what was refused.
 
     Cells are painted from ``SegmentsModel.look``: a drawn join repaints the whole table at every move of the mouse,
@@ -39,14 +39,13 @@ class CellDelegate(QStyledItemDelegate):
     """
 
     def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
-        super().__init__(table)
-        self._session, self._model, self._table = session, model, table
+        super().__init__(session, model, table)
+        self._model, self._table = model, table
         palette = table.palette()  # kept while it is read: what it answers is a part of it
         self._highlight = tuple(
             QColor(palette.color(group, QPalette.ColorRole.Highlight))
             for group in (QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Active)
         )
-        self.closeEditor.connect(lambda *_: session.end_gesture())
 
     # -- editors ------------------------------------------------------------------------------------------
 
@@ -57,16 +56,18 @@ class CellDelegate(QStyledItemDelegate):
             laws.activated.connect(lambda _: self._choose(laws))
             laws.given_up.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
             QTimer.singleShot(0, laws, laws.showPopup)
+            self.opened(laws)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)
-        box.entered.connect(lambda _: self.commitData.emit(box))
-        box.unreadable.connect(lambda: self.commitData.emit(box))
+        box.entered.connect(lambda _: self.commit(box))
+        box.unreadable.connect(lambda: self.commit(box))
         box.withdrawn.connect(self._model.withdraw)
         box.finished.connect(self._session.end_gesture)
+        self.opened(box)
         return box
 
     def _choose(self, laws: LawBox) -> None:
-        self.commitData.emit(laws)
+        self.commit(laws)
         self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint)
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:
@@ -180,7 +181,7 @@ class SegmentsTable(QTableView):
         self._model = model
         self._widths: list[int] = []
         self._lengths: tuple[int | str, ...] = ()
-        self.setItemDelegate(CellDelegate(session, model, self))
+        self.setItemDelegate(SegmentDelegate(session, model, self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setEditTriggers(
             QAbstractItemView.EditTrigger.DoubleClicked
@@ -267,8 +268,8 @@ class SegmentsTable(QTableView):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         editing = self.state() == QAbstractItemView.State.EditingState
         keys = {
-            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex()),
-            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex()),
+            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
+            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
             Qt.Key.Key_Insert: self.insert_wanted.emit,
             Qt.Key.Key_Delete: self.delete_wanted.emit,
             Qt.Key.Key_Escape: self._drop,
@@ -286,5 +287,6 @@ class SegmentsTable(QTableView):
 
 
 _ALT = Qt.KeyboardModifier.AltModifier
+_ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where a cell cannot be edited
 
-__all__ = ["CellDelegate", "SegmentsTable", "words_width"]
+__all__ = ["SegmentDelegate", "SegmentsTable", "words_width"]

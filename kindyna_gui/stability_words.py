@@ -74,7 +74,8 @@ def waiting_text(told: Sequence[Verdict], waiting: bool) -> str:
 def _steady_words(verdict: Verdict) -> str:
     if verdict.stable is None:
         return "steady: no response found"
-    state = "stable" if verdict.stable else f"grows {percent(verdict.growth)}"
+    settled = "stable" if verdict.lost is None else LOST
+    state = settled if verdict.stable else f"grows {percent(verdict.growth)}"
     return f"steady: {state}, {_twist(verdict)}{_contact_words(verdict)}"
 
 
@@ -105,11 +106,19 @@ def _table(head: Sequence[str], rows: Sequence[str]) -> str:
     return f'<table cellspacing="0" cellpadding="2"><tr>{top}</tr>{"".join(f"<tr>{row}</tr>" for row in rows)}</table>'
 
 
+LOST = "contact lost"
+"""Of a response that would be stable, had the follower stayed on the cam."""
+
+
 def verdict_table(told: Sequence[Verdict]) -> str:
-    """All models side by side."""
+    """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green: each
+    equation holds only while it stays on it."""
     rows = []
+    good = GOOD if all(verdict.lost is None for verdict in told) else ""
     for verdict in told:
-        said = {True: ("stable", GOOD), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
+        said = {True: ("stable", good), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
+        if verdict.stable and verdict.lost is not None:
+            said = LOST, WRONG
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
@@ -26,6 +26,8 @@ _CHOICES: Mapping[str, str] = MappingProxyType(
 
 _NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.ASCII)
 _PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
+DIGITS = 17
+"""No number has more that count."""
 
 
 def shortest(value: float) -> str:
@@ -36,6 +38,20 @@ def shortest(value: float) -> str:
     if _PLAIN_FROM <= abs(value) < _PLAIN_TO:
         text = f"{Decimal(text):f}"
     return text.removesuffix(".0")
+
+
+def rounded_to(value: float, fits: Callable[[str], bool]) -> str:
+    """A number rounded to as many digits as fit, with an exponent where only that helps."""
+    text = shortest(value)
+    for digits in range(DIGITS, 0, -1):
+        text = shortest(float(f"{value:.{digits}g}"))
+        if fits(text):
+            return text
+    for digits in range(DIGITS, 0, -1):
+        text = f"{value:.{digits - 1}e}".replace("e+0", "e+").replace("e-0", "e-")
+        if fits(text):
+            break
+    return text
 
 
 def parsed(text: str, unit: Unit) -> float | None:

@@ -37,7 +37,7 @@ from core.design.linkage import (
     Side,
     Slider,
 )
-from core.design.mirror import has_image, mirrored, stretched, with_stroke_mirrored
+from core.design.mirror import has_image, mirrored, with_stroke_mirrored
 from core.design.motions import (
     insert_segment,
     mirror_stroke,
@@ -80,6 +80,7 @@ from core.design.parts import (
 )
 from core.design.paths import Entry, all_paths, entries, get, is_assumed, put, with_assumed
 from core.design.rules import faults, part_faults, whole_faults
+from core.design.stretch import stretched
 from core.design.unfinished import (
     blunders,
     closed,

@@ -14,6 +14,7 @@ from typing import Any
 
 from core.design.parts import CamSlider, Elastic, Motion, Segment, curve_of
 from core.design.paths import put
+from core.design.stretch import scaled
 from core.design.whole import Design, with_drive
 from core.laws import find_law
 
@@ -64,14 +65,19 @@ def stroke(motion: Motion) -> float:
     return max(levels) - min(levels)
 
 
-def with_stroke(motion: Motion, wanted: float) -> Motion:
-    """All rises and the start scaled so that the stroke becomes ``wanted``; the level 0 stays where it is."""
-    now = stroke(motion)
+def with_stroke(motion: Motion, wanted: float, now: float | None = None) -> Motion:
+    """All levels scaled so that the stroke becomes ``wanted``: start, rises, and what curves state of themselves. The
+    level 0 stays where it is; now: the stroke of a motion whose curves leave the levels at their ends."""
+    now = stroke(motion) if now is None else now
     if now == 0.0:
         return motion
-    # multiplied first: 150 of a stroke of 150 becomes 160 of 160, not 160.00000000000003
-    segments = tuple(replace(s, rise=s.rise * wanted / now) for s in motion.segments)
-    return replace(motion, start=motion.start * wanted / now, segments=segments)
+
+    def level(value: float) -> float:
+        # multiplied first: 150 of a stroke of 150 becomes 160 of 160, not 160.00000000000003
+        return value * wanted / now
+
+    segments = tuple(replace(s, rise=level(s.rise), curve=scaled(s.curve, 1.0, level)) for s in motion.segments)
+    return replace(motion, start=level(motion.start), segments=segments)
 
 
 def with_law(motion: Motion, index: int, law: str) -> Motion:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from core.design.edits import back_at_start, rest, still
 from core.design.joins import LEAST_SPAN, join_levels
 from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
+from core.design.stretch import stretched, times
 from core.laws import find_law
 
 CLOSE = 1e-9  # a level this near to where it was is where it was
@@ -22,32 +23,6 @@ MIRRORS: Mapping[str, str] = MappingProxyType(
     {a: b for pair in _PAIRS for a, b in (pair.split(), reversed(pair.split()))}
 )
 """Law -> the law that is its mirror image; a law of two like halves is its own, and any other has none."""
-
-
-def stretched(curve: Curve, span: float, height: float) -> Curve:
-    """The curve of a segment whose span and rise are multiplied by these: the same shape, larger or smaller."""
-    if isinstance(curve, Polynomial):
-        return Polynomial(_stretched_end(curve.start, span, height), _stretched_end(curve.end, span, height))
-    if isinstance(curve, Spline):
-        return Spline(tuple(_stretched_point(point, span, height) for point in curve.points))
-    return curve
-
-
-def _times(value: float | None, by: float) -> float | None:
-    return None if value is None else value * by
-
-
-def _stretched_end(end: End, span: float, height: float) -> End:
-    return End(end.velocity * height / span, end.acceleration * height / span**2, _times(end.jerk, height / span**3))
-
-
-def _stretched_point(point: Point, span: float, height: float) -> Point:
-    return Point(
-        point.at_deg * span,
-        _times(point.value, height),
-        _times(point.velocity, height / span),
-        _times(point.acceleration, height / span**2),
-    )
 
 
 def has_image(curve: Curve) -> bool:
@@ -72,7 +47,7 @@ def _mirrored_curve(segment: Segment) -> Curve:
             Point(
                 rest(segment.span_deg, (p.at_deg,)),
                 None if p.value is None else rest(p.value, (segment.rise,)),
-                _times(p.velocity, -1.0),
+                times(p.velocity, -1.0),
                 p.acceleration,
             )
             for p in reversed(curve.points)
@@ -82,7 +57,7 @@ def _mirrored_curve(segment: Segment) -> Curve:
 
 
 def _backwards(end: End) -> End:
-    return End(0.0 - end.velocity, end.acceleration, _times(end.jerk, -1.0))
+    return End(0.0 - end.velocity, end.acceleration, times(end.jerk, -1.0))
 
 
 # -- strokes ----------------------------------------------------------------------------------------------
@@ -210,4 +185,4 @@ def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float)
     return made
 
 
-__all__ = ["MIRRORS", "has_image", "mirrored", "stretched", "stroke_mirrored", "with_stroke_mirrored"]
+__all__ = ["MIRRORS", "has_image", "mirrored", "stroke_mirrored", "with_stroke_mirrored"]

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_drive
 from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 
-from core.extremes import Range, find_extremes, piecewise_angles
+from core.design import End, Motion, Point, Polynomial, Segment, Spline, with_stroke
+from core.extremes import Range, find_extremes, piecewise_angles, true_stroke
 from core.motion import TURN, Angles, Program
 from core.study import Study, quantities_of
 
@@ -281,3 +282,33 @@ def test_the_extremes_of_the_lift_do_not_depend_on_the_samples() -> None:
     y = Study(LIFT).at_theta(np.array([coarse.theta])).motion.y[:, 0]
     here = placed(LIFT, coarse.theta, Series([v / math.factorial(k) for k, v in enumerate(map(float, y))]))
     assert float(cam_shape(LIFT, here).pressure_angle) == pytest.approx(coarse.value, rel=1e-13)
+
+
+# -- stroke -----------------------------------------------------------------------------------------------
+
+
+def test_the_stroke_of_a_spline_lies_between_its_ends() -> None:
+    """Through 0, 10, 0, -10 a quarter turn apart the periodic spline of least jerk is 10 sin θ but for its harmonics."""
+    points = (Point(0.0, 0.0), Point(90.0, 10.0), Point(180.0, 0.0), Point(270.0, -10.0))
+    motion = Motion(3.0, (Segment(360.0, 0.0, Spline(points)),))
+    y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
+    assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-9)
+    assert true_stroke(motion) == pytest.approx(20.0, rel=1e-3)
+    assert true_stroke(with_stroke(motion, 50.0, true_stroke(motion))) == pytest.approx(50.0, rel=1e-11)
+
+
+def test_the_stroke_of_a_polynomial_that_overshoots_counts_the_overshoot() -> None:
+    """10 u from rest to a velocity of -1 mm/deg: it comes back to its end from above."""
+    curve = Polynomial(End(), End(velocity=-1.0))
+    motion = Motion(0.0, (Segment(90.0, 10.0, curve), Segment(270.0, -10.0, Polynomial(End(velocity=-1.0), End()))))
+    y = Program(motion).state(Program(motion).angles(np.linspace(0.0, TURN, 200_001))).y[0] * 1e3
+    assert true_stroke(motion) == pytest.approx(np.ptp(y), rel=1e-8)
+    assert true_stroke(motion) > 11.0
+    twice = with_stroke(motion, 2.0 * true_stroke(motion), true_stroke(motion))
+    assert Program(twice).state(Program(twice).angles(np.array([1.0]))).y == pytest.approx(
+        2.0 * Program(motion).state(Program(motion).angles(np.array([1.0]))).y, rel=1e-11
+    )
+
+
+def test_the_stroke_of_named_laws_is_that_of_their_ends() -> None:
+    assert true_stroke(LIFT.drive.motion) == 150.0

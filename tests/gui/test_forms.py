@@ -1,6 +1,7 @@
 """kindyna_gui.forms, fields: parameters are made from metadata, typed, stepped, refused and taken back."""
 
 from html import escape
+from math import radians
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
 from core.project import dumps, load, save
+from kindyna_gui.exports import Exports
 from kindyna_gui.forms import SECTIONS
 from kindyna_gui.number_box import NumberBox, WordBox
 from kindyna_gui.places import example
@@ -73,6 +75,32 @@ def test_fields_follow_undo_and_other_files(user: User) -> None:
 
 
 # -- typing -----------------------------------------------------------------------------------------------
+
+
+def test_keys_of_the_window_act_in_a_field_and_those_of_the_motion_do_not(
+    user: User, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On X11 a line of text would take Ctrl+E for its own end."""
+    asked: list[str] = []
+    monkeypatch.setattr(Exports, "tables", lambda _: asked.append("tables"))
+    before = user.design
+    user.number(ROD).setFocus()
+    for key in (Qt.Key.Key_K, Qt.Key.Key_D, Qt.Key.Key_I, Qt.Key.Key_E):
+        user.press(key, modifier=Qt.KeyboardModifier.ControlModifier)
+    user.press(Qt.Key.Key_F7)
+    assert user.design == before
+    assert user.steps == []
+    assert asked == ["tables"]
+    assert user.window.player.theta == pytest.approx(radians(1.0))
+    view = user.motion()
+    view.choose(2)
+    for key, many in ((Qt.Key.Key_K, 6), (Qt.Key.Key_D, 5)):
+        view.table.setFocus()
+        user.press(key, modifier=Qt.KeyboardModifier.ControlModifier)
+        assert view.model.rowCount() == many
+    view.fields["motion.start_mm"].focus()
+    user.press(Qt.Key.Key_D, modifier=Qt.KeyboardModifier.ControlModifier)
+    assert view.model.rowCount() == 5, "in a field of the motion neither"
 
 
 def test_typed_and_entered(user: User) -> None:

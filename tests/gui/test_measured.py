@@ -213,6 +213,23 @@ def test_the_lowest_position_moves_the_motion(lift: User, imports: Import) -> No
     assert y.max() - y.min() == pytest.approx(0.15, abs=5e-4)
 
 
+def test_the_stroke_of_an_imported_motion_is_that_of_its_curve(lift: User, imports: Import) -> None:
+    """One spline over the whole turn begins and ends at one level; its stroke lies between."""
+    dialog = imports(table())
+    click(dialog.put_button)
+    lift.window.activateWindow()  # which a desktop does by itself
+    assert QTest.qWaitForWindowActive(lift.window)
+    y = lift.session.study.motion.y[0]
+    box = lift.number("motion.stroke_mm")
+    assert box.isEnabled()
+    assert box.value == pytest.approx((y.max() - y.min()) * 1e3, rel=1e-6)
+    lift.enter("motion.stroke_mm", "100")
+    y = lift.session.study.motion.y[0]
+    assert y.max() - y.min() == pytest.approx(0.1, rel=1e-6)
+    assert box.value == 100.0
+    assert lift.steps[-1] == "Change stroke to 100 mm"
+
+
 # -- corrections ------------------------------------------------------------------------------------------
 
 

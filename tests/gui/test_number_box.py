@@ -5,13 +5,14 @@ from collections.abc import Iterator
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from PySide6.QtCore import QPoint, QPointF, Qt
-from PySide6.QtGui import QWheelEvent
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
+from PySide6.QtGui import QAction, QHelpEvent, QKeySequence, QWheelEvent
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QApplication, QPushButton, QStyle, QStyleOptionSpinBox, QToolTip, QVBoxLayout, QWidget
 
 from core.design import UNITS, Info
 from kindyna_gui.number_box import NumberBox
+from kindyna_gui.wording import shortest
 
 LENGTH = Info("Length", low=0.0, high=1e9, open_low=True)
 SHARE = Info("Share", low=0.0, high=1.0, step=0.05)
@@ -177,3 +178,94 @@ def test_a_refused_box_has_a_red_frame(bench: Bench) -> None:
     assert reddest() > before + 50
     bench.length.show_value(1.0)
     assert not bench.length.refused
+
+
+# -- a field narrower than its number ---------------------------------------------------------------------
+
+LONG = -0.011057542284900001
+
+
+def narrow(bench: Bench, value: float) -> NumberBox:
+    """The second box, 100 pixels wide and without the focus."""
+    bench.share.setFixedWidth(100)
+    bench.share.show_value(value)
+    QApplication.processEvents()
+    return bench.share
+
+
+@pytest.mark.parametrize("value", [LONG, 24.999999999999996, 1e-12 / 3.0, 754222849754222.8, -1e300 / 3.0])
+def test_a_number_too_long_for_its_field_is_seen_rounded_from_its_front(bench: Bench, value: float) -> None:
+    box = narrow(bench, value)
+    assert float(box.shortened) == pytest.approx(value, rel=0.06)
+    line = box.lineEdit()
+    assert line.fontMetrics().horizontalAdvance(box.shortened) <= line.width()
+    assert box.value == float(box.text()) == value
+
+
+def test_what_is_seen_is_the_rounded_number(bench: Bench) -> None:
+    """The picture is that of the rounded number typed in full, but for a pixel of its place."""
+    box = narrow(bench, LONG)
+    seen = ink(box)
+    short = float(box.shortened)
+    box.show_value(short)
+    assert box.shortened == ""
+    QApplication.processEvents()
+    other = ink(box)
+    assert abs(seen[0] - other[0]) <= 2
+    assert abs(seen[1] - other[1]) <= 2
+
+
+def ink(box: NumberBox) -> tuple[int, int]:
+    """First and last column of pixels of the line that hold ink."""
+    image = box.lineEdit().grab().toImage()
+    dark = [x for x in range(image.width()) if any(image.pixelColor(x, y).lightness() < 110 for y in range(image.height()))]
+    return dark[0], dark[-1]
+
+
+def test_the_whole_number_is_there_to_be_typed_over_and_looking_changes_nothing(bench: Bench) -> None:
+    box = narrow(bench, LONG)
+    box.setFocus()
+    assert box.shortened == ""
+    assert float(box.text()) == LONG
+    bench.length.setFocus()
+    assert box.shortened
+    assert box.value == LONG
+    assert set(bench.said) == {"finished"}
+
+
+def test_a_step_starts_from_the_whole_number(bench: Bench) -> None:
+    box = narrow(bench, 0.123456789012345)
+    box.stepBy(1)
+    assert bench.said == [0.173456789012345]
+
+
+def test_the_tip_of_a_rounded_number_is_the_whole_one(bench: Bench) -> None:
+    box = narrow(bench, LONG)
+    box.setToolTip("its help")
+    QApplication.sendEvent(box, QHelpEvent(QEvent.Type.ToolTip, QPoint(5, 5), box.mapToGlobal(QPoint(5, 5))))
+    assert QToolTip.text() == f"{shortest(LONG)}<br>its help"
+    QToolTip.hideText()
+
+
+# -- shortcuts --------------------------------------------------------------------------------------------
+
+
+def test_shortcuts_of_a_view_do_not_act_while_its_field_is_typed_into(bench: Bench) -> None:
+    acted: list[str] = []
+    action = QAction(bench.window)
+    action.setShortcut(QKeySequence("Ctrl+D"))
+    action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+    action.triggered.connect(lambda: acted.append("view"))
+    inner, button = QWidget(), QPushButton("beside")
+    column = QVBoxLayout(inner)
+    column.addWidget(bench.share)
+    column.addWidget(button)
+    layout = bench.window.layout()
+    assert layout is not None
+    layout.addWidget(inner)
+    inner.addAction(action)
+    QApplication.processEvents()
+    for widget in (bench.share, bench.length, button):
+        widget.setFocus()
+        QTest.keyClick(widget, Qt.Key.Key_D, Qt.KeyboardModifier.ControlModifier)
+    assert acted == ["view"], "from the button only"

@@ -34,7 +34,10 @@ def display() -> Iterator[str]:
         server.wait(PATIENCE)
 
 
-WAY = "open_edit_save or typed_and_entered or dragging_the_name or law_is_chosen or turns_the_cam_and_leads or is_kept"
+WAY = (
+    "open_edit_save or typed_and_entered or dragging_the_name or law_is_chosen or turns_the_cam_and_leads or is_kept"
+    " or keys_of_the_window"
+)
 
 
 @pytest.mark.skipif(bool(os.environ.get("KINDYNA_TEST_XVFB")), reason="this is that run")
@@ -50,4 +53,4 @@ def test_the_users_way_on_a_real_window(display: str, tmp_path: Path) -> None:
     if "no Qt platform plugin could be initialized" in done.stderr:
         pytest.skip("the libraries of a real window are missing")
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "6 passed" in done.stdout
+    assert "7 passed" in done.stdout

@@ -370,3 +370,28 @@ def test_the_motion_of_another_file_takes_the_place(user: User) -> None:
     user.choose("File", "Examples", "Card picker")
     assert column(user, LAW) == ["Dwell", *(LAWS[slug].label for slug in ("c1", "cv1", "h2", "p2")), "Dwell"]
     assert not user.motion().model.assumed(1, LAW)
+
+
+def test_enter_in_a_cell_that_cannot_be_edited_does_nothing(user: User) -> None:
+    view = user.motion()
+    view.choose(0, FROM)
+    before = user.design
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    assert view.table.state() != EDITING
+    assert user.design is before
+
+
+def test_a_wrong_number_that_the_focus_leaves_is_entered_once(user: User) -> None:
+    """The editor closes at that; its number stays in the cell, in red."""
+    view = user.motion()
+    view.choose(1, SPAN)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: view.table.state() == EDITING)
+    user.type("4000")
+    user.window.bar.setFocus()
+    settle()
+    assert view.table.state() != EDITING
+    assert view.model.refused(1, SPAN)
+    assert user.cell(1, SPAN).strip() == "4000"

@@ -12,7 +12,8 @@ from stability_page import KIM, TURNS, page, pixel, unhurried, wait_until
 from window_user import Open, User, settle
 
 from core.stability import EXACT, Stability, Verdict
-from kindyna_gui.stability_words import waiting_text
+from kindyna_gui.look import GOOD, WRONG
+from kindyna_gui.stability_words import verdict_table, waiting_text
 
 
 @pytest.fixture
@@ -90,7 +91,7 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
     with unhurried(view.reading._pause):
         QTest.mouseMove(view.chart.viewport(), pixel(view, 1.25, 0.1))
         settle()
-        assert not view.reading.background.busy, "it waits for the mouse to rest anew"
+        assert not view.reading.lane.busy, "it waits for the mouse to rest anew"
         assert not view.progress.isVisible()
     view.reading._pause.start()
     wait_until(lambda: len(asked) == 2)
@@ -111,6 +112,17 @@ def test_the_words_for_each_verdict() -> None:
         "steady: grows 5.13 % a turn, 36.0°, off the cam at turn 2.275\nstill computing …"
     )
     assert waiting_text((Verdict("steady", None),), False) == "steady: no response found"
+    left = Verdict("steady", True, -0.01, 1.9, 0.1, 2.275)
+    assert waiting_text((left,), False) == "steady: contact lost, 36.0°, off the cam at turn 2.275"
     rest = Verdict("from_rest", None, largest=0.01, lost=3.3)
     assert waiting_text((rest, steady), False).endswith("\nfrom rest: 3.60°, not settled, off the cam at turn 3.300")
     assert waiting_text((), True) == "nonlinear models: computing …"
+
+
+def test_a_machine_that_leaves_its_cam_is_not_stable_in_green() -> None:
+    linear, steady = Verdict(EXACT, True, -0.01, 1.9), Verdict("steady", True, -0.01, 1.9, 0.1)
+    off = Verdict("steady", True, -0.01, 1.9, 0.1, 2.275)
+    assert verdict_table((linear, steady)).count(f"color:{GOOD}") == 2
+    table = verdict_table((linear, off))
+    assert GOOD not in table
+    assert f'color:{WRONG}">contact lost' in table

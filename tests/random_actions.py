@@ -1,0 +1,324 @@
+"""What a random user can do to the window, by mouse and keys: each action draws what it does from a generator of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import isfinite
+from random import Random
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QPoint, QPointF, Qt
+from PySide6.QtGui import QWheelEvent
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSpinBox,
+    QApplication,
+    QComboBox,
+    QDockWidget,
+    QLineEdit,
+    QMenu,
+    QWidget,
+)
+
+from core.design import motion_of
+from kindyna_gui.canvas import Canvas, joints_now
+from kindyna_gui.docks import VIEWS
+from kindyna_gui.main_window import MainWindow
+from kindyna_gui.motion_diagram import MotionDiagram
+
+NUMBERS = ("0", "1", "12.5", "-3", "90", "360", "1e-9", "1e9", "-1e308", "1e400", "nan", "inf", "", "abc", "12,5", "1/3",
+           "3 mm", "--", "0.1", "25", "40", "2000", "0x10", "1e", " 7 ")  # fmt: skip
+NO, SHIFT, CTRL, ALT = (
+    Qt.KeyboardModifier.NoModifier,
+    Qt.KeyboardModifier.ShiftModifier,
+    Qt.KeyboardModifier.ControlModifier,
+    Qt.KeyboardModifier.AltModifier,
+)
+K = Qt.Key
+KEYS = (
+    *((key, NO) for key in (K.Key_Space, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down, K.Key_PageUp, K.Key_PageDown, K.Key_Home,
+                            K.Key_End, K.Key_Tab, K.Key_Return, K.Key_Escape, K.Key_Insert, K.Key_Delete, K.Key_Backspace,
+                            K.Key_F1, K.Key_F2, K.Key_F5, K.Key_F6, K.Key_F7, K.Key_F8, K.Key_A, K.Key_5, K.Key_Minus)),
+    *((key, CTRL) for key in (K.Key_Z, K.Key_Z, K.Key_Y, K.Key_A, K.Key_C, K.Key_V, K.Key_X, K.Key_I, K.Key_K, K.Key_D, K.Key_E,
+                              K.Key_G, K.Key_T, K.Key_L, K.Key_M, K.Key_B, K.Key_O, K.Key_S, K.Key_0, K.Key_1, K.Key_2, K.Key_3,
+                              K.Key_4, K.Key_5, K.Key_6, K.Key_Tab, K.Key_Home, K.Key_End, K.Key_PageDown)),
+    *((key, CTRL | SHIFT) for key in (K.Key_Z, K.Key_D, K.Key_M, K.Key_S, K.Key_Tab)),
+    *((key, SHIFT) for key in (K.Key_Tab, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
+    *((key, ALT) for key in (K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
+)  # fmt: skip
+AREAS = (Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea,
+         Qt.DockWidgetArea.TopDockWidgetArea)  # fmt: skip
+SIZES = ((1440, 900), (1280, 720), (1280, 800), (1024, 700), (800, 600), (1920, 1200))
+
+
+
+class Actions:
+    """The hands of a random user at a window, or at a dialog in front of it."""
+
+    def __init__(self, window: MainWindow) -> None:
+        self.window, self.rng = window, Random(0)
+        self.on_the_way = False  # through menus, to an entry that is known
+
+    def note(self, text: str) -> None:
+        """Write an action down before it is done."""
+        raise NotImplementedError
+
+    # -- who is there -------------------------------------------------------------------------------------
+
+    def _in_front(self) -> QWidget:
+        """The window, or now and then another that is open."""
+        others = [w for w in QApplication.topLevelWidgets() if w.isVisible() and w is not self.window and not isinstance(w, QMenu)]
+        return self.rng.choice(others) if others and self.rng.random() < 0.15 else self.window
+
+    def _some(self, kind: type | tuple[type, ...], within: QWidget | None = None) -> Any:
+        """A widget of a kind that can be seen; None where there is none."""
+        top = within or self._in_front()
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        found = [w for each in kinds for w in top.findChildren(each) if w.isEnabled() and not w.visibleRegion().isEmpty()]
+        return self.rng.choice(found) if found else None
+
+    def _place(self, widget: QWidget) -> QPoint:
+        box = widget.visibleRegion().boundingRect()
+        return box.topLeft() + QPoint(self.rng.randrange(max(1, box.width())), self.rng.randrange(max(1, box.height())))
+
+    def _modifier(self) -> Qt.KeyboardModifier:
+        return self.rng.choice((NO, NO, NO, SHIFT, CTRL))
+
+    # -- actions ------------------------------------------------------------------------------------------
+
+    def menu(self) -> None:
+        """An entry of the menu bar, by mouse, through all menus on the way; ``Answers`` goes on from there."""
+        bar = self.window.menuBar()
+        title = self.rng.choice([a for a in bar.actions() if a.isVisible()])
+        self.note(f"  menu bar: {title.text()!r}")
+        QTest.mouseClick(bar, Qt.MouseButton.LeftButton, pos=bar.actionGeometry(title).center())
+
+    def open_example(self) -> None:
+        """A design of another kind, as the menu File has it."""
+        self._open_by(("File", "Examples"))
+
+    def new_design(self) -> None:
+        self._open_by(("File", "New"))
+
+    def _open_by(self, texts: tuple[str, ...]) -> None:
+        place: Any = self.window.menuBar()
+        self.on_the_way = True
+        for text in texts:
+            entry = next(a for a in place.actions() if a.text().replace("&", "") == text)
+            QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
+            place = entry.menu()
+            for _ in range(20):
+                if not place.isVisible():
+                    QTest.qWait(5)
+        self.on_the_way = False
+        if not place.isVisible():
+            return
+        entry = self.rng.choice([a for a in place.actions() if a.isEnabled()])
+        self.note(f"  {texts[-1]}: {entry.text()!r}")
+        QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
+
+    def open_file(self) -> None:
+        self.note("  Ctrl+O")
+        QTest.keyClick(self.window, K.Key_O, CTRL)
+
+    def keys(self) -> None:
+        """Some keys on what has the focus."""
+        for _ in range(self.rng.randrange(1, 5)):
+            key, modifier = self.rng.choice(KEYS)
+            self.note(f"  key: {modifier.name} {key.name}")
+            QTest.keyClick(QApplication.focusWidget() or self.window, key, modifier)
+
+    def field(self) -> None:
+        self._fill(self._some((QLineEdit, QComboBox)))
+
+    def _fill(self, editor: QWidget | None) -> None:
+        """Type a value into an editor, good or bad, and leave it in one of several ways."""
+        if editor is None:
+            return
+        name = editor.accessibleName() or editor.objectName() or type(editor.parent()).__name__
+        if isinstance(editor, QComboBox) and editor.count() and self.rng.random() < 0.7:
+            self.note(f"  choice {name}")
+            editor.setFocus()
+            QTest.keyClick(editor, self.rng.choice((K.Key_Down, K.Key_Up, K.Key_End, K.Key_Home)))
+            QTest.keyClick(editor, K.Key_Return)
+            return
+        text = self.rng.choice(NUMBERS)
+        box = editor.parent()
+        value = getattr(box, "value", None) if isinstance(box, QAbstractSpinBox) else None
+        if isinstance(value, float) and isfinite(value) and self.rng.random() < 0.5:
+            text = f"{value * self.rng.choice((0.5, 0.9, 1.01, 1.1, 2.0)):.4g}"
+        end = self.rng.choice((K.Key_Return, K.Key_Return, K.Key_Tab, K.Key_Escape, None))
+        self.note(f"  field {name}: {text!r} {end.name if end else ''}")
+        editor.setFocus()
+        if isinstance(editor, QLineEdit):
+            editor.selectAll()
+        QTest.keyClicks(editor, text)
+        if end is not None:
+            QTest.keyClick(QApplication.focusWidget() or editor, end)
+
+    def button(self) -> None:
+        """Click a button."""
+        button = self._some(QAbstractButton)
+        if button is not None:
+            self.note(f"  button {button.text() or button.toolTip()[:40]!r}")
+            QTest.mouseClick(button, Qt.MouseButton.LeftButton, pos=QPoint(button.width() // 2, button.height() // 2))
+
+    def table(self) -> None:
+        """A cell of a table: choose, edit, insert, delete."""
+        self._in_table(self._some(QAbstractItemView))
+
+    def _in_table(self, table: QAbstractItemView | None) -> None:
+        if table is None or table.model() is None:
+            return
+        place = self._place(table.viewport())
+        kind = self.rng.choice(("click", "edit", "edit", "double", "insert", "delete"))
+        self.note(f"  {type(table).__name__} {kind} at {place.x()}, {place.y()}")
+        QTest.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, self._modifier(), place)
+        if kind == "double":
+            QTest.mouseDClick(table.viewport(), Qt.MouseButton.LeftButton, NO, place)
+        elif kind in ("insert", "delete"):
+            QTest.keyClick(table, K.Key_Insert if kind == "insert" else K.Key_Delete)
+        elif kind == "edit":
+            QTest.keyClick(table, self.rng.choice((K.Key_Return, K.Key_F2)))
+            QTest.qWait(5)
+            editor = QApplication.focusWidget()
+            if editor is not None and table.isAncestorOf(editor):
+                text = self.rng.choice(NUMBERS)
+                self.note(f"    cell: {text!r}")
+                QTest.keyClicks(editor, text)
+                QTest.keyClick(QApplication.focusWidget() or editor, self.rng.choice((K.Key_Return, K.Key_Tab, K.Key_Escape)))
+
+    def mouse(self) -> None:
+        """A click of any kind anywhere."""
+        self._click(self._some(QWidget))
+
+    def _click(self, widget: QWidget | None) -> None:
+        if widget is None:
+            return
+        at, modifier = self._place(widget), self._modifier()
+        kind = self.rng.choice(("click", "click", "double", "right", "middle"))
+        self.note(f"  {kind} on {type(widget).__name__} {widget.objectName()} at {at.x()}, {at.y()} {modifier.name}")
+        if kind == "double":
+            QTest.mouseDClick(widget, Qt.MouseButton.LeftButton, modifier, at)
+        else:
+            buttons = {"click": Qt.MouseButton.LeftButton, "right": Qt.MouseButton.RightButton, "middle": Qt.MouseButton.MiddleButton}
+            QTest.mouseClick(widget, buttons[kind], modifier, at)
+
+    def drag(self) -> None:
+        """From anywhere to anywhere in a widget."""
+        widget = self._some(QWidget)
+        if widget is not None:
+            self._drag(widget, self._place(widget), self._place(widget))
+
+    def drag_join(self) -> None:
+        """A join or a segment of the motion diagram."""
+        diagram = self._some(MotionDiagram, self.window)
+        if diagram is not None:
+            box = diagram.viewport().rect()
+            start = self._place(diagram.viewport())
+            motion = motion_of(self.window.session.design)
+            joins = range(len(motion.segments)) if motion is not None and diagram.motion is not None else ()
+            inside = [p for p in (diagram.place_of_join(j).toPoint() for j in joins) if box.contains(p)]
+            self._drag(diagram.viewport(), self.rng.choice(inside) if inside else start, self._place(diagram.viewport()))
+
+    def drag_joint(self) -> None:
+        """A joint of the mechanism."""
+        canvas = self._some(Canvas, self.window)
+        if canvas is not None:
+            places = [canvas.viewportTransform().map(QPointF(z.real, z.imag)).toPoint() for z in joints_now(canvas.scene()).values()]
+            inside = [p for p in places if canvas.viewport().rect().contains(p)]
+            start = self.rng.choice(inside) if inside else self._place(canvas.viewport())
+            self._drag(canvas.viewport(), start, start + QPoint(self.rng.randrange(-80, 81), self.rng.randrange(-80, 81)))
+
+    def _drag(self, widget: QWidget, start: QPoint, end: QPoint) -> None:
+        button = self.rng.choice((Qt.MouseButton.LeftButton, Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton))
+        modifier = self._modifier()
+        self.note(f"  drag in {type(widget).__name__} {widget.objectName()}, {type(widget.parent()).__name__}: "
+                  f"{start.x()}, {start.y()} to {end.x()}, {end.y()} {button.name} {modifier.name}")  # fmt: skip
+        QTest.mousePress(widget, button, modifier, start)
+        for part in (0.1, 0.4, 0.7, 1.0):
+            QTest.mouseMove(widget, start + (end - start) * part)
+            QTest.qWait(1)
+        if self.rng.random() < 0.1:
+            QTest.keyClick(QApplication.focusWidget() or self.window, self.rng.choice((K.Key_Escape, K.Key_Z)), CTRL)
+        QTest.mouseRelease(widget, button, modifier, end)
+
+    def wheel(self) -> None:
+        widget = self._some((Canvas, QAbstractItemView, QAbstractSpinBox, QComboBox, QWidget))
+        if widget is None:
+            return
+        at, turned = QPointF(self._place(widget)), self.rng.choice((-1200, -120, 120, 120, 1200))
+        self.note(f"  wheel {turned} on {type(widget).__name__} {widget.objectName()}")
+        event = QWheelEvent(at, QPointF(widget.mapToGlobal(at)), QPoint(), QPoint(0, turned), Qt.MouseButton.NoButton,
+                            self._modifier(), Qt.ScrollPhase.NoScrollPhase, False)  # fmt: skip
+        QApplication.sendEvent(widget, event)
+
+    def undo_redo(self) -> None:
+        """There and back on the undo stack."""
+        steps = "".join(self.rng.choice("ZZY") for _ in range(self.rng.randrange(1, 9)))
+        self.note(f"  Ctrl+ {steps}")
+        for step in steps:
+            QTest.keyClick(QApplication.focusWidget() or self.window, K.Key_Z if step == "Z" else K.Key_Y, CTRL)
+
+    def resize(self) -> None:
+        size = self.rng.choice(SIZES)
+        self.note(f"  size {size}")
+        self.window.resize(*size)
+
+    def dock(self) -> None:
+        """Show, hide, float, tab or move a dock."""
+        docks = self.window.findChildren(QDockWidget)
+        dock, other = self.rng.sample(docks, 2)
+        kind = self.rng.choice(("toggle", "toggle", "raise", "float", "tab", "move"))
+        self.note(f"  {kind} {dock.windowTitle()!r} {other.windowTitle()!r}")
+        if kind == "toggle":
+            dock.toggleViewAction().trigger()
+        elif kind == "float":
+            dock.setFloating(not dock.isFloating())
+        elif kind == "tab":
+            self.window.tabifyDockWidget(dock, other)
+        elif kind == "move":
+            self.window.addDockWidget(self.rng.choice(AREAS), dock)
+        else:
+            dock.show()
+            dock.raise_()
+
+    def play(self) -> None:
+        self.window.player.play(not self.window.player.playing)
+        QTest.qWait(self.rng.randrange(20, 150))
+
+    def view(self) -> None:
+        """Bring one of the views to the front."""
+        name = self.rng.choice(list(VIEWS))
+        self.note(f"  {name}")
+        self.window.show_view(name)
+
+    def in_dialog(self, dialog: QWidget, rng: Random) -> None:
+        """One action on the widgets of a dialog."""
+        self.rng = rng
+        editor, table, button = (self._some(kind, dialog) for kind in ((QLineEdit, QComboBox), QAbstractItemView, QAbstractButton))
+        kind = self.rng.randrange(6)
+        if kind <= 2 and editor is not None:
+            self._fill(editor)
+        elif kind == 3 and table is not None:
+            self._in_table(table)
+        elif kind == 4:
+            self._click(self._some(QWidget, dialog))
+        elif button is not None:
+            self.note(f"  button {button.text()!r}")
+            QTest.mouseClick(button, Qt.MouseButton.LeftButton, pos=QPoint(button.width() // 2, button.height() // 2))
+
+
+WEIGHTS: Mapping[str, int] = MappingProxyType(
+    {
+        "menu": 14, "open_example": 6, "new_design": 2, "open_file": 3, "keys": 12, "field": 14, "button": 9, "table": 10,
+        "mouse": 8, "drag": 5, "drag_join": 6, "drag_joint": 6, "wheel": 5, "undo_redo": 7, "resize": 2, "dock": 4, "play": 3,
+        "view": 4,
+    }
+)  # fmt: skip
+"""Name of an action -> how often it is chosen."""
+
+__all__ = ["WEIGHTS", "Actions"]
