@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from core.cam import CamShape
 from core.dynamics.forces import Forces
-from core.dynamics.loading import Loading
+from core.dynamics.loading import Inertia, Loading
 from core.train import FRAME, Train
 from core.vectors import cross, dot
 
@@ -21,11 +23,18 @@ def _motions(train: Train, loading: Loading, omega: float) -> list[tuple[float, 
     return found
 
 
+def reduced_inertia(train: Train, inertias: Mapping[str, Inertia]) -> np.ndarray:
+    """J_e = Σ m |z'|² + I α'² (n,) [kg m²]: what the moved bodies are worth at the camshaft, KE = ½ J_e ω²."""
+    total = np.zeros(train.theta.size)
+    for name, inertia in inertias.items():
+        pose = train.bodies[name]
+        total += inertia.mass * np.abs(pose.derivative(inertia.centre, 1)) ** 2 + inertia.about_centre * pose.turn[1] ** 2
+    return total
+
+
 def kinetic_energy(train: Train, loading: Loading, omega: float) -> np.ndarray:
     """KE (n,) [J] of all moved bodies."""
-    return np.asarray(
-        sum(0.5 * m * np.abs(z[1]) ** 2 + 0.5 * i * a[1] ** 2 for m, i, z, a in _motions(train, loading, omega))
-    )
+    return 0.5 * omega * omega * reduced_inertia(train, loading.inertias)
 
 
 @np.errstate(invalid="ignore")  # inf - inf where the guide jams, which counts as balanced

@@ -227,7 +227,7 @@ class LinkageStudy(Study, of=LinkageDesign):
                     told[name] = replace(told[name], turns=True)
         return told
 
-    def _figures_depend_on(self, stage: str) -> Any:
+    def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
         design = self.design
         loads = design.loads if stage == "dynamics" else None
         return design.linkage, design.motion, design.cam if stage != "motion" else None, loads
