@@ -30,10 +30,11 @@ class Channel:
     slug       column name; its ending tells the unit
     quantity   row of ``QUANTITIES``
     label, symbol
-    family     what sets its colour: displacement, velocity, acceleration, jerk, pressure-angle, curvature, force,
-               torque, angle, length
+    family     what sets its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature,
+               force, torque, angle, length
     table      CSV file it stands in
     equation   formula, with its source
+    beside     quantity that it is an approximation of, to be compared with: drawn dashed
     """
 
     slug: str
@@ -44,6 +45,7 @@ class Channel:
     table: str
     equation: str
     source: str
+    beside: str = ""
 
     @property
     def unit(self) -> Unit:
@@ -96,7 +98,7 @@ _ROWS = (
     Channel("drive_torque_nm", "drive_torque", "Cam torque", "T_c", "torque", DYNAMICS, "-d (R × F_c n)",
             "Shin1995 (27)"),
     Channel("motor_torque_nm", "motor_torque", "Motor torque with flywheel", "T_m", "torque", DYNAMICS,
-            "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20"),
+            "T̄ + k(ω̄ - ω), d/dθ[½(I + J_e)ω²] = T_m - T_s", "Shin1995 Figs. 19, 20, not linearised"),
     Channel("guide_force_n", "guide_force", "Guide force", "N", "force", DYNAMICS, "N0/(1 + τ)",
             "Shin1995 (21), corrected"),
     Channel("slider_pin_x_n", "slider_pin_x", "Slider pin, x", "A_x", "force", DYNAMICS, "by rod on slider", "Shin1995 (21)"),
@@ -107,6 +109,8 @@ _ROWS = (
     Channel("pivot_y_n", "pivot_y", "Pivot, y", "P_y", "force", DYNAMICS, "by frame on arm", "balance of the arm"),
     Channel("bearing_x_n", "bearing_x", "Camshaft bearing, x", "O_x", "force", DYNAMICS, "by frame on camshaft", "-F_c n"),
     Channel("bearing_y_n", "bearing_y", "Camshaft bearing, y", "O_y", "force", DYNAMICS, "by frame on camshaft", "-F_c n"),
+    Channel("speed_rpm", "camshaft_speed", "Camshaft speed", "n", "speed", DYNAMICS,
+            "d/dθ[½(I + J_e)ω²] = T_m - T_s", "energy of the shaft"),
     Channel("slider_torque_nm", "follower_torque", "Slider torque", "T_L", "torque", DYNAMICS, "-F_c (r_R × n)",
             "Shin1995 (24), (25), corrected"),
     Channel("slider_pin_n", "slider_pin", "Slider pin", "|A|", "force", DYNAMICS, "√(A_x² + A_y²)", "Shin1995 (21)"),
@@ -115,6 +119,8 @@ _ROWS = (
     Channel("bearing_n", "bearing", "Camshaft bearing", "|O|", "force", DYNAMICS, "|F_c|", "-F_c n"),
     Channel("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", DYNAMICS,
             "μ|tan β|; jams from 1", "friction in closed form"),
+    Channel("linear_motor_torque_nm", "linear_motor_torque", "Motor torque, linear, Shin1995", "T_m", "torque", DYNAMICS,
+            "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20", beside="motor_torque"),
 )  # fmt: skip
 
 

@@ -29,9 +29,9 @@ def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
 
 
 def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
-    """One of ``TABLES`` with the columns of the named stages; None where no column is left."""
+    """One of ``TABLES`` with the columns of the named stages; None where no column is left, or no forces exist."""
     rows = existing(study, (row for row in channels(study.design, stages) if row.table == name))
-    if not rows:
+    if not rows or (name == DYNAMICS and study.jam is not None):
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
     return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])

@@ -63,12 +63,27 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
     evaluation. Values that are not finite count as they are (inf is the highest); NaN is left out.
     Where several angles share an extreme the smallest is named.
     """
+    best = _refined(quantities, program, (-1.0, 1.0))
+    return {name: Range(best[name, -1.0], best[name, 1.0]) for name, _ in best}
+
+
+def find_above(quantity: Callable[[Angles], np.ndarray], program: Program, level: float) -> Extreme | None:
+    """The highest value of one quantity (n,) over one turn, as by ``find_extremes``, if it reaches the level; None where it
+    does not, and then nothing is refined that could not."""
+    highest = _refined(lambda angles: {"": quantity(angles)}, program, (1.0,), level)["", 1.0]
+    return highest if highest.value >= level else None
+
+
+def _refined(
+    quantities: Quantities, program: Program, signs: tuple[float, ...], level: float = -np.inf
+) -> dict[tuple[str, float], Extreme]:
+    """By name and sign: the highest value of each quantity times each sign, refined where it may reach the level."""
     angles = piecewise_angles(program)
     sampled = quantities(angles)
     searches = [
-        _Search(name, sign, sign * np.asarray(values, dtype=float), angles, program.ends - program.starts)
+        _Search(name, sign, sign * np.asarray(values, dtype=float), angles, program.ends - program.starts, level)
         for name, values in sampled.items()
-        for sign in (-1.0, 1.0)
+        for sign in signs
     ]
     for _ in range(PASSES):
         open_ones = [s for s in searches if s.brackets]
@@ -92,8 +107,7 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
                 bracket.narrow(batch.theta[at:stop], search.sign * np.asarray(values[search.name])[at:stop])
                 at = stop
             search.keep_what_may_win()
-    best = {(s.name, s.sign): s.best() for s in searches}
-    return {name: Range(best[name, -1.0], best[name, 1.0]) for name in sampled}
+    return {(s.name, s.sign): s.best() for s in searches}
 
 
 class _Bracket:
@@ -150,7 +164,9 @@ def _room(value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
 class _Search:
     """One quantity, one side: the local maxima of its samples that may hold the highest value."""
 
-    def __init__(self, name: str, sign: float, value: np.ndarray, angles: Angles, widths: np.ndarray) -> None:
+    def __init__(
+        self, name: str, sign: float, value: np.ndarray, angles: Angles, widths: np.ndarray, level: float
+    ) -> None:
         self.name, self.sign = name, sign
         value = np.where(np.isnan(value), -np.inf, value)
         same = np.diff(angles.piece) == 0
@@ -166,7 +182,8 @@ class _Search:
         self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
         peaks = np.flatnonzero(tops & np.isfinite(value))
         may_be = value[peaks] + _room(value, left, right)[peaks]
-        peaks, may_be = peaks[may_be >= value[top]], may_be[may_be >= value[top]]
+        may_win = may_be >= max(float(value[top]), level)
+        peaks, may_be = peaks[may_win], may_be[may_win]
         self.brackets = []
         for i in peaks[np.argsort(-may_be, kind="stable")][:CANDIDATES]:
             lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]

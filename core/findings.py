@@ -62,6 +62,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "in which twist of the shaft grows by up to {growth_percent:.3g} % a turn",
         "above-all-speeds": "{rpm:.6g} rpm is above {top_rpm:.6g} rpm, from where on the shaft does not hold the cam",
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
+        "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak, "
+        "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )

@@ -156,6 +156,14 @@ def _flywheel(study: Study) -> list[str]:
         ),
         ("Flywheel fitted", digits(shaft.flywheel_inertia_kg_m2), "kg·m²"),
     ]
+    if wheel["fluctuation"] is None:
+        rows.append(("Speed", "the motor stalls", ""))
+    else:
+        rows += [
+            ("Fluctuation of speed reached", digits(100.0 * wheel["fluctuation"]), "%"),
+            ("Lowest speed", digits(wheel["min_speed_rpm"]), "rpm"),
+            ("Highest speed", digits(wheel["max_speed_rpm"]), "rpm"),
+        ]
     return _heading("Flywheel") + columns(rows)
 
 

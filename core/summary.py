@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from core.channels import channels, existing
-from core.design import UNITS
+from core.channels import channels
+from core.design import UNITS, kind_row
 from core.design.topology import mobility
-from core.errors import NoAnswer, NoStability
+from core.errors import NoStability
 from core.mechanism import four_bar
 from core.study import LinkageStudy, Study
 
@@ -23,7 +23,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "name": study.design.name,
-        "kind": "linkage" if study.design.drive.is_linkage else "cam",
+        "kind": kind_row(study.design).slug,
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
             f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
@@ -65,9 +65,11 @@ def joins(study: Study) -> list[dict[str, float]]:
 
 
 def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
-    """Refined extremes of every channel of the named stages, in the channel's own unit."""
+    """Refined extremes of every channel of the named stages, in the channel's own unit; no forces where a guide jams."""
     found = {}
     for stage in stages:
+        if stage == "dynamics" and study.jam is not None:
+            continue
         ranges = study.extremes(stage)
         for row in channels(study.design, (stage,)):
             if row.quantity in ranges:
@@ -83,23 +85,32 @@ def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
 
 
 def flywheel(study: Study) -> dict[str, float | None]:
-    names = {row.slug for row in existing(study, channels(study.design, ("dynamics",)))}
-    if "motor_torque_nm" not in names:
+    """Sizing, and what the flywheel fitted makes of the speed: (max - min)/mean, lowest and highest, null where the motor
+    stalls. Empty where there is no motor torque at all: for linkages, and where a guide jams."""
+    if "motor_torque" not in study.quantities("dynamics") or study.jam is not None:
         return {}
-    try:
-        wheel = study.flywheel
-    except NoAnswer:  # the guide jams
-        return {}
+    wheel, speed = study.flywheel, speeds(study)
     return {
         "mean_torque_nm": _number(wheel.mean_torque),
         "energy_swing_j": _number(wheel.energy_swing),
         "needed_inertia_kg_m2": _number(wheel.needed_inertia),
+        "fluctuation": (speed[1] - speed[0]) / study.omega if speed else None,
+        "min_speed_rpm": speed[0] / UNITS["rpm"].factor if speed else None,
+        "max_speed_rpm": speed[1] / UNITS["rpm"].factor if speed else None,
     }
+
+
+def speeds(study: Study) -> tuple[float, float] | None:
+    """Lowest and highest speed of the camshaft over the turn [rad/s]; None where the motor stalls."""
+    if not study.flywheel.runs:
+        return None
+    found = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    return found.low.value, found.high.value
 
 
 def mechanism(study: LinkageStudy) -> dict[str, Any]:
     """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
-    course, linkage = study.course, study.design.drive.linkage
+    course, linkage = study.course, study.design.drive.mechanism
     unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
     suffix = "deg" if course.plan.driver.revolute else "mm"
     bar = four_bar(course.plan)

@@ -47,9 +47,9 @@ class ViewRow:
     quantities: tuple[str, ...] = ()
 
 
-def _plot(title: str, tab_with: str, *quantities: str) -> ViewRow:
+def _plot(title: str, tab_with: str, *quantities: str, shown: bool = True) -> ViewRow:
     make = lazily("plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, tab_with, picture=True, quantities=quantities)
+    return ViewRow(title, make, RIGHT, tab_with, shown, picture=True, quantities=quantities)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
@@ -72,7 +72,8 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "jerk": _plot("Jerk", "displacement", "jerk"),
         "pressure_angle": _plot("Pressure angle", "", "pressure_angle"),
         "curvature": _plot("Curvature", "pressure_angle", "pitch_curvature", "profile_curvature"),
-        "torque": _plot("Torque", "", "drive_torque", "motor_torque"),
+        "torque": _plot("Torque", "", "drive_torque", "motor_torque", "linear_motor_torque"),
+        "camshaft_speed": _plot("Camshaft speed", "torque", "camshaft_speed", shown=False),
         "contact_force": _plot("Contact force", "torque", "contact_force"),
         "findings": ViewRow("Findings", lazily("findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("certificate_view", "CertificateView"), BOTTOM, "findings"),

@@ -24,14 +24,15 @@ def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
 
 
 def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[str]]:
-    """Those rows that can be drawn, without any that equals one before it; and a line for each that is left out.
+    """Those rows that can be drawn, without any that equals one before it; and a line for each that is left out, but for
+    what only stands beside another for comparison.
 
     Raises NoAnswer where a stage that all of them need has none.
     """
     there = existing(study, rows)
     drawn = different(study, there)
-    told = [lack(study, row) for row in rows if row not in there]
-    told += [f"{row.label} is the same curve" for row in there if row not in drawn]
+    told = [lack(study, row) for row in rows if row not in there and not row.beside]
+    told += [f"{row.label} is the same curve" for row in there if row not in drawn and not row.beside]
     return drawn, told
 
 

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 from core.dynamics.elements import Loading
-from core.extremes import Range
+from core.extremes import Extreme, Range
 from core.findings import ERROR, NOTE, Finding
 
+JAMS = 1.0  # the jamming factor from which a guide may jam
 
-def findings(extremes: Mapping[str, Range], loading: Loading) -> list[Finding]:
-    """What the refined extremes of contact force [N] and jamming factor exceed."""
+
+def findings(contact: Range, jam: Extreme | None, loading: Loading) -> list[Finding]:
+    """What the refined extremes of contact force [N] and jamming factor exceed; jam: the factor's, where it reaches 1."""
     if loading.empty:
         return [Finding("no-load", NOTE, "loads", None)]
     found = []
-    least = extremes["contact_force"].low
+    least = contact.low
     if math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
         found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), {"force_n": least.value}))
-    worst = extremes["jam_factor"].high
-    if worst.value >= 1.0:
-        found.append(Finding("jamming", ERROR, "loads.friction", math.degrees(worst.theta), {"factor": worst.value}))
+    if jam is not None:
+        found.append(Finding("jamming", ERROR, "loads.friction", math.degrees(jam.theta), {"factor": jam.value}))
     return found

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.design import Design
 from core.errors import NoAnswer, NoSuchStage, at_angles
-from core.extremes import Range, find_extremes
+from core.extremes import Extreme, Range, find_extremes
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.keeping import keep_freed_memory
 from core.motion import Angles, degrees
@@ -92,14 +92,20 @@ class Study:
         """The same design at any cam angles (n,) [rad]; at a join the right-hand limit."""
         return self.at(self.program.angles(np.atleast_1d(theta)))
 
+    @property
+    def jam(self) -> Extreme | None:
+        """Where friction jams a guide hardest, by the refined extreme of the jamming factor, so whatever the sampling: then
+        there are no forces to be tabled. None where none jams."""
+        return None
+
     # -- what a kind has to tell ------------------------------------------------------------------------
 
     def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
         """The scalars that can be asked for, of one stage or of all."""
         raise NotImplementedError
 
-    def _figures_depend_on(self, stage: str) -> Any:
-        """The parts of the design that the extremes of a stage depend on."""
+    def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
+        """The parts of the design that the extremes of a stage depend on, of all its quantities or of those named."""
         raise NotImplementedError
 
     def _findings_of(self, stage: str) -> list[Finding]:
@@ -114,7 +120,7 @@ class Study:
     def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
         self.require_stage(stage)
-        key = ("extremes", stage, only, self._figures_depend_on(stage))
+        key = ("extremes", stage, only, self._figures_depend_on(stage, only))
         found: Mapping[str, Range] = memory.get(key, lambda: self._extremes(stage, only))
         return found
 

@@ -218,7 +218,7 @@ class LinkageStudy(Study, of=True):
                     told[name] = replace(told[name], turns=True)
         return told
 
-    def _figures_depend_on(self, stage: str) -> Any:
+    def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
         design = self.design
         loads = design.drive.loads if stage == "dynamics" else None
         return design.drive.linkage, design.drive.motion, design.drive.cam if stage != "motion" else None, loads

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core.design import FOLLOWER_KINDS
-from core.errors import NoAnswer
+from core.motion import Angles
+from core.shaft import Flywheel
 
 if TYPE_CHECKING:
     from core.study.base import Study
@@ -23,22 +24,21 @@ def _always(study: Study) -> bool:
     return True
 
 
-def _motor_torque_exists(study: Study) -> bool:
-    """Where the guide jams, the torque is infinite and no motor torque exists."""
-    if not study.levelled:
-        return bool(np.isfinite(study.whole.dynamics.torque).all())
-    try:
-        return study.flywheel is not None
-    except NoAnswer:
-        return False
+def _motor_runs(study: Study) -> bool:
+    """Not where the guide jams, nor where the motor stalls."""
+    return study.jam is None and (not study.levelled or study.flywheel.runs)
 
 
-def _motor_torque(study: Study) -> np.ndarray:
-    """That of the cam where no flywheel levels it. Raises NoAnswer, with the angles, where the guide jams."""
-    torque: np.ndarray = study.dynamics.torque
-    if study.levelled or not np.isfinite(torque).all():
-        torque = study.flywheel.motor_torque(study.angles)
-    return torque
+def _by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
+    """That of the cam where no flywheel levels it. Raises NoAnswer where the guide jams or the motor stalls."""
+    return lambda s: torque(s.flywheel, s.angles) if s.levelled or s.jam is not None else s.dynamics.torque
+
+
+def _speed(study: Study) -> np.ndarray:
+    """Constant where no flywheel lets it change."""
+    if study.levelled or study.jam is not None:
+        return study.flywheel.speed(study.angles)
+    return np.full(study.theta.size, study.omega)
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,11 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "polar_angle": Quantity("cam", _polar_angle, turns=True),
         "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact),
         "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque),
-        "motor_torque": Quantity("dynamics", _motor_torque, exists=_motor_torque_exists),
+        "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), exists=_motor_runs),
+        "linear_motor_torque": Quantity(
+            "dynamics", _by_motor(Flywheel.linear_motor_torque), exists=lambda s: s.levelled and _motor_runs(s)
+        ),
+        "camshaft_speed": Quantity("dynamics", _speed, exists=_motor_runs),
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, SLIDER),
         "guide_force": Quantity("dynamics", lambda s: s.dynamics.guide.normal),
         "jam_factor": Quantity("dynamics", lambda s: s.dynamics.guide.jam),
@@ -127,6 +131,9 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "bearing": _size("bearing", ALL_KINDS),
     }
 )
+
+OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
+"""Those of the stage ``dynamics`` that flywheel and motor change; forces are those of a constant speed."""
 
 
 def quantities_of(kind: str, stage: str | None = None) -> dict[str, Quantity]:

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import cam, dynamics, followers, motion
+from core import cam, dynamics, linkage, motion, shaft
 from core.cam import CamShape
 from core.design import Design, kind_of, si
-from core.dynamics import Forces, Loading
+from core.dynamics import Forces, Loading, reduced_inertia
 from core.errors import NoAnswer, NoStability
-from core.extremes import Range
+from core.extremes import Extreme, Range, find_above
 from core.findings import NOTE, Finding, Residual
 from core.motion import EPS, Angles, MotionState, Program, program
-from core.shaft import Flywheel, TorqueCurve, flywheel, lag, torque_curve
+from core.shaft import Flywheel, LoadCurve, levels, load_curve
 from core.study.base import Study
-from core.study.quantities import Quantity, quantities_of
+from core.study.quantities import OF_MOTOR, Quantity, quantities_of
 from core.study.stages import (
     cam_stage,
     dynamics_stage,
@@ -35,8 +35,10 @@ from core.train import Train
 if TYPE_CHECKING:
     from core.stability import Stability
 
+_CONTACT = ("contact_force",)
 
-class CamStudy(Study, of=False):
+
+class CamStudy(Study, of=Design):
     """Stages ``motion``, ``linkage``, ``cam``, ``dynamics``, ``stability``, which is None where the shaft is rigid or nothing
     excites it; ``flywheel`` belongs to the stage ``dynamics``."""
 
@@ -104,7 +106,17 @@ class CamStudy(Study, of=False):
     @property
     def levelled(self) -> bool:
         """Whether a flywheel makes the motor's torque another than the cam's."""
-        return lag(self.design.shaft) < np.inf
+        return levels(self.design.shaft)
+
+    @property
+    def jam(self) -> Extreme | None:
+        if not self.loading.friction:
+            return None
+        key = ("jam", self._depends_on("dynamics"))
+        worst: Extreme | None = memory.get(
+            key, lambda: find_above(lambda angles: self.at(angles).dynamics.guide.jam, self.program, dynamics.JAMS)
+        )
+        return worst
 
     @property
     def whole(self) -> CamStudy:
@@ -113,28 +125,35 @@ class CamStudy(Study, of=False):
 
     @cached_property
     def flywheel(self) -> Flywheel:
-        """Sizing and motor torque. Raises NoAnswer where the guide jams."""
+        """Sizing, speed and motor torque. Raises NoAnswer where the guide jams."""
         key = (*self._depends_on("dynamics"), self.design.shaft)
         return memory.get(("flywheel", key), self._flywheel)
 
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
-        return flywheel(self._torque, self._torque_curve(), self.design.shaft)
+        return Flywheel(self._torque, self._load_curve(), self.design.shaft)
 
-    def _torque_curve(self) -> TorqueCurve:
-        key = ("torque curve", self._depends_on("dynamics"))
-        curve: TorqueCurve = memory.get(key, self._fitted_torque)
+    def _load_curve(self) -> LoadCurve:
+        if self.jam is not None:
+            angle = float(np.rad2deg(self.jam.theta))
+            raise NoAnswer("the guide jams, the torque is infinite", "loads.friction", "lower it", [(angle, angle)])
+        key = ("load curve", self._depends_on("dynamics"))
+        curve: LoadCurve = memory.get(key, self._fitted_load)
         return curve
 
-    def _fitted_torque(self) -> TorqueCurve:
-        there = lru_cache(maxsize=1)(self.at)  # torque and guide are asked at the same angles
+    def _fitted_load(self) -> LoadCurve:
+        there = lru_cache(maxsize=1)(self.at)  # load and guide are needed at the same angles
+
+        def load(angles: Angles) -> np.ndarray:
+            study = there(angles)
+            return np.array([study.dynamics.torque, reduced_inertia(study.linkage, self.loading.inertias)])
 
         def turning_guide(angles: Angles) -> np.ndarray:
             """The guide's force where it rubs: friction turns round with its sign."""
             return there(angles).dynamics.guide.normal * np.abs(there(angles).motion.way)
 
         switch = turning_guide if self.loading.friction else None
-        return torque_curve(lambda angles: there(angles).dynamics.torque, self.program, switch)
+        return load_curve(load, self.program, switch)
 
     def _torque(self, angles: Angles) -> np.ndarray:
         return self.at(angles).dynamics.torque
@@ -181,21 +200,23 @@ class CamStudy(Study, of=False):
     def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
         return quantities_of(self.kind, stage)
 
-    def _figures_depend_on(self, stage: str) -> Any:
-        return self._depends_on(stage), self.design.shaft if stage == "dynamics" else None
+    def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
+        with_motor = stage == "dynamics" and not set(only).isdisjoint(OF_MOTOR) if only else stage == "dynamics"
+        return self._depends_on(stage), self.design.shaft if with_motor else None
 
     def _findings_of(self, stage: str) -> list[Finding]:
         rows: Mapping[str, Callable[[], list[Finding]]] = {
             "motion": lambda: motion.findings(self.program),
-            "linkage": lambda: followers.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
+            "linkage": lambda: linkage.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
             "cam": lambda: cam.findings(
                 self._cam_extremes,
                 self.linkage.pairs[self.linkage.ground].kind,
                 self.design.drive.cam,
             ),
-            "dynamics": lambda: dynamics.findings(
-                self.extremes("dynamics", ("contact_force", "jam_factor")), self.loading
-            ),
+            "dynamics": lambda: [
+                *dynamics.findings(self.extremes("dynamics", _CONTACT)["contact_force"], self.jam, self.loading),
+                *self._motor_findings(),
+            ],
             "stability": self._stability_findings,
         }
         return rows[stage]()
@@ -203,6 +224,9 @@ class CamStudy(Study, of=False):
     @property
     def _cam_extremes(self) -> Mapping[str, Range]:
         return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
+
+    def _motor_findings(self) -> list[Finding]:
+        return shaft.findings(self.flywheel) if self.levelled and self.jam is None else []
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft.elastic is None:

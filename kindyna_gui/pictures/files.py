@@ -165,7 +165,7 @@ PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
         "mechanism.svg": _mechanism_svg,
         "motion.png": _plots(("displacement",), ("velocity",), ("acceleration",), ("jerk",)),
         "cam.png": _plots(("pressure_angle",), ("pitch_curvature",), ("radius",)),
-        "forces.png": _plots(("contact_force",), ("drive_torque", "motor_torque"), ("guide_force",)),
+        "forces.png": _plots(("contact_force",), ("drive_torque", "motor_torque", "linear_motor_torque"), ("guide_force",)),
     }
 )
 

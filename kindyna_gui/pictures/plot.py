@@ -108,7 +108,7 @@ class CurvePlot(FixedPlot):
             [value / size for value, _, _ in limits],
         )
         self._view.setRange(yRange=(low, high), padding=0.0)
-        rows = [(curve, line, Z_CURVE, ()) for curve in curves]
+        rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
         if reference is not None:
             other = line_of(reference)
             rows += [(curve, other, Z_REFERENCE, DASHED) for curve in others]
@@ -166,7 +166,7 @@ class CurvePlot(FixedPlot):
         """Names of the curves above the plot, where there is more than one to tell apart."""
         rows: list[Entry] = []
         if len(self._curves) > 1 or reference:
-            rows = [Entry(curve.colour, curve.channel.label) for curve in self._curves]
+            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
             rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
         self._name(rows)
 

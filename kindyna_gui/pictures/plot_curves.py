@@ -34,10 +34,12 @@ def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list
     seen: dict[str, int] = {}
     curves = []
     for row in channels:
+        beside = next((curve for curve in curves if curve.channel.quantity == row.beside), None)
         nth = seen[row.family] = seen.get(row.family, -1) + 1
         floor = floor_of(study, row)
         values = without_noise(row.values(study), floor)
-        curves.append(Curve(row, values, shade(theme.family(row.family), nth), floor))
+        colour = shade(theme.family(row.family), nth) if beside is None else beside.colour
+        curves.append(Curve(row, values, colour, floor))
     return curves
 
 

@@ -23,6 +23,7 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
     {
         "displacement": BLUE,
         "velocity": GREEN,
+        "speed": "#00694D",
         "acceleration": VERMILION,
         "jerk": PURPLE,
         "pressure-angle": ORANGE,

@@ -1,4 +1,4 @@
-"""Flywheel: the motor's torque of the lift with a fitted flywheel, from the cam's torque at any angle."""
+"""Flywheel: the motor's torque of the lift with a fitted flywheel by the linear equation, from the cam's torque at any angle."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from benchmarks.table import Channels, Kernel, Method
 
 from core.design import si
 from core.motion import TURN, Angles
-from core.shaft import flywheel, torque_curve
+from core.shaft import Flywheel, load_curve
 from core.study import Study
 
 SHAFT = si(FITTED.shaft)
@@ -32,8 +32,8 @@ def given(theta: np.ndarray) -> SimpleNamespace:
 
 def ours(there: Any, setting: None) -> Channels:
     """Torque on panels, mean, energy, sizing and the motor's torque."""
-    curve = torque_curve(there.torque, there.program)
-    return (flywheel(there.torque, curve, FITTED.shaft).motor_torque(there.angles),)
+    curve = load_curve(lambda a: np.array([there.torque(a), np.zeros(a.theta.size)]), there.program)
+    return (Flywheel(there.torque, curve, FITTED.shaft).linear_motor_torque(there.angles),)
 
 
 def harmonics(there: Any, points: int) -> Channels:

@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -183,14 +184,40 @@ def test_a_stage_that_is_not_asked_for_does_not_tell_its_errors(tmp_path: Path) 
     assert core(tmp_path, "export", path, "--samples", "8", "--only", "dynamics").returncode == 1
 
 
-def test_a_jammed_guide_is_written_without_a_motor_torque_and_without_a_word_on_stderr(tmp_path: Path) -> None:
+def test_a_jammed_guide_is_written_without_forces_and_without_a_word_on_stderr(tmp_path: Path) -> None:
     path = saved(tmp_path, with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5))
     for words in (["check", path], ["report", path], ["export", path, "--samples", "72"]):
         done = core(tmp_path, *words)
         assert (done.returncode, done.stderr) == (1, "")
     written = content(tmp_path)
-    assert b"motor_torque_nm" not in written["out/dynamics.csv"]
-    assert json.loads(written["out/summary.json"])["extremes"]["contact_force_n"]["max"]["value"] is None
+    assert set(written) == {"design.toml", "out/profile.csv", "out/kinematics.csv", "out/summary.json"}
+    assert "contact_force_n" not in json.loads(written["out/summary.json"])["extremes"]
+
+
+JAMS_SHORTLY = replace(
+    PUSHER,
+    shaft=replace(PUSHER.shaft, speed_rpm=4729.0),
+    drive=replace(
+        with_follower(PUSHER, offset_mm=0.0, direction_deg=346.588).drive,
+        motion=levels(0.0, (34.056, -7.86, "freudenstein-1-3"), (49.0, -28.86, "2-3"), (66.805, -2.088, "cycloidal"),
+                      (51.8, -38.088, "freudenstein-1-3"), (16.43958, -64.058, "3-4-5"), (32.818, -58.338, "freudenstein-1-3"),
+                      (63.088, -38.906, "cycloidal"), (45.99342, 0.0, "cycloidal")),
+        cam=replace(PUSHER.drive.cam, base_radius_mm=100.0561, roller_radius_mm=0.61367),
+        loads=replace(PUSHER.drive.loads, friction=0.5, follower_mass_kg=0.343, spring_rate_n_per_mm=70.44, preload_n=135.5,
+                      gravity_angle_deg=90.0),
+    ),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("samples", [4, 72, 360])
+def test_a_guide_jams_whether_or_not_a_sample_falls_there(samples: int, tmp_path: Path) -> None:
+    """Within a degree or so of the turn, where 72 samples see nothing of it."""
+    done = core(tmp_path, "export", saved(tmp_path, JAMS_SHORTLY), "--samples", str(samples))
+    assert (done.returncode, done.stderr) == (1, "")
+    written = content(tmp_path)
+    assert set(written) == {"design.toml", "out/profile.csv", "out/kinematics.csv", "out/summary.json"}
+    (jam,) = [f for f in json.loads(written["out/summary.json"])["findings"] if f["code"] == "jamming"]
+    assert jam["values"]["factor"] > 1.0
 
 
 # -- what it refuses: no answer ---------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import PATIENCE_MS, Open, User, settle
 
 from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
-from core.design import Motion, Named, Segment, edited, faults
+from core.design import Design, Motion, Named, Segment, edited, faults
 from core.errors import KindynaError
 from core.making import into_design
 from core.project import load

@@ -1,6 +1,7 @@
 """Findings, certificate, flywheel, and the count in the status line."""
 
-from math import degrees
+from dataclasses import replace
+from math import degrees, pi
 
 import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
@@ -8,7 +9,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
-from core.design import Motion, Named, Segment, with_drive
+from core.design import Motion, Named, Segment
 from core.study import Study
 from kindyna_gui.certificate_view import PROVES, CertificateView
 from kindyna_gui.findings_view import FindingsView
@@ -16,6 +17,7 @@ from kindyna_gui.flywheel_view import FlywheelView
 from kindyna_gui.number_box import NumberBox
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
+from kindyna_gui.plots_view import PlotView
 from kindyna_gui.screenshots import rest
 from kindyna_gui.tables import RowsTable
 
@@ -138,7 +140,7 @@ def test_the_status_line_counts_only_what_is_on_screen(user: User) -> None:
 
 def test_the_status_line_shows_angle_and_state(user: User) -> None:
     status = user.window.status
-    assert status.assumed.text() == "9 assumed"
+    assert status.assumed.text() == "10 assumed"
     assert status.saved.text() == "not saved to a file"
     user.window.player.set_theta(1.0)
     assert status.angle.text() == "cam angle 57.3°"
@@ -171,11 +173,68 @@ def test_the_flywheel_has_its_figures(user: User) -> None:
     wheel = user.session.study.flywheel
     told = {row[0]: row[1:] for row in cells(view.table)}
     assert told["Inertia for 2 % fluctuation of speed"] == (digits(wheel.needed_inertia, 5), "kg·m²")
-    assert told["Inertia fitted"][0] == "0"
-    user.enter("shaft.flywheel_inertia_kg_m2", "100")
+    assert told["Inertia fitted"] == told["Inertia for 2 % fluctuation of speed"]
+    assert told["Fluctuation reached"] == ("2.007", "%")
+    user.enter("shaft.flywheel_inertia_kg_m2", "5000")
     wait_for(lambda: view.up_to_date)
     told = {row[0]: row[1:] for row in cells(view.table)}
-    assert told["Inertia fitted"] == ("100.00", "kg·m²")
+    assert told["Inertia fitted"] == ("5000.0", "kg·m²")
+    found = user.session.study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    assert told["Speed, lowest"] == (digits(found.low.value * 30 / pi, 5), "rpm")
+    assert float(told["Fluctuation reached"][0]) == pytest.approx(100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3)
+
+
+def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(open_user: Open) -> None:
+    user = open_user()
+    user.enter("shaft.flywheel_inertia_kg_m2", "500")
+    user.choose("Dyna", "Flywheel")
+    view = user.window.view("flywheel")
+    assert isinstance(view, FlywheelView)
+    wait_for(lambda: view.up_to_date)
+    told = {row[0]: row[1:] for row in cells(view.table)}
+    assert "The motor stalls" in told
+    assert told["Least inertia with which it does not"] == ("787.00", "kg·m²")
+    assert not any(name.startswith(("Motor torque", "Speed", "Fluctuation")) for name in told)
+    user.choose("Dyna", "Torque")
+    plot = user.window.view("torque")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    assert [row.quantity for row in plot.rows] == ["drive_torque"]
+    assert "stalls" in plot.note.text()
+
+
+def test_the_flywheel_that_the_sizing_asks_for_is_fitted_by_one_click_and_taken_back_by_one_undo(user: User) -> None:
+    user.choose("Dyna", "Flywheel")
+    view = user.window.view("flywheel")
+    assert isinstance(view, FlywheelView)
+    wait_for(lambda: view.up_to_date)
+    assert not view.use_button.isEnabled(), "it is fitted"
+    user.enter("shaft.speed_fluctuation", "0.05")
+    wait_for(lambda: view.up_to_date)
+    before = user.design
+    QTest.mouseClick(view.use_button, Qt.MouseButton.LeftButton)
+    assert user.design.shaft.flywheel_inertia_kg_m2 == 13928.0
+    wait_for(lambda: view.up_to_date)
+    assert not view.use_button.isEnabled()
+    told = {row[0]: row[1:] for row in cells(view.table)}
+    assert float(told["Fluctuation reached"][0]) == pytest.approx(5.0, abs=0.06)
+    user.session.stack.undo()
+    assert user.design == before
+
+
+def test_the_torque_of_the_lift_is_seen_with_and_without_its_flywheel(open_user: Open) -> None:
+    """Shin1995 Figs. 19, 20: both torques, and dashed what the paper's linear equation gives."""
+    user = open_user()
+    user.choose("Dyna", "Torque")
+    plot = user.window.view("torque")
+    assert isinstance(plot, PlotView)
+    wait_for(lambda: plot.up_to_date)
+    assert [row.quantity for row in plot.rows] == ["drive_torque", "motor_torque", "linear_motor_torque"]
+    user.choose("Dyna", "Camshaft speed")
+    speed = user.window.view("camshaft_speed")
+    assert isinstance(speed, PlotView)
+    wait_for(lambda: speed.up_to_date)
+    assert [row.quantity for row in speed.rows] == ["camshaft_speed"]
 
 
 def test_a_table_goes_to_the_clipboard(user: User) -> None:
@@ -207,7 +266,7 @@ def test_a_torque_that_is_only_rounding_has_no_figures(user: User) -> None:
     """A dwell all round needs no flywheel."""
     still = Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),))
     lift = user.design
-    user.session.put(with_drive(lift, motion=still), "Stand still")
+    user.session.put(replace(lift, drive=replace(lift.drive, motion=still)), "Stand still")
     for radius in range(401, 440):  # which of them round is the processor's choice
         assert user.session.edit("cam.base_radius_mm", float(radius), "Change")
         if user.session.study.dynamics.torque.any():
@@ -217,8 +276,11 @@ def test_a_torque_that_is_only_rounding_has_no_figures(user: User) -> None:
     view = user.window.view("flywheel")
     assert isinstance(view, FlywheelView)
     wait_for(lambda: view.up_to_date)
-    assert {row[1] for row in cells(view.table)} == {"0"}
-    assert {row[2] for row in cells(view.table)} == {"N·m", "J", "kg·m²"}
+    told = {row[0]: row[1:] for row in cells(view.table)}
+    assert {told.pop(name) for name in ("Speed, lowest", "Speed, highest")} == {("20.000", "rpm")}
+    assert told.pop("Inertia fitted")[1] == "kg·m²"
+    assert {row[0] for row in told.values()} == {"0"}
+    assert not view.use_button.isEnabled()
 
 
 def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:

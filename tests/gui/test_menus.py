@@ -88,6 +88,7 @@ def test_views_come_to_the_front_by_their_menus(user: User) -> None:
         (("Dyna", "Contact force"), "contact_force"),
         (("Dyna", "Torque"), "torque"),
         (("Dyna", "Flywheel"), "flywheel"),
+        (("Dyna", "Camshaft speed"), "camshaft_speed"),
         (("Graph", "New graph..."), "graph"),
     ):
         user.choose(*way)

@@ -173,17 +173,17 @@ EDITS = {
     "name": ("name", "Another name", set()),
     "assumed": ("assumed", frozenset({"follower.rod_mm"}), set()),
     "flywheel": ("shaft.flywheel_inertia_kg_m2", 40.0, {"flywheel"}),
-    "fluctuation": ("shaft.speed_fluctuation", 0.03, set()),
-    "speed": ("shaft.speed_rpm", 21.0, {"dynamics"}),
-    "mass": ("loads.arm_mass_kg", 600.0, {"dynamics"}),
-    "friction": ("loads.friction", 0.01, {"dynamics"}),
-    "rotation": ("shaft.rotation", "cw", {"cam", "dynamics"}),
-    "base radius": ("cam.base_radius_mm", 402.0, {"linkage", "cam", "dynamics"}),
-    "roller": ("cam.roller_radius_mm", 149.0, {"linkage", "cam", "dynamics"}),
-    "rod": ("follower.rod_mm", 850.0, {"linkage", "cam", "dynamics"}),
-    "stroke": ("motion.stroke", 151.0, set(ALL)),
+    "fluctuation": ("shaft.speed_fluctuation", 0.03, {"flywheel"}),
+    "speed": ("shaft.speed_rpm", 21.0, {"dynamics", "flywheel"}),
+    "mass": ("loads.arm_mass_kg", 600.0, {"dynamics", "flywheel"}),
+    "friction": ("loads.friction", 0.01, {"dynamics", "flywheel"}),
+    "rotation": ("shaft.rotation", "cw", {"cam", "dynamics", "flywheel"}),
+    "base radius": ("cam.base_radius_mm", 402.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "roller": ("cam.roller_radius_mm", 149.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "rod": ("follower.rod_mm", 850.0, {"linkage", "cam", "dynamics", "flywheel"}),
+    "stroke": ("motion.stroke", 151.0, {*ALL, "flywheel"}),
 }
-"""Path, value, what it recomputes; of a flywheel only where one is fitted."""
+"""Path, value, what it recomputes, flywheel and motor included."""
 
 
 def turns() -> dict[str, int]:

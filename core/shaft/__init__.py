@@ -1,0 +1,12 @@
+"""The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
+
+from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
+from core.shaft.flywheel import Flywheel, levels
+from core.shaft.limits import findings
+from core.shaft.linear import filtered, lag
+from core.shaft.speed import SpeedCurve, steady_speed
+
+__all__ = [
+    "NODES", "Flywheel", "LoadCurve", "SpeedCurve", "filtered", "findings", "lag", "levels", "load_curve", "panel_angles",
+    "steady_speed",
+]  # fmt: skip

@@ -1,0 +1,140 @@
+"""What a flywheel does: its sizing by energy, the speed and the motor's torque with the one fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from math import floor, log10
+
+import numpy as np
+
+from core.design import Shaft, si
+from core.errors import NoAnswer
+from core.motion import Angles
+from core.shaft.curve import NODES, LoadCurve
+from core.shaft.linear import filtered, lag
+from core.shaft.speed import SpeedCurve, steady_speed
+
+SEARCH = 1e-4  # relative width at which the search for the least flywheel ends; three digits are shown
+
+
+def levels(shaft: Shaft) -> bool:
+    """Whether a flywheel is fitted; without one the speed is taken as constant, and the motor gives the cam's torque."""
+    return lag(shaft) < np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Flywheel:
+    """Made of the load over one turn and the shaft; each figure when it is read.
+
+    torque  call with Angles: that of the load at constant speed, T_c (n,) [N m]
+    """
+
+    torque: Callable[[Angles], np.ndarray]
+    load: LoadCurve
+    shaft: Shaft
+
+    # -- sizing -------------------------------------------------------------------------------------------
+
+    @property
+    def mean_torque(self) -> float:
+        """T̄ [N m]."""
+        return self.load.mean
+
+    @cached_property
+    def energy_swing(self) -> float:
+        """ΔE = max - min of ∫(T_c - T̄)dθ [J]."""
+        return _swing(self.load)
+
+    @cached_property
+    def needed_inertia(self) -> float:
+        """ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation of speed."""
+        s = si(self.shaft)
+        needed: float = self.energy_swing / s.speed_fluctuation / s.speed / s.speed  # one by one: their product may be 0
+        return needed
+
+    @cached_property
+    def least_inertia(self) -> float:
+        """The least flywheel [kg m²] with which the motor does not stall, rounded up to three digits; 0 where the one
+        fitted does not."""
+        if self.runs:
+            return 0.0
+        s = si(self.shaft)
+        low = s.flywheel_inertia
+        high = max(2.0 * low, self.energy_swing / s.speed / s.speed)
+        while self._speed_with(high) is None:
+            low, high = high, 2.0 * high
+        while high - low > SEARCH * high:
+            middle = (low * high) ** 0.5 if high > 4.0 * low > 0.0 else 0.5 * (low + high)
+            low, high = (low, middle) if self._speed_with(middle) else (middle, high)
+        step = 10.0 ** (floor(log10(high)) - 2)
+        return float(np.ceil(high / step) * step)
+
+    # -- with the flywheel fitted -------------------------------------------------------------------------
+
+    def _speed_with(self, inertia: float) -> SpeedCurve | None:
+        s = si(self.shaft)
+        return steady_speed(self.load, inertia, s.motor_slope, s.speed)
+
+    @cached_property
+    def _steady(self) -> SpeedCurve | None:
+        return self._speed_with(si(self.shaft).flywheel_inertia)
+
+    @property
+    def runs(self) -> bool:
+        """Whether there is a speed that repeats each turn; else the motor stalls."""
+        return not levels(self.shaft) or self._steady is not None
+
+    def _deviation(self, angles: Angles) -> np.ndarray:
+        if not levels(self.shaft):
+            return np.zeros(angles.theta.size)
+        if self._steady is None:
+            raise NoAnswer(
+                "the motor stalls, this flywheel does not carry the load over its peak", "shaft.flywheel_inertia_kg_m2",
+                "enlarge it, or motor_slope_nm_s_per_rad",
+            )  # fmt: skip
+        return self._steady.deviation(angles.theta)
+
+    def speed(self, angles: Angles) -> np.ndarray:
+        """ω (n,) [rad/s]. Raises NoAnswer where the motor stalls."""
+        return si(self.shaft).speed + self._deviation(angles)
+
+    def motor_torque(self, angles: Angles) -> np.ndarray:
+        """T_m = T̄ + k(ω̄ - ω) (n,) [N m]; without a flywheel T_c. Raises NoAnswer where the motor stalls."""
+        if not levels(self.shaft):
+            return self.torque(angles)
+        return self.load.mean - si(self.shaft).motor_slope * self._deviation(angles)
+
+    def linear_motor_torque(self, angles: Angles) -> np.ndarray:
+        """The same for small changes of speed: I ω̄ dω/dθ + k(ω - ω̄) = -(T_c - T̄), whose harmonics are
+        T_n/(1 + i n I ω̄/k) (Shin1995 Figs. 19, 20) (n,) [N m]."""
+        if not levels(self.shaft):
+            return self.torque(angles)
+        return self.load.mean + lag(self.shaft) * self._linear(angles.theta)
+
+    @cached_property
+    def _linear(self) -> Callable[[np.ndarray], np.ndarray]:
+        return filtered(self.load, lag(self.shaft))
+
+
+def _swing(curve: LoadCurve) -> float:
+    """max - min of ∫(T - T̄)dθ: at the ends of panels and at the roots of T - T̄ inside them."""
+    energy = filtered(curve, 0.0)
+    places = [curve.start]
+    power = curve.torque.copy()
+    power[0] -= curve.mean
+    r = np.linspace(0.0, 1.0, 4 * NODES + 1)
+    values = np.polynomial.polynomial.polyval(r, power)  # (m, points)
+    change = (values[:, :-1] * values[:, 1:]) < 0.0
+    for panel, cell in zip(*np.nonzero(change), strict=True):
+        low, high = r[cell], r[cell + 1]
+        at_low, at_high = values[panel, cell], values[panel, cell + 1]
+        # one secant step is enough: the energy is flat there, its error is of second order in the root's
+        root = low + (high - low) * at_low / (at_low - at_high)
+        slope = np.polynomial.polynomial.polyval(root, np.arange(1, NODES) * power[1:, panel])
+        rest = np.polynomial.polynomial.polyval(root, power[:, panel])
+        root = np.clip(root - (rest / slope if slope else 0.0), low, high)
+        places.append(np.array([curve.start[panel] + root * curve.width[panel]]))
+    at = energy(np.concatenate(places))
+    return float(at.max() - at.min())

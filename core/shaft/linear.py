@@ -1,0 +1,85 @@
+"""The linear answer of flywheel and motor, small changes of speed assumed (Shin1995 Figs. 19, 20), exact on panels."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from core.design import Shaft, si
+from core.motion import TURN
+from core.shaft.curve import NODES, LoadCurve, by_blocks, placed, powers
+
+
+def lag(shaft: Shaft) -> float:
+    """k/(I ω̄) [per radian], at which the motor follows the torque; infinite without a flywheel."""
+    s = si(shaft)
+    momentum = s.flywheel_inertia * s.speed
+    return float(s.motor_slope / momentum) if momentum else np.inf
+
+
+def phi(z: np.ndarray) -> np.ndarray:
+    """k! φ_{k+1}(-z) for k = 0 ... NODES-1 (NODES, n): I_k = ∫_0^1 e^{-z(1-s)} s^k ds, z >= 0.
+
+    By the recurrence z I_k = 1 - k I_{k-1}: downwards it multiplies errors by z/k, upwards by k/z. Where they part, at 4,
+    either way makes at most fifteen roundings of one.
+    """
+    if float(z.max(initial=0.0)) <= _PARTED:
+        return _downwards(z)
+    if float(z.min()) > _PARTED:
+        return _upwards(z)
+    return np.where(z <= _PARTED, _downwards(np.minimum(z, _PARTED)), _upwards(np.maximum(z, _PARTED)))
+
+
+_PARTED = 4.0
+_ABOVE = ((0.0, 1), (1.0, 14), (_PARTED, 22))
+"""Up to which z so many steps before those that are wanted let the error of the first guess, (z/k)², vanish."""
+
+
+def _downwards(z: np.ndarray) -> np.ndarray:
+    top = float(z.max(initial=0.0))
+    first = NODES - 1 + next(steps for most, steps in _ABOVE if top <= most)
+    out = np.empty((NODES, z.size))
+    value = (1.0 - z / (first + 2.0)) / (first + 1.0)
+    for k in range(first, 0, -1):
+        value = (1.0 - z * value) / k
+        if k <= NODES:
+            out[k - 1] = value
+    return out
+
+
+def _upwards(z: np.ndarray) -> np.ndarray:
+    out = np.empty((NODES, z.size))
+    out[0] = -np.expm1(-z) / z
+    for k in range(1, NODES):
+        out[k] = (1.0 - k * out[k - 1]) / z
+    return out
+
+
+def filtered(curve: LoadCurve, rate: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The periodic solution of x' + rate·x = T - T̄, or ∫(T - T̄)dθ from 0 where rate is 0, at any cam angles (n,).
+
+    Panel by panel: x(θ+h) = e^{-rate h} x(θ) + h ∫ e^{-rate h (1-s)} (T - T̄)(s) ds, exact for polynomials.
+    """
+    power = curve.torque.copy()
+    power[0] -= curve.mean
+    decay = np.exp(-rate * curve.width)
+    gain = curve.width * (power * phi(rate * curve.width)).sum(axis=0)
+    end, starts = 0.0, []
+    for left, added in zip(decay.tolist(), gain.tolist(), strict=True):
+        starts.append(end)
+        end = left * end + added
+    begins = np.array(starts)
+    if rate > 0.0:
+        begins += end / -np.expm1(-rate * TURN) * np.exp(-rate * curve.start)
+
+    def solution(theta: np.ndarray) -> np.ndarray:
+        return by_blocks(block, theta)
+
+    def block(theta: np.ndarray) -> np.ndarray:
+        at, r = placed(curve.start, curve.width, theta)
+        h = theta - curve.start[at]
+        reach = power[:, at] * powers(r)
+        return np.exp(-rate * h) * begins[at] + h * (reach * phi(rate * h)).sum(axis=0)
+
+    return solution

@@ -1,0 +1,214 @@
+"""The speed of a camshaft with a flywheel: the periodic solution of the nonlinear equation of motion.
+
+E = ½(I + J_e(θ))ω², dE/dθ = T_m(ω) - T_s(θ), with the motor's T_m = T̄ + k(ω̄ - ω) and the static torque T_s of the load.
+The torque that holds the speed constant is T_c = T_s + ½ω̄² J_e', so that the energy above that of the mean speed,
+e = E - ½(I + J_e)ω̄², obeys
+
+    e' = k(ω̄ - ω) - (T_c - T̄),    ω = √(ω̄² + 2e/(I + J_e)),
+
+which loses no digit where the speed hardly changes. T_c, and so the friction μ|N| in T_s, are those of the mean speed:
+that |N| itself changes with the speed is left out. Where J_e jumps, as it does with the motion's velocity only, the
+impulse is left out as T_c leaves it out.
+
+The right-hand side falls as e grows and is convex in it: there is at most one periodic solution with ω > 0. Where there is
+none the machine stalls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import chebyshev, legendre
+
+from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
+
+NODES = 10  # of a panel, Radau's: the last one is the panel's end, so that what decays within a panel does so here too
+STANDSTILL = 1e-6  # of ω²/ω̄²: below a thousandth of the mean speed the shaft counts as standing still
+CLOSE = 1e-10  # of the mean speed: Newton's steps double their digits, so that the one after this is rounding
+RESOLVED = 1e-11  # of the motor's torque: what the last coefficients of a panel may hold
+ITERATIONS, ROUNDS = 60, 12
+MOST_PANELS = 6  # times those of the load
+FINEST_HALVING = 40
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedCurve:
+    """The speed over one turn.
+
+    start, width  (m,) of the panels [rad], those of the load or parts of them
+    energy        (NODES + 1, m) coefficients of r**k, r = (θ - start)/width, of e above [J]
+    load          what drives it; flywheel I [kg m²], mean ω̄ [rad/s]
+    """
+
+    start: np.ndarray
+    width: np.ndarray
+    energy: np.ndarray
+    load: LoadCurve
+    flywheel: float
+    mean: float
+
+    def deviation(self, theta: np.ndarray) -> np.ndarray:
+        """ω - ω̄ (n,) [rad/s] at any cam angles (n,) [rad]."""
+        return by_blocks(self._deviation, theta)
+
+    def _deviation(self, theta: np.ndarray) -> np.ndarray:
+        at, r = placed(self.start, self.width, theta)
+        energy = (self.energy[:, at] * powers(r, NODES + 1)).sum(axis=0)
+        at, r = placed(self.load.start, self.load.width, theta)
+        inertia = self.flywheel + np.maximum((self.load.inertia[:, at] * powers(r)).sum(axis=0), 0.0)
+        deviation, _ = _above_mean(energy, inertia, self.mean)
+        return deviation
+
+
+@dataclass(frozen=True, eq=False)
+class _Panels:
+    """Parts of the load's panels and what the load is at their nodes.
+
+    parent, low, share  (m,) panel of the load; where in it the part begins, and how much of it the part is, 0...1
+    width               (m,) [rad]
+    torque, inertia     (m, NODES) T_c - T̄ [N m], I + J_e [kg m²]
+    """
+
+    parent: np.ndarray
+    low: np.ndarray
+    share: np.ndarray
+    width: np.ndarray
+    torque: np.ndarray
+    inertia: np.ndarray
+
+
+@lru_cache(maxsize=1)
+def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Radau's nodes x of 0...1, the last of them 1; from values at them (NODES,): their integrals from 0 to each node,
+    their Chebyshev coefficients, and the power coefficients (NODES + 1,) of the integral."""
+    x = np.sort(legendre.legroots(np.concatenate((np.zeros(NODES - 1), (-1.0, 1.0)))))
+    x[-1] = 1.0
+    to_chebyshev = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
+    integral = 0.5 * chebyshev.chebint(np.eye(NODES), lbnd=-1.0) @ to_chebyshev
+    return 0.5 + 0.5 * x, chebyshev.chebvander(x, NODES) @ integral, to_chebyshev, to_powers(NODES + 1) @ integral
+
+
+def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: float) -> tuple[np.ndarray, np.ndarray]:
+    """ω - ω̄ and its derivative by e. From ``STANDSTILL`` down it goes on as a straight line: so there is a solution
+    always, convex as it was, and the machine runs if it keeps above."""
+    square = 1.0 + 2.0 * (energy / mean / mean) / inertia  # (ω/ω̄)²
+    root = np.sqrt(np.maximum(square, STANDSTILL))
+    rise = np.maximum(square, STANDSTILL) - 1.0
+    beyond = np.minimum(square - STANDSTILL, 0.0)
+    return mean * (rise / (1.0 + root) + 0.5 * beyond / root), 1.0 / (inertia * mean * root)
+
+
+def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) -> SpeedCurve | None:
+    """The speed that repeats each turn, about ω̄ = mean [rad/s], with a flywheel I [kg m²] > 0 and a motor that gives
+    slope k [N m s/rad] more per rad/s of lost speed; None where there is none: the motor stalls.
+
+    Collocation at Radau's nodes of each panel, all panels at once; Newton's method on the equation itself (each step a
+    linear one, closed over the turn). The equation being convex, the steps rise to the solution from the second one on,
+    wherever they begin. Panels whose last coefficients still count are cut, and the rest begins from what was found.
+    """
+    count = load.start.size
+    panels = _parts(load, np.arange(count), np.zeros(count), np.ones(count), flywheel)
+    energy = np.zeros_like(panels.torque)
+    for attempt in range(ROUNDS):
+        energy, rates, begins = _solved(panels, energy, slope, mean)
+        deviation, gain = _above_mean(energy, panels.inertia, mean)
+        rough = _unresolved(slope * deviation)
+        more = bool(rough.any()) and panels.width.size < MOST_PANELS * count
+        stalls = float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) <= STANDSTILL
+        if not more or (stalls and attempt):  # a second look, finer where it matters
+            break
+        panels, energy = _cut(load, panels, rough, slope * gain, (rates, begins), flywheel)
+    if stalls:
+        return None
+    _, _, _, integral = _collocation()
+    power = panels.width * (integral @ rates.T)
+    power[0] += begins
+    return SpeedCurve(load.start[panels.parent] + panels.low * load.width[panels.parent], panels.width, power, load, flywheel, mean)
+
+
+def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float) -> _Panels:
+    x, _, _, _ = _collocation()
+    r = powers((low[:, None] + share[:, None] * x).ravel())
+    at = np.repeat(parent, NODES)
+    torque = (load.torque[:, at] * r).sum(axis=0) - load.mean
+    inertia = np.maximum((load.inertia[:, at] * r).sum(axis=0), 0.0) + flywheel  # no rounding below 0
+    shape = (parent.size, NODES)
+    return _Panels(parent, low, share, share * load.width[parent], torque.reshape(shape), inertia.reshape(shape))
+
+
+def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """e at the nodes (m, NODES), e' there, and e where each panel begins (m,), from a first guess at the nodes.
+
+    One step: with c = k dω/de, e' = -(T_c - T̄) - k(ω - ω̄)(e₀) - c(e - e₀), which is linear; over a panel that begins
+    with b it gives e = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at the end is
+    taken from the integral of c p, so that no digit is lost where hardly anything decays.
+    """
+    _, integrals, _, _ = _collocation()
+    scaled = panels.width[:, None, None] * integrals
+    for _ in range(ITERATIONS):
+        deviation, gain = _above_mean(energy, panels.inertia, mean)
+        rate = slope * gain
+        free = rate * energy - slope * deviation - panels.torque
+        matrix = scaled * rate[:, None, :]
+        matrix[:, np.arange(NODES), np.arange(NODES)] += 1.0
+        sides = np.stack((np.ones_like(free), np.einsum("mij,mj->mi", scaled, free)), axis=2)
+        decay, forced = np.moveaxis(np.linalg.solve(matrix, sides), 2, 0)
+        begins = _closed(np.einsum("mj,mj->m", scaled[:, -1], rate * decay), forced[:, -1])
+        before, energy = energy, begins[:, None] * decay + forced
+        change = energy - before
+        if float(np.abs(gain * change).max()) <= CLOSE * mean:
+            break
+    return energy, free - rate * energy, begins
+
+
+def _closed(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
+    """Where each panel begins (m,), of b → (1 - lost) b + gained from panel to panel, so that the turn ends as it began."""
+    end, begins, kept = 0.0, [], []
+    whole = 1.0
+    for less, more in zip(lost.tolist(), gained.tolist(), strict=True):
+        begins.append(end)
+        kept.append(whole)
+        end += more - less * end
+        whole *= 1.0 - less
+    total = -np.expm1(np.log1p(-np.minimum(lost, 1.0 - 1e-16)).sum())
+    return np.array(begins) + end / total * np.array(kept)
+
+
+def _unresolved(torque: np.ndarray) -> np.ndarray:
+    """Panels (m,) whose last two Chebyshev coefficients, of the motor's torque (m, NODES), still count."""
+    _, _, to_chebyshev, _ = _collocation()
+    last = np.abs(torque @ to_chebyshev[-2:].T).max(axis=1)
+    return last > RESOLVED * float(np.abs(torque).max())
+
+
+def _cut(
+    load: LoadCurve,
+    panels: _Panels,
+    rough: np.ndarray,
+    rate: np.ndarray,
+    solution: tuple[np.ndarray, np.ndarray],
+    flywheel: float,
+) -> tuple[_Panels, np.ndarray]:
+    """The panels with the rough ones cut, and e at their nodes by the solution, e' at the old nodes and e where each panel
+    begins.
+
+    A rough panel is halved; one in which much decays is halved towards its start as often as that takes, for there, past
+    a jump of the torque, the motor comes after it.
+    """
+    rates, begins = solution
+    depth = np.ceil(np.log2(np.maximum(rate.max(axis=1) * panels.width, 1.0))).astype(int) + 1
+    depth = np.where(rough, np.clip(depth, 1, FINEST_HALVING), 0)
+    old = np.repeat(np.arange(depth.size), depth + 1)
+    part = np.arange(old.size) - np.repeat(np.cumsum(depth + 1) - depth - 1, depth + 1)  # 0 at the start of the old panel
+    share = np.where(part == 0, 0.5 ** depth[old], 0.5 ** (depth[old] - part + 1.0))
+    low = np.where(part == 0, 0.0, share)
+    made = _parts(
+        load, panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old], flywheel
+    )
+    x, _, _, integral = _collocation()
+    power = panels.width * (integral @ rates.T)
+    power[0] += begins
+    r = powers((low[:, None] + share[:, None] * x).ravel(), NODES + 1)
+    return made, (power[:, np.repeat(old, NODES)] * r).sum(axis=0).reshape(-1, NODES)
