@@ -12,7 +12,7 @@ from core.design import require_linkage
 from core.instant_centres import CHAINS, Centres, RatioArms, ratio_arms
 from core.mechanism import body_name, link_number
 from core.position import differences
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 _MM = 1e3
 
@@ -21,14 +21,14 @@ _MM = 1e3
 class Snapshot:
     """A linkage at one driver angle [deg], to be drawn with its centres and its velocity polygon."""
 
-    study: LinkageStudy
+    study: Study
     angle_deg: float
 
 
 def snapshot(study: Study, angle_deg: float) -> Snapshot:
     """Raises DesignError for a design that is no linkage."""
     require_linkage(study.design)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     return Snapshot(study, angle_deg)
 
 
@@ -41,7 +41,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
     """
     require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
-    assert isinstance(there, LinkageStudy)
+    assert there.design.drive.is_linkage
     table, driver = there.centres, body_name(there.design.drive.linkage.driver.link)
     return {
         "angular_velocity_rad_s": {str(n): _plain(w[0]) for n, w in there.angular_velocities().items()},

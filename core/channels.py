@@ -13,9 +13,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.design import FOLLOWER_KINDS, Design, Unit, split_unit
-from core.study import QUANTITIES, Study, quantity
-from core.study.linkage_quantities import names_of
+from core.design import Design, Unit, split_unit
+from core.study import QUANTITIES, Study, names_of, quantity
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
 LINKAGE = "linkage.csv"
@@ -128,15 +127,6 @@ def _for_unit(row: Channel, unit: str) -> Channel:
     return replace(row, slug=row.slug.format(m=unit))
 
 
-CHANNELS: Mapping[str, tuple[Channel, ...]] = MappingProxyType(
-    {
-        kind: tuple(_for_unit(row, of.motion_unit) for row in _ROWS if kind in QUANTITIES[row.quantity].kinds)
-        for kind, of in FOLLOWER_KINDS.items()
-    }
-)
-"""The rows of each kind of follower, in the order of the tables."""
-
-
 # -- linkages ---------------------------------------------------------------------------------------------
 
 # quantity's name as a pattern -> slug, label, symbol, family, equation, source; {} is the link, point, joint or pair
@@ -169,20 +159,8 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
      "balance of the links"),
     ("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power"),
     ("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power"),
-    ("roller_force", "contact_force_n", "Contact force", "F_c", "force", "Q_d/(n·∂R/∂q)", "virtual power"),
-    ("camshaft_torque", "drive_torque_nm", "Cam torque", "T_c", "torque", "-d (R × F_c n)", "Shin1995 (27)"),
 )  # fmt: skip
 _TABLES: Mapping[str, str] = MappingProxyType({"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS})
-
-
-@lru_cache(maxsize=64)
-def linkage_channels(design: Design) -> tuple[Channel, ...]:
-    """A row for each quantity of this very linkage."""
-    shared = {row.quantity: row for row in _ROWS}
-    unit = design.drive.motion.unit if design.drive.motion is not None else ""
-    return tuple(
-        _for_unit(shared[name], unit) if name in shared else _linkage_row(name) for name in names_of(design)
-    )
 
 
 def _linkage_row(name: str) -> Channel:
@@ -195,9 +173,18 @@ def _linkage_row(name: str) -> Channel:
     raise KeyError(name)
 
 
+_SHARED: Mapping[str, Channel] = MappingProxyType({row.quantity: row for row in _ROWS})
+_ORDER: Mapping[str, int] = MappingProxyType({name: place for place, name in enumerate(_SHARED)})
 
+
+@lru_cache(maxsize=64)
 def _rows_of(design: Design) -> tuple[Channel, ...]:
-    return linkage_channels(design) if design.drive.is_linkage else CHANNELS[design.drive.kind]
+    """A row for each quantity of this very design that a reader can see, in the order of the tables: first those that any
+    design may have, then those of its links."""
+    unit, names = design.drive.motion_unit, names_of(design)
+    shared = sorted((name for name in names if name in _ORDER), key=_ORDER.__getitem__)
+    own = [name for name in names if name not in QUANTITIES]
+    return (*(_for_unit(_SHARED[name], unit) for name in shared), *(_linkage_row(name) for name in own))
 
 
 def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:
@@ -206,13 +193,13 @@ def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:
     return tuple(row for row in rows if not wanted or row.stage in wanted)
 
 
-@lru_cache(maxsize=64)
-def channel(kind: str, slug: str) -> Channel:
-    """One row by its slug. Raises KeyError."""
-    for row in CHANNELS[kind]:
+def channel(design: Design, slug: str) -> Channel:
+    """One row of a design by its slug. Raises KeyError."""
+    rows = _rows_of(design)
+    for row in rows:
         if row.slug == slug:
             return row
-    raise KeyError(f"{slug}: no such channel; allowed: {', '.join(row.slug for row in CHANNELS[kind])}")
+    raise KeyError(f"{slug}: no such channel; allowed: {', '.join(row.slug for row in rows)}")
 
 
 def existing(study: Study, rows: Iterable[Channel]) -> list[Channel]:

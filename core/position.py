@@ -10,7 +10,7 @@ import numpy as np
 
 from core.instant_centres import Centres, angular_ratio, mechanical_advantage, velocity_differences
 from core.mechanism import body_name, link_number
-from core.study import LinkageStudy, quantity
+from core.study import Study, quantity
 from core.train import FRAME
 
 Links = tuple[int, int]
@@ -80,10 +80,10 @@ class Position:
         return abs(a - b) if a is not None and b is not None else float("inf")
 
 
-def position(study: LinkageStudy, angle: float) -> Position:
+def position(study: Study, angle: float) -> Position:
     """At this driver angle [rad]. Raises NoPosition where the linkage cannot stand there."""
     there = study.at_theta(np.array([angle]))
-    assert isinstance(there, LinkageStudy)
+    assert there.design.drive.is_linkage
     names = [n for n in there.quantities("linkage") if n.startswith("transmission.")]
     return Position(
         tuple(_centres(there)),
@@ -94,14 +94,14 @@ def position(study: LinkageStudy, angle: float) -> Position:
     )
 
 
-def differences(study: LinkageStudy) -> Iterator[DifferenceRow]:
+def differences(study: Study) -> Iterator[DifferenceRow]:
     """The velocity differences of a linkage at the first of its angles."""
     for d in velocity_differences(study.linkage):
         v_a, v_pa, v_p = (complex(v[0]) * study.omega for v in (d.v_a, d.v_pa, d.v_p))
         yield DifferenceRow(d.kind, link_number(d.body), link_number(d.on), d.a, d.p, v_a, v_pa, v_p)
 
 
-def _centres(study: LinkageStudy) -> Iterator[CentreRow]:
+def _centres(study: Study) -> Iterator[CentreRow]:
     table = study.centres
     lines = {
         wanted.key: tuple(link_number(triangle.third) for triangle in wanted.triangles) for wanted in table.construction.steps
@@ -120,7 +120,7 @@ def _where(centre: Centres, size: float) -> tuple[complex | None, float | None]:
     return complex(centre.finite[0]), None
 
 
-def _links(study: LinkageStudy) -> Iterator[LinkRow]:
+def _links(study: Study) -> Iterator[LinkRow]:
     driver = body_name(study.design.drive.linkage.driver.link)
     for number, omega in study.angular_velocities().items():
         body = body_name(number)

@@ -10,7 +10,7 @@ from core.channels import Channel, channels
 from core.design import CRANK, UNITS, entries
 from core.findings import Finding
 from core.laws import find_law
-from core.study import LinkageStudy, Study
+from core.study import Study
 from core.summary import extremes, flywheel, joins, mechanism, stability
 
 _ASSUMED = "*"
@@ -73,7 +73,7 @@ def _inputs(study: Study) -> list[str]:
     return lines
 
 
-def linkage_inputs(study: LinkageStudy) -> list[str]:
+def linkage_inputs(study: Study) -> list[str]:
     """Links with their points, sliding pairs, driver and branches, and what follows from how they hang together."""
     linkage, assumed = study.design.drive.linkage, study.design.assumed
     rows: list[Sequence[str]] = [("Link", "point", "x mm", "y mm", "")]
@@ -241,7 +241,7 @@ def report(study: Study) -> str:
     stages = study.stages
     name = printable(study.design.name)
     lines = [name, "=" * len(name)]
-    lines += linkage_inputs(study) if isinstance(study, LinkageStudy) else []
+    lines += linkage_inputs(study) if study.design.drive.is_linkage else []
     lines += _inputs(study) + _motion(study) + _base(study)
     lines += _extremes(study, channels(study.design), stages)
     lines += _flywheel(study) + _stability(study) + _findings(study, stages) + _certificate(study, stages)

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from core.channels import channels
-from core.design import UNITS, kind_row
+from core.design import UNITS
 from core.design.topology import mobility
 from core.errors import NoStability
 from core.mechanism import four_bar
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 
 def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
@@ -23,13 +23,13 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "name": study.design.name,
-        "kind": kind_row(study.design).slug,
+        "kind": "linkage" if study.design.drive.is_linkage else "cam",
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
             f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
         },
         "joins": joins(study),
-        **(mechanism(study) if isinstance(study, LinkageStudy) and linkage is not None else {}),
+        **(mechanism(study) if study.design.drive.is_linkage and linkage is not None else {}),
         "extremes": extremes(study, stages),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"stability": shaft} if shaft else {}),
@@ -108,9 +108,9 @@ def speeds(study: Study) -> tuple[float, float] | None:
     return found.low.value, found.high.value
 
 
-def mechanism(study: LinkageStudy) -> dict[str, Any]:
+def mechanism(study: Study) -> dict[str, Any]:
     """Mobility, ranges of the driver, change points, and the kind of four-bar where it holds one."""
-    course, linkage = study.course, study.design.drive.mechanism
+    course, linkage = study.course, study.design.drive.linkage
     unit = UNITS["deg" if course.plan.driver.revolute else "mm"]
     suffix = "deg" if course.plan.driver.revolute else "mm"
     bar = four_bar(course.plan)

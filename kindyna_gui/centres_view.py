@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
 from core.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
-from core.study import LinkageStudy, Study
+from core.study import Study
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.player import Player
@@ -146,20 +146,20 @@ class CentresView(View):
         return box
 
     def refresh(self, study: Study) -> None:
-        if not isinstance(study, LinkageStudy):
+        if not study.design.drive.is_linkage:
             raise NotHere(ABSENT)
         self._show(study, self.player.theta)
 
     def follow(self, theta: float) -> None:
         study = self.session.study
-        if not isinstance(study, LinkageStudy):
+        if not study.design.drive.is_linkage:
             return
         try:
             self._show(study, theta)
         except KindynaError as error:
             self.transmission.setText(sentence(str(error)))
 
-    def _show(self, study: LinkageStudy, theta: float) -> None:
+    def _show(self, study: Study, theta: float) -> None:
         self.now = position(study, theta)
         self.centres.update_rows([_centre(row) for row in self.now.centres])
         self.links.update_rows([_link(row) for row in self.now.links])

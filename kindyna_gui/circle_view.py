@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWi
 
 from core.instant_centres import Construction, Wanted
 from core.mechanism import link_number
-from core.study import LinkageStudy, Study
+from core.study import Study
 from kindyna_gui.look import INK, PAPER, QUIET, WRONG
 from kindyna_gui.pictures.centre_parts import centre_name
 from kindyna_gui.pictures.style import BLUE, GREEN, font
@@ -144,12 +144,12 @@ class CircleView(View):
 
     def _plan(self) -> tuple[tuple[str, ...], Construction]:
         study = self.session.study
-        assert isinstance(study, LinkageStudy)
+        assert study.design.drive.is_linkage
         table = study.centres
         return table.bodies, table.construction
 
     def refresh(self, study: Study) -> None:
-        if not isinstance(study, LinkageStudy):
+        if not study.design.drive.is_linkage:
             raise NotHere(ABSENT)
         bodies, plan = self._plan()
         chosen = self.session.step

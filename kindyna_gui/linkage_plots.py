@@ -11,7 +11,7 @@ import numpy as np
 from core.design import Design
 from core.errors import NoAnswer
 from core.study import Study
-from core.study.linkage_quantities import names_of
+from core.study.quantities import names_of
 from kindyna_gui.shown_kinds import is_linkage
 
 STILL = 1e-9  # [rad] a link that turns less than this does not turn
@@ -59,8 +59,8 @@ _PLOTS: Mapping[str, Pick] = MappingProxyType(
         "acceleration": _or(_first("acceleration"), _rate("_acceleration")),
         "pressure_angle": _or(_first("pressure_angle"), _starting("transmission.")),
         "pitch_curvature": _first("pitch_curvature"),
-        "drive_torque": _first("camshaft_torque", "driver_torque", "driver_force"),
-        "contact_force": _or(_first("roller_force"), _starting("force.", "_size")),
+        "drive_torque": _first("drive_torque", "driver_torque", "driver_force"),
+        "contact_force": _or(_first("contact_force"), _starting("force.", "_size")),
     }
 )
 """First quantity of a plot of the window -> what it shows of a linkage."""
@@ -99,7 +99,7 @@ _TITLES: Mapping[str, str] = MappingProxyType(
         r"force\..*_size": "Joint forces",
         "driver_torque": "Driver torque",
         "driver_force": "Driver force",
-        "camshaft_torque": "Camshaft torque",
+        "drive_torque": "Camshaft torque",
     }
 )
 """Names of quantities, as patterns -> what a plot of them is called."""

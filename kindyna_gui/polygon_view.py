@@ -6,7 +6,7 @@ import math
 
 from core.errors import KindynaError
 from core.instant_centres import velocity_polygon
-from core.study import LinkageStudy, Study
+from core.study import Study
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.polygon import PolygonSheet
 from kindyna_gui.player import Player
@@ -30,13 +30,13 @@ class PolygonView(View):
         self.set_column(self.sheet, self.note, grows=self.sheet)
 
     def refresh(self, study: Study) -> None:
-        if not isinstance(study, LinkageStudy):
+        if not study.design.drive.is_linkage:
             raise NotHere(ABSENT)
         self.sheet.frame_for(velocity_polygon(study.linkage), study.omega)
 
     def follow(self, theta: float) -> None:
         study = self.session.study
-        if not isinstance(study, LinkageStudy):
+        if not study.design.drive.is_linkage:
             return
         try:
             there = self.session.at(theta)

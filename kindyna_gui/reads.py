@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from core.study import Study
+from core.study import STAGES
 
 NONE: tuple[str, ...] = ()
 
@@ -20,8 +20,8 @@ READS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "parameters": NONE,
         "motion": ("motion",),
         "laws": NONE,
-        "findings": Study.stages,
-        "certificate": Study.stages,
+        "findings": STAGES,
+        "certificate": STAGES,
         "flywheel": ("dynamics",),
         "stability": ("stability",),
         "centres": ("linkage",),

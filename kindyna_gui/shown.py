@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from core.channels import Channel, channels, existing
 from core.errors import KindynaError
-from core.study import Study, quantity
+from core.study import STAGES, Study, quantity
 from kindyna_gui.pictures.plot_curves import different
 from kindyna_gui.wording import reason, sentence
 
@@ -20,7 +20,7 @@ def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
 def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
     """The stages that these quantities need, each once, in the order of a study."""
     wanted = {quantity(name).stage for name in quantities}
-    return tuple(stage for stage in Study.stages if stage in wanted)
+    return tuple(stage for stage in STAGES if stage in wanted)
 
 
 def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[str]]:

@@ -15,11 +15,11 @@ from core.dynamics.elements import (
 )
 from core.dynamics.forces import Forces, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
-from core.dynamics.limits import findings, jam
+from core.dynamics.limits import JAMS, findings
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "LOADINGS", "Element", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass", "OutputForce",
-    "PointForce", "Rate", "combined", "findings", "guide_reaction", "jam", "kinetic_energy", "limitless", "link_loading",
+    "JAMS", "LOADINGS", "Element", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass", "OutputForce",
+    "PointForce", "Rate", "combined", "findings", "guide_reaction", "kinetic_energy", "limitless", "link_loading",
     "loading_of", "momentum_residual", "newton_euler", "power_residual",
 ]  # fmt: skip

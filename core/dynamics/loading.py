@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, CamSliderLoads, Follower, LinkageLoads, Loads, Translating, TranslatingLoads, si
+from core.design import CamSlider, CamSliderLoads, LinkageLoads, Loads, Translating, TranslatingLoads, si
 from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
 
 
@@ -41,13 +41,21 @@ def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loadi
 
 
 LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
-    {CamSliderLoads: cam_slider_loading, TranslatingLoads: translating_loading}
+    {
+        CamSliderLoads: cam_slider_loading,
+        TranslatingLoads: translating_loading,
+        LinkageLoads: lambda linkage, loads: link_loading(loads, _body),
+    }
 )
 
 
-def loading_of(follower: Follower, loads: Loads) -> Loading:
-    """The force elements of a follower."""
-    return LOADINGS[type(loads)](follower, loads)
+def loading_of(mechanism: Any, loads: Any) -> Loading:
+    """The force elements of a drive."""
+    return LOADINGS[type(loads)](mechanism, loads)
+
+
+def _body(link: int) -> str:
+    return f"link{link}"
 
 
 def link_loading(loads: LinkageLoads, name: Callable[[int], str]) -> Loading:

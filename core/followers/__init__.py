@@ -1,27 +1,61 @@
 """Cam followers: each builds a linkage from its lengths, in a frame of its own, and says what its parts are called."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
-from core.design import CamSlider, Follower, Translating
+from core.design import CamSlider, Follower, Linkage, Translating, si
 from core.followers.base import LAYOUT_TABLE, BasePosition, Layout, base_position
 from core.followers.cam_slider import cam_slider
-from core.followers.limits import findings
+from core.followers.limits import NEAR, findings
 from core.followers.translating import translating
-from core.mechanism.mechanism import Mechanism
+from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
 
-BUILDERS: Mapping[type, Callable[[Any, float], Mechanism]] = MappingProxyType(
-    {CamSlider: cam_slider, Translating: translating}
+
+def _linkage(linkage: Linkage, reference: Reference | None) -> Mechanism:
+    return mechanism_of(linkage, reference)
+
+
+def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
+    """Base radius + roller radius: the distance of the reference point from the cam centre on the base circle [m]."""
+    parts = si(cam)
+    return part, parts.base_radius + parts.roller_radius
+
+
+def _under(part: Linkage, cam: Any) -> tuple[Linkage, Reference | None]:
+    """The linkage at a speed of 1, on which no place depends; the roller's centre, which is where it is whatever its
+    radius."""
+    still = replace(part, driver=replace(part.driver, speed_rpm=1.0))
+    return still, None if cam is None else Reference(cam.link, cam.point)
+
+
+class Builder(NamedTuple):
+    """needs: what of mechanism and cam the build depends on; build: makes the mechanism of that."""
+
+    needs: Callable[[Any, Any], tuple[Any, Any]]
+    build: Callable[[Any, Any], Mechanism]
+
+
+BUILDERS: Mapping[type, Builder] = MappingProxyType(
+    {
+        CamSlider: Builder(_reach, cam_slider),
+        Translating: Builder(_reach, translating),
+        Linkage: Builder(_under, _linkage),
+    }
 )
 
 
+def built(part: Follower | Linkage, cam: Any) -> Mechanism:
+    """The mechanism of a drive; the same one as long as nothing changes that it depends on. Raises NoAssembly where a
+    follower does not come to its base position."""
+    return _built(type(part), *BUILDERS[type(part)].needs(part, cam))
+
+
 @lru_cache(maxsize=64)
-def built(follower: Follower, reach: float) -> Mechanism:
-    """The mechanism of a follower; reach [m] is the distance of its reference point from the cam centre on the base circle,
-    base radius + roller radius. Raises NoAssembly where it does not come to the base position."""
-    return BUILDERS[type(follower)](follower, reach)
+def _built(kind: type, part: Any, needed: Any) -> Mechanism:
+    return BUILDERS[kind].build(part, needed)
 
 
-__all__ = ["BUILDERS", "LAYOUT_TABLE", "BasePosition", "Layout", "base_position", "built", "findings"]
+__all__ = ["BUILDERS", "LAYOUT_TABLE", "NEAR", "BasePosition", "Layout", "base_position", "built", "findings"]

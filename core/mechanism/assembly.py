@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -13,7 +14,7 @@ from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
 from core.mechanism.closing import line_of
-from core.mechanism.course import Course, guided_course
+from core.mechanism.course import Course, course_of, guided_course
 from core.mechanism.dyads import Closed
 from core.mechanism.mechanism import ROLLER, Mechanism, Reference, mechanism_of
 from core.mechanism.plan import Joint, Plan
@@ -37,8 +38,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     plan, n = mechanism.plan, motion.theta.size
     q = _driver(mechanism, motion)
     if course is None:
-        ends = mechanism.start + mechanism.sense * np.array([0.0, motion.y[0].min(), motion.y[0].max()])
-        course = guided_course(plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
+        course = course_for(mechanism, float(motion.y[0].min()), float(motion.y[0].max()))
     solved = course.solve(q)
     _require(mechanism, course, solved, motion)
     if mechanism.require is not None:
@@ -73,6 +73,15 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         carrier=carrier,
         by_driver=lambda: _by_driver(mechanism, course, q[0], points),
     )
+
+
+@lru_cache(maxsize=64)
+def course_for(mechanism: Mechanism, low: float, high: float) -> Course:
+    """The course of a mechanism for motions low ... high [rad or m], or the whole turn of its crank; kept."""
+    if mechanism.ranged:
+        return course_of(mechanism.linkage, low, high)
+    ends = mechanism.start + mechanism.sense * np.array([0.0, low, high])
+    return guided_course(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
 
 
 def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Train:

@@ -50,6 +50,7 @@ class Mechanism:
     base         the base position: name -> (value in SI, unit)
     singular     joint of a dyad -> code of the finding where the sine of its transmission angle vanishes; more:
                  further codes, from the solved poses in the own frame
+    ranged       its links are laid out one by one: where the driver can move is looked for, and bodies go by number
     refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
     require      raises NoAnswer for a motion that the mechanism cannot follow although its links meet
     """
@@ -69,6 +70,7 @@ class Mechanism:
     base: Mapping[str, tuple[float, str]] = field(default_factory=_none)
     singular: Mapping[str, str] = field(default_factory=_none)
     more_singular: Callable[[Solved], Mapping[str, np.ndarray]] | None = None
+    ranged: bool = False
     refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
     require: Callable[[MotionState], None] | None = None
 
@@ -102,4 +104,4 @@ def mechanism_of(linkage: Linkage, reference: Reference | None = None) -> Mechan
     names = MappingProxyType({n: body_name(n) for n in sorted(linkage.by_number)})
     coordinates: dict[str, int | str] = {name: n for n, name in names.items() if n != FRAME_LINK}
     coordinates.update({f"slide{joint}": joint for joint in sliding})
-    return Mechanism(linkage, names, reference, coordinates=MappingProxyType(coordinates))
+    return Mechanism(linkage, names, reference, coordinates=MappingProxyType(coordinates), ranged=True)

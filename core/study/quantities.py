@@ -1,23 +1,43 @@
-"""Every scalar a study can be asked for, as one table: which stage it needs and where it stands there (SI)."""
+"""Every scalar that can be read from a study, as one table: which stage it needs and where it stands there (SI).
+
+Those of a linkage's links, slides, points and joints are made by name: ``link.3_velocity``, ``point.B_x``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.design import FOLLOWER_KINDS
+from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
+from core.design.topology import GROUP, driver_pair, is_pin, solving_order
+from core.mechanism import mechanism_of
 from core.motion import Angles
 from core.shaft import Flywheel
+from core.train import SLIDING, Train
 
 if TYPE_CHECKING:
-    from core.study.base import Study
+    from core.study.study import Study
 
-ALL_KINDS = frozenset(FOLLOWER_KINDS)
+FOLLOWERS = frozenset(FOLLOWER_KINDS)
+ALL_KINDS = FOLLOWERS | {"linkage"}
 SLIDER = frozenset({"cam-slider"})
+GUIDED = frozenset({"cam-slider", "translating"})
+
+NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
+    {
+        "": lambda design: True,
+        "motion": lambda design: design.drive.motion is not None,
+        "cam": lambda design: design.drive.cam is not None,
+        "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
+    }
+)
+"""What a design must hold for a quantity."""
 
 
 def _always(study: Study) -> bool:
@@ -31,7 +51,7 @@ def _motor_runs(study: Study) -> bool:
 
 def _by_motor(torque: Callable[[Flywheel, Angles], np.ndarray]) -> Callable[[Study], np.ndarray]:
     """That of the cam where no flywheel levels it. Raises NoAnswer where the guide jams or the motor stalls."""
-    return lambda s: torque(s.flywheel, s.angles) if s.levelled or s.jam is not None else s.dynamics.torque
+    return lambda s: torque(s.flywheel, s.angles) if s.levelled or s.jam is not None else s.shaft_torque
 
 
 def _speed(study: Study) -> np.ndarray:
@@ -43,18 +63,20 @@ def _speed(study: Study) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Quantity:
-    """stage it needs; value (n,) in SI by time where it is a rate; kinds of follower that have it; ``turns`` marks an
-    angle that goes round, which has no extremes; ``exists`` tells whether a design that could have it does."""
+    """stage it needs; value (n,) in SI by time where it is a rate; kinds of mechanism that have it; ``needs``: what else the
+    design must hold (row of ``NEEDS``); ``turns`` marks an angle that goes round, which has no extremes; ``exists`` says
+    whether a design that could have it does."""
 
     stage: str
     value: Callable[[Study], np.ndarray]
     kinds: frozenset[str] = ALL_KINDS
+    needs: str = ""
     turns: bool = False
     exists: Callable[[Study], bool] = _always
 
 
 def _motion(order: int) -> Quantity:
-    return Quantity("motion", lambda s: s.motion.y[order] * s.omega**order)
+    return Quantity("motion", lambda s: s.motion.y[order] * s.omega**order, needs="motion")
 
 
 def _coordinate(name: str, order: int) -> Quantity:
@@ -98,37 +120,37 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "beta_acceleration": _coordinate("beta", 2),
         "dead-centre": _singular("dead-centre"),
         "rod-across-guide": _singular("rod-across-guide"),
-        "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real),
-        "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag),
-        "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real),
-        "pitch_y": Quantity("cam", lambda s: s.cam.flank.pitch.imag),
-        "pressure_angle": Quantity("cam", lambda s: s.cam.flank.pressure_angle),
-        "pitch_curvature": Quantity("cam", lambda s: s.cam.flank.pitch_curvature),
-        "profile_curvature": Quantity("cam", lambda s: s.cam.flank.profile_curvature),
-        "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile)),
-        "polar_angle": Quantity("cam", _polar_angle, turns=True),
-        "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact),
-        "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque),
-        "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), exists=_motor_runs),
+        "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real, needs="cam"),
+        "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
+        "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real, needs="cam"),
+        "pitch_y": Quantity("cam", lambda s: s.cam.flank.pitch.imag, needs="cam"),
+        "pressure_angle": Quantity("cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
+        "pitch_curvature": Quantity("cam", lambda s: s.cam.flank.pitch_curvature, needs="cam"),
+        "profile_curvature": Quantity("cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
+        "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
+        "polar_angle": Quantity("cam", _polar_angle, needs="cam", turns=True),
+        "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact, needs="cam"),
+        "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque, needs="cam"),
+        "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), needs="shaft", exists=_motor_runs),
         "linear_motor_torque": Quantity(
-            "dynamics", _by_motor(Flywheel.linear_motor_torque), exists=lambda s: s.levelled and _motor_runs(s)
+            "dynamics", _by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=lambda s: s.levelled and _motor_runs(s)
         ),
-        "camshaft_speed": Quantity("dynamics", _speed, exists=_motor_runs),
+        "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, SLIDER),
-        "guide_force": Quantity("dynamics", lambda s: s.dynamics.guide.normal),
-        "jam_factor": Quantity("dynamics", lambda s: s.dynamics.guide.jam),
+        "guide_force": Quantity("dynamics", lambda s: s.dynamics.guide.normal, GUIDED),
+        "jam_factor": Quantity("dynamics", lambda s: s.dynamics.guide.jam, GUIDED),
         "slider_pin_x": _pair_x("slider_pin", SLIDER),
         "slider_pin_y": _pair_y("slider_pin", SLIDER),
         "arm_pin_x": _pair_x("arm_pin", SLIDER),
         "arm_pin_y": _pair_y("arm_pin", SLIDER),
         "pivot_x": _pair_x("pivot", SLIDER),
         "pivot_y": _pair_y("pivot", SLIDER),
-        "bearing_x": _pair_x("bearing", ALL_KINDS),
-        "bearing_y": _pair_y("bearing", ALL_KINDS),
+        "bearing_x": _pair_x("bearing", FOLLOWERS),
+        "bearing_y": _pair_y("bearing", FOLLOWERS),
         "slider_pin": _size("slider_pin", SLIDER),
         "arm_pin": _size("arm_pin", SLIDER),
         "pivot": _size("pivot", SLIDER),
-        "bearing": _size("bearing", ALL_KINDS),
+        "bearing": _size("bearing", FOLLOWERS),
     }
 )
 
@@ -136,6 +158,123 @@ OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 """Those of the stage ``dynamics`` that flywheel and motor change; forces are those of a constant speed."""
 
 
-def quantities_of(kind: str, stage: str | None = None) -> dict[str, Quantity]:
-    """The quantities that this kind of follower has, of one stage or of all."""
-    return {n: q for n, q in QUANTITIES.items() if kind in q.kinds and stage in (None, q.stage)}
+
+# -- of a linkage, by name -----------------------------------------------------------------------------------
+
+_RATES = ("", "_velocity", "_acceleration")
+
+
+def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
+    return lambda s: s.linkage.coordinates[name][order] * s.omega**order
+
+
+def body_of(train: Train, point: str) -> str:
+    """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
+    having = [name for name, body in train.bodies.items() if point in body.points]
+    sliding = [pair.body for pair in train.pairs.values() if pair.kind == SLIDING and pair.body in having]
+    return (sliding or having)[0]
+
+
+def _point(name: str, order: int) -> Callable[[Study], np.ndarray]:
+    def value(study: Study) -> np.ndarray:
+        train = study.linkage
+        at: np.ndarray = train.bodies[body_of(train, name)].point(name)[order]
+        return at * study.omega**order
+
+    return value
+
+
+Part = Callable[[np.ndarray], np.ndarray]
+_OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
+    {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
+     "speed": (1, np.abs)}
+)  # fmt: skip
+_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs})
+
+
+def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
+    order, part = _OF_POINT[what]
+    value = _point(name, order)
+    return lambda s: part(value(s))
+
+
+def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
+    part = _OF_FORCE[what]
+    return lambda s: part(s.dynamics.pairs[name])
+
+
+# pattern of the name -> stage, and what gives the value for what the pattern catches
+_PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], ...] = (
+    (r"(link|slide)\.(\d+)(|_velocity|_acceleration)", "linkage",
+     lambda of, number, rate: _coordinate_of(f"{of}{number}", _RATES.index(rate))),
+    (rf"point\.(\w+)_({'|'.join(_OF_POINT)})", "linkage", _point_part),
+    (r"transmission\.(\w+)", "linkage", lambda joint: lambda s: np.arcsin(np.minimum(s.linkage.singular[joint], 1.0))),
+    (rf"force\.(\w+)_({'|'.join(_OF_FORCE)})", "dynamics", _force_part),
+    (r"couple\.(\w+)", "dynamics", lambda name: lambda s: s.dynamics.couples[name]),
+)  # fmt: skip
+_OWN: Mapping[str, Quantity] = MappingProxyType(
+    {
+        "driver_torque": Quantity("dynamics", lambda s: s.dynamics.driver),
+        "driver_force": Quantity("dynamics", lambda s: s.dynamics.driver),
+    }
+)
+
+
+@lru_cache(maxsize=1024)
+def quantity(name: str) -> Quantity:
+    """The row of a quantity's name: of the table, or ``link.3_velocity``, ``point.B_x``, ``transmission.B``.
+
+    Raises KeyError.
+    """
+    if name in QUANTITIES:
+        return QUANTITIES[name]
+    if name in _OWN:
+        return _OWN[name]
+    for pattern, needed, make in _PATTERNS:
+        match = re.fullmatch(pattern, name)
+        if match:
+            return Quantity(needed, make(*match.groups()))
+    raise KeyError(name)
+
+
+# -- of a design -------------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=64)
+def names_of(design: Design) -> tuple[str, ...]:
+    """Every quantity that a design can have, in the order of the tables."""
+    links = tuple(_links(design)) if design.drive.is_linkage else ()
+    pairs = tuple(_pairs(design)) if design.drive.is_linkage else ()
+    stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": pairs}
+    names: list[str] = []
+    for stage in ("motion", "linkage", "cam", "dynamics"):
+        rows = ((name, row) for name, row in QUANTITIES.items() if row.stage == stage)
+        names += [name for name, row in rows if design.drive.kind in row.kinds and NEEDS[row.needs](design)]
+        names += stages.get(stage, ())
+    return tuple(names)
+
+
+def _links(design: Design) -> Iterator[str]:
+    """Of the moving links, slides, points and joints."""
+    linkage = design.drive.linkage
+    for number in sorted(linkage.by_number):
+        if number != FRAME_LINK and not (design.by_crank and number == linkage.driver.link):
+            yield from (f"link.{number}{rate}" for rate in _RATES)
+    for slider in linkage.sliders:
+        yield from (f"slide.{slider.link}{rate}" for rate in _RATES)
+    fixed = linkage.by_number[FRAME_LINK].places
+    for point in dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed):
+        yield from (f"point.{point}_{what}" for what in ("x", "y", "vx", "vy", "ax", "ay", "speed"))
+    yield from (f"transmission.{step.joint}" for step in solving_order(linkage).steps if step.kind != GROUP)
+
+
+def _pairs(design: Design) -> Iterator[str]:
+    """Of the driver, where no cam moves it, and of every pair."""
+    linkage = design.drive.linkage
+    pair = driver_pair(linkage)
+    if design.drive.cam is None:
+        yield "driver_torque" if pair is not None and is_pin(pair) else "driver_force"
+    for joint, name in mechanism_of(linkage).pair_names().items():
+        yield from (f"force.{name}_{what}" for what in ("x", "y", "size"))
+        if not joint.revolute:
+            yield f"couple.{name}"

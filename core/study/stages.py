@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.cam import CamShape, envelope
-from core.design import Cam, Elastic, Follower, Loads, Motion, si
+from core.design import Elastic, Follower, Linkage, Motion, si
 from core.dynamics import Forces, Loading, loading_of, newton_euler
 from core.errors import NoStability
-from core.followers import built
+from core.instant_centres import CentreTable, all_centres
 from core.keeping import locked
-from core.mechanism.assembly import solve_mechanism
+from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism, unit_speed_train
 from core.motion import Angles, MotionState, degrees, program
 from core.train import Train
 
@@ -74,13 +74,31 @@ def motion_stage(motion: Motion, angles: Angles) -> MotionState:
     return program(motion).state(angles)
 
 
+@remembered
+def crank_grid(course: Course, samples: int) -> Angles:
+    """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
+    run = CrankProgram(course)
+    return run.angles(np.deg2rad(run.degrees(samples)), kept=True)
+
+
+@remembered
+def crank_state(course: Course, angles: Angles) -> MotionState:
+    return CrankProgram(course).state(angles)
+
+
 @stage("linkage")
-def linkage_stage(follower: Follower, reach: float, motion: MotionState) -> Train:
-    return solve_mechanism(built(follower, reach), motion)
+def linkage_stage(mechanism: Mechanism, course: Course, state: MotionState) -> Train:
+    return solve_mechanism(mechanism, state, course)
+
+
+@stage("centres")
+def centres_stage(linkage: Linkage, course: Course, state: MotionState) -> CentreTable:
+    """By the driver's own coordinate, so that a dwell of the motion has centres too."""
+    return all_centres(unit_speed_train(linkage, state.y[0], course), course.plan.size)
 
 
 @stage("cam")
-def cam_stage(train: Train, cam: Cam, sense: float) -> CamShape:
+def cam_stage(train: Train, cam: Any, sense: float) -> CamShape:
     return envelope(train, cam, sense)
 
 
@@ -90,8 +108,14 @@ def dynamics_stage(train: Train, shape: CamShape | None, loading: Loading, omega
 
 
 @remembered
+def loading_of_drive(mechanism: Follower | Linkage, loads: Any) -> Loading:
+    return loading_of(mechanism, loads)
+
+
+@remembered
 def shaft_coefficients(
-    motion: Motion, follower: Follower, reach: float, loads: Loads, inertia: float, stiffness: float, spring: str, factor: float
+    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, inertia: float, stiffness: float, spring: str,
+    factor: float,
 ) -> Coefficients | NoStability:
     """Why there are none is remembered too."""
     from core.stability import coefficients
@@ -99,8 +123,8 @@ def shaft_coefficients(
     compiled = program(motion)
     try:
         return coefficients(
-            lambda angles: solve_mechanism(built(follower, reach), compiled.state(angles)),
-            loading(follower, loads), compiled, inertia, stiffness, spring, factor,
+            lambda angles: solve_mechanism(mechanism, compiled.state(angles), course),
+            loading, compiled, inertia, stiffness, spring, factor,
         )  # fmt: skip
     except NoStability as error:
         return error
@@ -108,28 +132,24 @@ def shaft_coefficients(
 
 @stage("stability")
 def stability_stage(
-    motion: Motion, follower: Follower, reach: float, loads: Loads, cam: Cam, sense: float, elastic: Elastic, omega: float
+    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, cam: Any, sense: float, elastic: Elastic,
+    omega: float,
 ) -> Stability | NoStability:
     from core.stability import stability
 
     s = si(elastic)
     made = shaft_coefficients(
-        motion, follower, reach, loads, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor
+        motion, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor
     )
     if isinstance(made, NoStability):
         return made
     compiled = program(motion)
 
     def train_and_shape(angles: Angles) -> tuple[Train, CamShape]:
-        train = solve_mechanism(built(follower, reach), compiled.state(angles))
+        train = solve_mechanism(mechanism, compiled.state(angles), course)
         return train, envelope(train, cam, sense)
 
-    return stability(made, elastic, omega, train_and_shape, loading(follower, loads), compiled)
-
-
-@remembered
-def loading(follower: Follower, loads: Loads) -> Loading:
-    return loading_of(follower, loads)
+    return stability(made, elastic, omega, train_and_shape, loading, compiled)
 
 
 class Memory:

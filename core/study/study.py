@@ -1,85 +1,278 @@
-"""A cam on its shaft and everything that follows from it, computed when asked and not before."""
+"""A design and everything that follows from it, computed when it is read and not before."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core import cam, dynamics, linkage, motion, shaft
+from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape
-from core.design import Design, kind_of, si
-from core.dynamics import Forces, Loading, reduced_inertia
-from core.errors import NoAnswer, NoStability
-from core.extremes import Extreme, Range, find_above
-from core.findings import NOTE, Finding, Residual
-from core.motion import EPS, Angles, MotionState, Program, program
+from core.design import Design, si
+from core.dynamics import Forces, Loading
+from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
+from core.extremes import Extreme, Range, find_above, find_extremes
+from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
+from core.instant_centres import CentreTable, moving_collinearity
+from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_train
+from core.motion import EPS, TURN, Angles, MotionState, Program, degrees, program
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
-from core.study.base import Study
-from core.study.quantities import OF_MOTOR, Quantity, quantities_of
+from core.study.failures import failing_ranges
+from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
 from core.study.stages import (
     cam_stage,
+    centres_stage,
+    crank_grid,
+    crank_state,
     dynamics_stage,
     evaluations,
     grid,
     linkage_stage,
-    loading,
+    loading_of_drive,
     memory,
     motion_stage,
     stability_stage,
 )
-from core.train import Train
+from core.train import REVOLUTE, Train
 
 if TYPE_CHECKING:
     from core.stability import Stability
 
+SAMPLES = 3600
+STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
+"""All stages that a study may have, in the order in which they need each other."""
+
+_ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
+_AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
+_AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
+_POSITIONS = 120  # at which the centres are proven
+_SAYS_NOTHING = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
 _CONTACT = ("contact_force",)
 
 
-class CamStudy(Study, of=Design):
-    """Stages ``motion``, ``linkage``, ``cam``, ``dynamics``, ``stability``, which is None where the shaft is rigid or nothing
-    excites it; ``flywheel`` belongs to the stage ``dynamics``."""
+def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
+    """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
+    i = int(np.argmax(residual / np.maximum(bound, LEAST_BOUND)))
+    return Residual(float(residual[i]), float(np.broadcast_to(bound, residual.shape)[i]))
 
-    stages = ("motion", "linkage", "cam", "dynamics", "stability")
-    design: Design
 
-    # -- stages -----------------------------------------------------------------------------------------
+class Study:
+    """One design at equally spaced angles of its cam or crank, or at the angles given.
+
+    Stages are attributes: ``motion`` where one moves the mechanism, ``linkage``, ``cam`` where there is one, ``dynamics``,
+    ``stability`` where a cam stands on a shaft (None where that is rigid, or nothing excites it). ``stages`` names those of
+    this design, in the order in which they need each other. ``centres`` belongs to the stage ``linkage``, ``flywheel`` to
+    ``dynamics``. Each is computed on first use from only the parts of the design that it needs, and kept for every other
+    study that shares these parts. Any stage may raise NoAnswer; a stage that this design lacks raises NoSuchStage.
+
+    A crank that cannot turn fully is sampled where it can: then there are fewer angles than samples.
+    """
+
+    def __init__(self, design: Design, samples: int = SAMPLES, angles: Angles | None = None) -> None:
+        self.design = design
+        self.samples = samples
+        self._given = angles
+
+    # -- what there is --------------------------------------------------------------------------------------
 
     @cached_property
-    def program(self) -> Program:
-        """The compiled motion: its pieces and joins."""
-        return program(self.design.drive.motion)
+    def stages(self) -> tuple[str, ...]:
+        drive = self.design.drive
+        there = {
+            "motion": drive.motion is not None,
+            "cam": drive.cam is not None,
+            "stability": drive.cam is not None and self.design.shaft is not None,
+        }
+        return tuple(name for name in STAGES if there.get(name, True))
+
+    def require_stage(self, name: str) -> None:
+        """Raises NoSuchStage, naming the stages there are."""
+        if name not in self.stages:
+            raise NoSuchStage(name, self.stages)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise NoSuchStage(name, self.stages)
+
+    @property
+    def by_crank(self) -> bool:
+        """A crank turns at speed, and no motion moves it."""
+        return self.design.by_crank
+
+    @property
+    def kind(self) -> str:
+        """Slug of the mechanism's kind."""
+        return self.design.drive.kind
+
+    @property
+    def omega(self) -> float:
+        """[rad/s] of the shaft, counted as it turns; of a crank counter-clockwise, negative clockwise."""
+        speed = self.design.speed_rpm * TURN / 60.0
+        return self.sense * speed if self.by_crank else speed
+
+    @property
+    def sense(self) -> float:
+        """+1 where cam or crank turns counter-clockwise, -1 clockwise."""
+        return self.design.sense
+
+    # -- angles ---------------------------------------------------------------------------------------------
+
+    @property
+    def angle_column(self) -> str:
+        return "driver_angle_deg" if self.design.drive.is_linkage else "cam_angle_deg"
+
+    @property
+    def angle_name(self) -> str:
+        return "driver angle" if self.design.drive.is_linkage else "cam angle"
+
+    @cached_property
+    def program(self) -> Program | CrankProgram:
+        """What the driver does over one turn: its pieces and joins."""
+        return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
     def angles(self) -> Angles:
-        return grid(self.design.drive.motion, self.samples) if self._given is None else self._given
+        if self._given is not None:
+            return self._given
+        return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.drive.motion, self.samples)
+
+    @property
+    def theta(self) -> np.ndarray:
+        """Angles (n,) [rad]."""
+        theta: np.ndarray = self.angles.theta
+        return theta
+
+    @property
+    def angle_degrees(self) -> np.ndarray:
+        """The equally spaced angles of the tables [deg] (n,), each rounded once."""
+        return CrankProgram(self.course).degrees(self.samples) if self.by_crank else degrees(self.samples)
+
+    def at(self, angles: Angles) -> Study:
+        """The same design at other angles, not remembered."""
+        return Study(self.design, self.samples, angles)
+
+    def at_theta(self, theta: np.ndarray) -> Study:
+        """The same design at any angles (n,) [rad]; at a join the right-hand limit."""
+        return self.at(self.program.angles(np.atleast_1d(theta)))
+
+    @property
+    def whole(self) -> Study:
+        """The study over the whole turn, which this one is or was taken from."""
+        return self if self._given is None else Study(self.design, self.samples)
+
+    # -- stages ---------------------------------------------------------------------------------------------
+
+    def _stage(self, function: Any, *parts: Any) -> Any:
+        return function(*parts) if self.angles.kept else function.__wrapped__(*parts)
+
+    def _located(self, error: NoAnswer, stage: str) -> NoAnswer:
+        """The error of a sampled stage with the angles to the last digit, whatever the sampling was."""
+        if not error.cam_angles or not self.angles.kept:
+            return error
+        return at_angles(error, failing_ranges(lambda angles: self.at(angles), stage, self.program))
 
     @cached_property
-    def motion(self) -> MotionState:
+    def mechanism(self) -> Mechanism:
+        """The linkage that is solved. Raises NoAssembly where a follower does not come to its base position."""
+        return followers.built(self.design.drive.mechanism, self.design.drive.cam)
+
+    @cached_property
+    def course(self) -> Course:
+        """Where the links go. Raises NoPosition where they meet nowhere."""
+        ends = (0.0, TURN) if self.by_crank else swept(program(self.design.drive.motion))
+        found = mechanism.course_for(self.mechanism, *ends)
+        if not self.mechanism.ranged:
+            return found
+        if not found.ranges:
+            raise NoPosition(
+                "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
+                "change their lengths, or linkage.branch",
+            )  # fmt: skip
+        if self.by_crank and self._between_samples(found):
+            places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
+            raise NoPosition(
+                f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
+                "driver angles lies", "linkage.links", "change their lengths, or ask for more angles",
+            )  # fmt: skip
+        return found
+
+    def _between_samples(self, course: Course) -> bool:
+        """Whether the crank's ranges are so short that no angle of the grid lies in them."""
+        longest = max(r.high - r.low for r in course.ranges)
+        return longest * self.samples < 4.0 * np.pi and not CrankProgram(course).degrees(self.samples).size
+
+    @cached_property
+    def drive(self) -> MotionState:
+        """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
+        if self.by_crank:
+            return self._stage(crank_state, self.course, self.angles)
         return self._stage(motion_stage, self.design.drive.motion, self.angles)
+
+    @property
+    def motion(self) -> MotionState:
+        self.require_stage("motion")
+        return self.drive
 
     @cached_property
     def linkage(self) -> Train:
         try:
-            return self._stage(linkage_stage, self.design.drive.mechanism, self.reach, self.motion)
+            return self._stage(linkage_stage, self.mechanism, self.course, self.drive)
         except NoAnswer as error:
             raise self._located(error, "linkage") from None
 
     @cached_property
-    def cam(self) -> CamShape:
+    def centres(self) -> CentreTable:
+        """All instant centres of a linkage at every angle; bodies are named as in ``linkage``."""
+        return self._stage(centres_stage, self.mechanism.linkage, self.course, self.drive)
+
+    @cached_property
+    def _cam(self) -> CamShape:
         try:
-            return self._stage(cam_stage, self.linkage, self.design.drive.cam, self.design.shaft.sense)
+            shape: CamShape = self._stage(cam_stage, self.linkage, self.design.drive.cam, self.sense)
+            if self._given is None and self.mechanism.ranged:
+                cam.require_hold(self.linkage)
+            return shape
         except NoAnswer as error:
             raise self._located(error, "cam") from None
 
-    @cached_property
-    def dynamics(self) -> Forces:
-        return self._stage(dynamics_stage, self.linkage, self.cam, self.loading, self.omega)
+    @property
+    def cam(self) -> CamShape:
+        self.require_stage("cam")
+        return self._cam
+
+    @property
+    def _shape(self) -> CamShape | None:
+        return self.cam if "cam" in self.stages else None
 
     @cached_property
+    def loading(self) -> Loading:
+        """The force elements."""
+        loads: Loading = loading_of_drive(self.design.drive.mechanism, self.design.drive.loads)
+        return loads
+
+    @cached_property
+    def dynamics(self) -> Forces:
+        return self._stage(dynamics_stage, self.linkage, self._shape, self.loading, self.omega)
+
+    @property
+    def jam(self) -> Extreme | None:
+        """Where friction jams hardest, by the refined extreme of the jamming factor, so whatever the sampling: then there
+        are no forces to be tabled. None where nothing jams."""
+        if not self.loading.frictions:
+            return None
+        key = ("jam", self._depends_on("dynamics"))
+        worst: Extreme | None = memory.get(
+            key, lambda: find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
+        )
+        return worst
+
+    @property
     def stability(self) -> Stability | None:
+        self.require_stage("stability")
         try:
             return self.flexible_shaft()
         except NoStability:
@@ -87,12 +280,17 @@ class CamStudy(Study, of=Design):
 
     def flexible_shaft(self) -> Stability:
         """The stage ``stability``. Raises NoStability, which says why there is none; NoAnswer where there is no linkage."""
-        elastic, drive = self.design.shaft.elastic, self.design.drive
-        if elastic is None:
+        self.require_stage("stability")
+        return self._flexible_shaft
+
+    @cached_property
+    def _flexible_shaft(self) -> Stability:
+        drive, shaft_part = self.design.drive, self.design.shaft
+        if shaft_part is None or shaft_part.elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         try:
             found = stability_stage(
-                drive.motion, drive.mechanism, self.reach, drive.loads, drive.cam, self.design.shaft.sense, elastic, self.omega
+                drive.motion, self.mechanism, self.course, self.loading, drive.cam, self.sense, shaft_part.elastic, self.omega
             )
         except NoStability:
             raise
@@ -100,43 +298,38 @@ class CamStudy(Study, of=Design):
             raise self._located(error, "linkage") from None
         if isinstance(found, NoStability):
             raise found
-        shaft: Stability = found
-        return shaft
+        return found  # type: ignore[no-any-return]
+
+    # -- flywheel and motor ---------------------------------------------------------------------------------
 
     @property
     def levelled(self) -> bool:
-        """Whether a flywheel makes the motor's torque another than the cam's."""
-        return levels(self.design.shaft)
-
-    @property
-    def jam(self) -> Extreme | None:
-        if not self.loading.friction:
-            return None
-        key = ("jam", self._depends_on("dynamics"))
-        worst: Extreme | None = memory.get(
-            key, lambda: find_above(lambda angles: self.at(angles).dynamics.guide.jam, self.program, dynamics.JAMS)
-        )
-        return worst
-
-    @property
-    def whole(self) -> CamStudy:
-        """The study over the whole turn, which this one is or was taken from."""
-        return self if self._given is None else CamStudy(self.design, self.samples)
+        """Whether a flywheel makes the motor's torque another than that of cam or crank."""
+        return self.design.shaft is not None and levels(self.design.shaft)
 
     @cached_property
     def flywheel(self) -> Flywheel:
-        """Sizing, speed and motor torque. Raises NoAnswer where the guide jams."""
+        """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
         key = (*self._depends_on("dynamics"), self.design.shaft)
         return memory.get(("flywheel", key), self._flywheel)
 
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
-        return Flywheel(self._torque, self._load_curve(), self.design.shaft)
+        assert self.design.shaft is not None
+        return Flywheel(lambda angles: self.at(angles).shaft_torque, self._load_curve(), self.design.shaft)
+
+    @property
+    def shaft_torque(self) -> np.ndarray:
+        """What the shaft must be given at constant speed (n,) [N m], > 0 in its sense of rotation."""
+        forces = self.dynamics
+        return self.sense * forces.driver if self.by_crank else forces.torque
 
     def _load_curve(self) -> LoadCurve:
         if self.jam is not None:
             angle = float(np.rad2deg(self.jam.theta))
             raise NoAnswer("the guide jams, the torque is infinite", "loads.friction", "lower it", [(angle, angle)])
+        if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
+            raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
         key = ("load curve", self._depends_on("dynamics"))
         curve: LoadCurve = memory.get(key, self._fitted_load)
         return curve
@@ -146,90 +339,134 @@ class CamStudy(Study, of=Design):
 
         def load(angles: Angles) -> np.ndarray:
             study = there(angles)
-            return np.array([study.dynamics.torque, reduced_inertia(study.linkage, self.loading.inertias)])
+            return np.array([study.shaft_torque, self.loading.inertia(study.linkage)[0]])
 
-        def turning_guide(angles: Angles) -> np.ndarray:
+        def rubbing(angles: Angles) -> np.ndarray:
             """The guide's force where it rubs: friction turns round with its sign."""
-            return there(angles).dynamics.guide.normal * np.abs(there(angles).motion.way)
+            guide = there(angles).dynamics.guide
+            assert guide is not None
+            return np.asarray(guide.normal * np.abs(there(angles).drive.way))
 
-        switch = turning_guide if self.loading.friction else None
-        return load_curve(load, self.program, switch)
+        return load_curve(load, self.program, rubbing if self.loading.friction else None)
 
-    def _torque(self, angles: Angles) -> np.ndarray:
-        return self.at(angles).dynamics.torque
-
-    # -- what stages share ------------------------------------------------------------------------------
-
-    @property
-    def kind(self) -> str:
-        """Slug of the follower's kind."""
-        return kind_of(self.design.drive.mechanism)
-
-    @property
-    def omega(self) -> float:
-        """Camshaft speed [rad/s], positive."""
-        speed: float = si(self.design.shaft).speed
-        return speed
-
-    @property
-    def reach(self) -> float:
-        """Cam centre to the follower's reference point on the base circle [m]."""
-        parts = si(self.design.drive.cam)
-        reach: float = parts.base_radius + parts.roller_radius
-        return reach
-
-    @property
-    def loading(self) -> Loading:
-        loads: Loading = loading(self.design.drive.mechanism, self.design.drive.loads)
-        return loads
+    # -- what figures depend on -----------------------------------------------------------------------------
 
     def _depends_on(self, stage: str) -> tuple[Any, ...]:
         """The parts of the design that the quantities of a stage depend on."""
-        drive, shaft = self.design.drive, self.design.shaft
-        parts = {
-            "motion": (drive.motion, self.omega),
-            "linkage": (drive.motion, self.omega, drive.mechanism, self.reach),
-            "cam": (drive.motion, drive.mechanism, drive.cam, shaft.rotation),
-            "dynamics": (drive, shaft.rotation, self.omega),
-            "stability": (drive, shaft.rotation, self.omega, shaft.elastic),
+        design, drive = self.design, self.design.drive
+        speed = (design.sense, design.speed_rpm)
+        parts: Mapping[str, tuple[Any, ...]] = {
+            "motion": (drive.motion, speed),
+            "linkage": (drive.motion, speed, drive.mechanism, self.mechanism),
+            "cam": (drive.motion, drive.mechanism, drive.cam, design.sense),
+            "dynamics": (drive, speed),
+            "stability": (drive, speed, design.shaft),
         }
         return parts[stage]
 
-    # -- figures ----------------------------------------------------------------------------------------
-
     def quantities(self, stage: str | None = None) -> Mapping[str, Quantity]:
-        return quantities_of(self.kind, stage)
+        """The scalars that can be read, of one stage or of all."""
+        rows = {name: quantity(name) for name in names_of(self.design)}
+        found = {name: row for name, row in rows.items() if stage in (None, row.stage)}
+        if stage in (None, "linkage") and self.mechanism.ranged:
+            for link, turning in self.course.turning.items():
+                name = f"link.{link}"
+                if turning.turns and name in found:
+                    found[name] = replace(found[name], turns=True)
+        return found
 
     def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
         with_motor = stage == "dynamics" and not set(only).isdisjoint(OF_MOTOR) if only else stage == "dynamics"
         return self._depends_on(stage), self.design.shaft if with_motor else None
 
-    def _findings_of(self, stage: str) -> list[Finding]:
+    # -- extremes -------------------------------------------------------------------------------------------
+
+    def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
+        """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
+        self.require_stage(stage)
+        key = ("extremes", stage, only, self._figures_depend_on(stage, only))
+        found: Mapping[str, Range] = memory.get(key, lambda: self._extremes(stage, only))
+        return found
+
+    @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
+    def _extremes(self, stage: str, only: tuple[str, ...]) -> Mapping[str, Range]:
+        rows = {
+            name: row
+            for name, row in self.quantities(stage).items()
+            if not row.turns and (name in only if only else row.exists(self))
+        }
+
+        def values(angles: Angles) -> Mapping[str, np.ndarray]:
+            there = self.at(angles)
+            return {name: row.value(there) for name, row in rows.items()}
+
+        try:
+            found = find_extremes(values, self.program)
+        except NoAnswer as error:
+            raise self._located(error, stage) from None
+        if not self.by_crank:
+            return found
+        return {name: Range(self._limit(name, r.low), self._limit(name, r.high)) for name, r in found.items()}
+
+    def _limit(self, name: str, extreme: Extreme) -> Extreme:
+        """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
+        for r in self.course.ranges:
+            for end, joint, inwards in ((r.low, r.low_joint, 1.0), (r.high, r.high_joint, -1.0)):
+                if joint and abs(extreme.theta - end) < _AT_END and self._grows(name, end, inwards):
+                    return Extreme(float(np.copysign(np.inf, extreme.value)), end)
+        for change in self.course.changes:
+            if abs(extreme.theta - change.at) < _AT_CHANGE and self._grows(name, change.at, 1.0):
+                return Extreme(float(np.copysign(np.inf, extreme.value)), change.at)
+        return extreme
+
+    def _grows(self, name: str, place: float, inwards: float) -> bool:
+        """Whether a quantity grows without limit towards a place: a hundred times nearer it is more than five times as large."""
+        steps = place + inwards * np.array([1e-7, 1e-5])
+        nearer, near = np.abs(quantity(name).value(self.at(self.program.angles(steps))))
+        return bool(nearer > 5.0 * near)
+
+    # -- findings -------------------------------------------------------------------------------------------
+
+    def findings(self, stages: tuple[str, ...] = ()) -> tuple[Finding, ...]:
+        """What the named stages (all, where none is named) exceed, the gravest first."""
         rows: Mapping[str, Callable[[], list[Finding]]] = {
-            "motion": lambda: motion.findings(self.program),
-            "linkage": lambda: linkage.findings(self.extremes("linkage", ("dead-centre", "rod-across-guide"))),
-            "cam": lambda: cam.findings(
-                self._cam_extremes,
-                self.linkage.pairs[self.linkage.ground].kind,
-                self.design.drive.cam,
-            ),
-            "dynamics": lambda: [
-                *dynamics.findings(self.extremes("dynamics", _CONTACT)["contact_force"], self.jam, self.loading),
-                *self._motor_findings(),
-            ],
+            "motion": lambda: motion.findings(program(self.design.drive.motion)),
+            "linkage": self._linkage_findings,
+            "cam": self._cam_findings,
+            "dynamics": self._dynamics_findings,
             "stability": self._stability_findings,
         }
-        return rows[stage]()
+        found = [f for name in stages or self.stages for f in rows[name]()]
+        return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
+
+    def _linkage_findings(self) -> list[Finding]:
+        names = self.quantities("linkage")
+        codes = tuple(name for name in names if name in followers.NEAR)
+        joints = tuple(name for name in names if name.startswith("transmission."))
+        if codes:
+            return followers.findings(self.extremes("linkage", codes))
+        extremes = self.extremes("linkage", joints) if joints else {}
+        by_joint = {name.removeprefix("transmission."): r for name, r in extremes.items()}
+        return mechanism.findings(self.course, by_joint, self.by_crank)
 
     @property
     def _cam_extremes(self) -> Mapping[str, Range]:
         return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
-    def _motor_findings(self) -> list[Finding]:
-        return shaft.findings(self.flywheel) if self.levelled and self.jam is None else []
+    def _cam_findings(self) -> list[Finding]:
+        train = self.linkage
+        ground = train.pairs[train.ground].kind if train.ground else REVOLUTE
+        return cam.findings(self._cam_extremes, ground, self.design.drive.cam)
+
+    def _dynamics_findings(self) -> list[Finding]:
+        if "cam" not in self.stages:
+            found = [Finding("no-load", NOTE, "loads", None)] if self.loading.empty else []
+        else:
+            found = dynamics.findings(self.extremes("dynamics", _CONTACT)["contact_force"], self.jam, self.loading)
+        return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     def _stability_findings(self) -> list[Finding]:
-        if self.design.shaft.elastic is None:
+        if self.design.shaft is None or self.design.shaft.elastic is None:
             return []
         from core.stability import findings
 
@@ -238,7 +475,10 @@ class CamStudy(Study, of=Design):
         except NoStability as error:
             return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
+    # -- proof ----------------------------------------------------------------------------------------------
+
     def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
+        """What proves the figures: each residual with its bound, of the named stages or of all."""
         wanted = stages or self.stages
         proof: dict[str, Residual] = {}
         if "motion" in wanted:
@@ -246,22 +486,69 @@ class CamStudy(Study, of=Design):
             stroke = float(np.ptp(self.motion.y[0])) or 1.0
             proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
         if "linkage" in wanted:
-            train = self.linkage
-            bound = EPS * float(train.condition.max())
-            proof["loop_closure"] = Residual(float(train.residual.max()), bound)
+            proof["loop_closure"] = _worst(self.linkage.residual, EPS * self.linkage.condition)
+            if self.mechanism.ranged:
+                proof["three_centres"] = self._three_centres()
         if "cam" in wanted:
-            proof["instant_centre"] = Residual(float(cam.centre_residual(self.linkage, self.cam).max()), 16.0 * EPS)
-            radius: float = si(self.design.drive.cam).roller_radius
+            centre, part = cam.centre_residual(self.linkage, self.cam), self.design.drive.cam
+            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
+            radius: float = si(part).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
             proof["roller_tangency"] = cam.tangency(
-                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, self.design.drive.cam)
+                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, part)
             )
         if "dynamics" in wanted:
-            bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
-            parts = (self.linkage, self.cam, self.dynamics, self.loading)
-            proof["power_balance"] = Residual(float(dynamics.power_residual(*parts).max()), bound)
-            proof["momentum_balance"] = Residual(float(dynamics.momentum_residual(*parts).max()), bound)
+            bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())
+            parts = (self.linkage, self._shape, self.dynamics, self.loading)
+            proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
+            proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
         if "stability" in wanted and self.stability is not None:
             proof.update(self.stability.certificate)
         return proof
+
+    def _three_centres(self) -> Residual:
+        """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
+        a triple whose bound would say nothing is left out where it is so."""
+        step = max(1, self.theta.size // _POSITIONS)
+        there = self.at(Angles(self.theta[::step], self.angles.piece[::step]))
+        train = unit_speed_train(self.mechanism.linkage, there.drive.y[0], self.course)
+        found = moving_collinearity(train, self.course.plan.size)
+        bound = 16.0 * EPS * there.linkage.condition * found.doubt
+        well = bound <= _SAYS_NOTHING
+        worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
+        return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
+
+    def _over_lever(self) -> np.ndarray:
+        """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
+        is as uncertain."""
+        size = self.course.plan.size if self.course.plan.driver.revolute else 1.0
+        with np.errstate(divide="ignore"):
+            return np.fmax(1.0, size / np.abs(self.dynamics.lever))
+
+    @property
+    def reach(self) -> float:
+        """Distance of the follower's reference point from the cam centre on the base circle [m]; where the linkage gives the
+        cam its size, the largest."""
+        if self.mechanism.ranged:
+            return float(np.abs(self.cam.flank.pitch).max())
+        parts = si(self.design.drive.cam)
+        reach: float = parts.base_radius + parts.roller_radius
+        return reach
+
+    # -- of a linkage ---------------------------------------------------------------------------------------
+
+    def angular_velocities(self) -> dict[int, np.ndarray]:
+        """Link -> (n,) [rad/s], the frame included."""
+        bodies = self.linkage.bodies
+        return {n: bodies[body_name(n)].turn[1] * self.omega for n in sorted(self.design.drive.linkage.by_number)}
+
+    def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+        """Every named point: place [m] and velocity [m/s] (n,), complex."""
+        train, found = self.linkage, {}
+        links = self.design.drive.linkage.by_number
+        for name in (name for n in sorted(links) for name in links[n].places):
+            if name not in found:
+                z = train.bodies[body_of(train, name)].point(name)
+                found[name] = (z[0], z[1] * self.omega)
+        return found

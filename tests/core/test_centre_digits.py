@@ -8,7 +8,7 @@ from references import EPS, MP
 
 from core.instant_centres.construction import kennedy
 from core.project import load
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 Vector = list  # three numbers of mpmath
@@ -28,7 +28,7 @@ def test_a_centre_found_by_two_lines_keeps_its_digits(name: str) -> None:
     """Of four links each centre that is wanted has two triangles. What the lines carry of their centres' roundings is the
     stated doubt; made from them are four products each, and as many sums."""
     study = Study(load(EXAMPLES / f"{name}.toml"), 24)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     table = study.centres
     assert len(table.construction.steps) == 2
     for wanted in table.construction.steps:

@@ -14,7 +14,7 @@ from core.errors import KindynaError, NoPosition
 from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.project import load
 from core.project.writing import to_table
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))
@@ -26,13 +26,13 @@ def example(name: str) -> Design:
     return design
 
 
-def at(design: Design, theta: float) -> LinkageStudy:
+def at(design: Design, theta: float) -> Study:
     study = Study(design).at_theta(np.array([theta]))
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     return study
 
 
-def places(study: LinkageStudy) -> dict[str, complex]:
+def places(study: Study) -> dict[str, complex]:
     return {name: complex(z[0]) for name, (z, _) in study.points().items()}
 
 
@@ -156,7 +156,7 @@ def distance(outline: np.ndarray, place: complex) -> float:
 def driven(design: Design, angles: tuple[float, ...]) -> Iterator[tuple[float, float]]:
     """Where the cam pushes the driver, and where the motion wants it, at some cam angles [deg]."""
     study = Study(design, 3600)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     assert design.drive.cam is not None
     scale = 1e3 if design.drive.motion is not None and design.drive.motion.unit == "mm" else 1.0
     numbers = [body for body in study.linkage.bodies if body.startswith("link")]

@@ -17,14 +17,14 @@ from core.mechanism import course_of, unit_speed_train
 from core.mechanism.rounding import doubts
 from core.mechanism.solving import at_driver
 from core.project import load
-from core.study import LinkageStudy, Study, quantity
+from core.study import Study, quantity
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 
 
-def study(design: Design, samples: int = 72) -> LinkageStudy:
+def study(design: Design, samples: int = 72) -> Study:
     made = Study(design, samples)
-    assert isinstance(made, LinkageStudy)
+    assert made.design.drive.is_linkage
     return made
 
 

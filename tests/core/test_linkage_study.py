@@ -31,7 +31,7 @@ from core.errors import NoCam, NoPosition, NoSuchStage
 from core.export import files
 from core.project import load
 from core.report import report
-from core.study import LinkageStudy, Study, evaluations
+from core.study import Study, evaluations
 from core.summary import summary
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -45,9 +45,9 @@ def example(name: str) -> Design:
     return design
 
 
-def study_of(design: Design, samples: int = 72) -> LinkageStudy:
+def study_of(design: Design, samples: int = 72) -> Study:
     study = Study(design, samples)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     return study
 
 

@@ -8,15 +8,15 @@ from linkages import slider_crank
 
 from core.position import position
 from core.project import load
-from core.study import LinkageStudy, Study
+from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 RPM = math.pi / 30.0
 
 
-def study(name: str) -> LinkageStudy:
+def study(name: str) -> Study:
     found = Study(load(EXAMPLES / f"{name}.toml"), 24)
-    assert isinstance(found, LinkageStudy)
+    assert found.design.drive.is_linkage
     return found
 
 
@@ -40,7 +40,7 @@ def test_the_ratio_is_that_of_the_angular_velocities_and_the_advantage_its_inver
 
 def test_a_sliders_centre_lies_at_infinity_across_its_guide() -> None:
     found = Study(slider_crank(30.0, 90.0), 24)
-    assert isinstance(found, LinkageStudy)
+    assert found.design.drive.is_linkage
     there = position(found, 0.7)
     row = next(row for row in there.centres if row.links == (1, 4))
     assert row.place is None

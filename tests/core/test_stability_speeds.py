@@ -27,7 +27,7 @@ from core.stability import (
     verdicts,
 )
 from core.stability.speeds import RPM
-from core.study import Study, evaluations
+from core.study import STAGES, Study, evaluations
 from core.summary import summary
 
 
@@ -278,7 +278,7 @@ def test_the_report_and_the_summary_tell_of_the_shaft_where_it_bends() -> None:
     assert told["verdicts"][1]["stable"] is True
     for rigid in (PUSHER, LAYOUT_DESIGNS["a"]):
         assert "Stability" not in report(Study(rigid, 36))
-        assert "stability" not in summary(Study(rigid, 36), Study.stages)
+        assert "stability" not in summary(Study(rigid, 36), STAGES)
 
 
 # -- the design -------------------------------------------------------------------------------------------

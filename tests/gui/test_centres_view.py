@@ -6,7 +6,6 @@ import re
 import pytest
 from window_user import Open, User, settle, wait_for
 
-from core.study import LinkageStudy
 from kindyna_gui.centres_view import CentresView
 from kindyna_gui.circle_view import CircleView
 from kindyna_gui.pictures.centre_parts import CentreMarks, KennedyLines
@@ -74,7 +73,7 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
     settle()
     after = cells(view, "links")["4"]
     study = six_bar.session.at(six_bar.window.player.theta)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     assert after != before
     assert number(after[0]) == pytest.approx(float(study.angular_velocities()[4][0]), rel=1e-7)
 

@@ -13,7 +13,7 @@ from core.design import Design, faults
 from core.export import files
 from core.mechanism import with_point_at
 from core.project import load
-from core.study import LinkageStudy, Study
+from core.study import Study
 from kindyna_gui import export_dialogs
 from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.places import example, examples
@@ -22,9 +22,9 @@ from kindyna_gui.player import TURN
 LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), Design)]
 
 
-def there(user: User) -> LinkageStudy:
+def there(user: User) -> Study:
     study = user.session.at(user.window.player.theta)
-    assert isinstance(study, LinkageStudy)
+    assert study.design.drive.is_linkage
     return study
 
 

@@ -7,7 +7,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import Design
 from core.project import load
-from core.study import Study, clear_caches, evaluations, stages
+from core.study import STAGES, clear_caches, evaluations, stages
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.graph_choice import Choice
 from kindyna_gui.graph_view import GraphView
@@ -97,7 +97,7 @@ def test_the_table_is_what_the_views_say(user: User) -> None:
         assert view.stages == wanted, name
     assert user.window.bar.stages == READS["player"]
     assert set(VIEWS) <= {*READS, *PLOTS, "graph"}
-    assert set().union(*READS.values()) <= set(Study.stages)
+    assert set().union(*READS.values()) <= set(STAGES)
 
 
 def opened_alone(user: User, name: str, design: Design) -> View:
