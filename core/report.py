@@ -45,7 +45,7 @@ def printable(text: str) -> str:
 
 
 def finding_line(finding: Finding, angle: str = "cam angle") -> str:
-    where = "" if finding.cam_angle_deg is None else f" at {angle} {digits(finding.cam_angle_deg)} °"
+    where = "" if finding.cam_angle_deg is None or finding.says_angle else f" at {angle} {digits(finding.cam_angle_deg)} °"
     return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
 
 
