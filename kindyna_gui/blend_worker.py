@@ -7,7 +7,7 @@ from importlib import import_module
 from threading import Thread
 
 from core.blend import Blended, Request, best
-from kindyna_gui.lanes import Errand, Job, Lane
+from kindyna_gui.background import Background, Job, Worker
 
 
 @cache
@@ -24,4 +24,4 @@ def best_answer(request: Request, goal: str) -> Blended:
     return best(request, goal)
 
 
-__all__ = ["Errand", "Job", "Lane", "best_answer"]
+__all__ = ["Background", "Job", "Worker", "best_answer"]

@@ -1,8 +1,8 @@
-"""Computing beside the window: what is asked anew stops what is still being computed for an older question.
+"""Computing beside the window: new jobs stop those that are still being computed.
 
 What may take its time is not computed in the window's own thread, and what is no longer wanted not to its end.
 
-The other threads never touch an object of Qt: answers wait in a queue until the window looks. Nor do they tidy up (see
+The other threads never touch an object of Qt: results wait in a queue that the window polls. Nor do they tidy up (see
 ``tidying``).
 """
 
@@ -19,17 +19,17 @@ from PySide6.QtCore import QObject, QTimer, Signal
 from core.errors import KindynaError
 
 Job = tuple[Any, Callable[[], Any]]
-"""What is asked, and what answers it; neither may hold an object of Qt."""
-LOOK_MS = 3  # between looks at the queue
-PATIENCE = 5.0  # seconds for a stopped errand to end: it may be waiting for a module to be imported
+"""A key, and what computes the result; neither may hold an object of Qt."""
+POLL_MS = 3
+PATIENCE = 5.0  # seconds for a stopped worker to end: it may be waiting for a module to be imported
 
 
-class Errand(Thread):
+class Worker(Thread):
     """Jobs one after the other, in a thread that can be ended at any moment."""
 
     def __init__(self, jobs: Sequence[Job]) -> None:
         super().__init__(daemon=True)
-        self.found: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
+        self.results: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
         self._jobs = tuple(jobs)
         self._gate = Lock()
         self._inside = self._ended = False
@@ -46,12 +46,12 @@ class Errand(Thread):
             pass
 
     def _work(self) -> None:
-        for asked, answer in self._jobs:
+        for key, compute in self._jobs:
             try:
-                found = answer()
+                result = compute()
             except Exception as error:  # raised again in the window's thread, where it is heard
-                found = error
-            self.found.put((asked, found))
+                result = error
+            self.results.put((key, result))
 
     def end(self) -> None:
         """End it as ``sys.exit`` in its midst would, at its next step of Python."""
@@ -61,64 +61,64 @@ class Errand(Thread):
                 ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.ident), ctypes.py_object(SystemExit))
 
 
-class Lane(QObject):
-    """Errands of which only the last counts.
+class Background(QObject):
+    """Jobs beside the window, of which only the last that were started count.
 
-    answered   (what was asked, the answer or the KindynaError)
+    result   (key of the job, its result or the KindynaError)
     """
 
-    answered = Signal(object, object)
+    result = Signal(object, object)
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._errand: Errand | None = None
-        self._running: list[Errand] = []  # with those that are about to end
+        self._worker: Worker | None = None
+        self._running: list[Worker] = []  # with those that are about to end
         self._open = 0
-        self._looks = QTimer(self, interval=LOOK_MS)
-        self._looks.timeout.connect(self._look)
+        self._poll = QTimer(self, interval=POLL_MS)
+        self._poll.timeout.connect(self._fetch)
 
     @property
     def busy(self) -> bool:
-        """Answers are still to come."""
+        """Results are still to come."""
         return self._open > 0
 
-    def ask(self, jobs: Sequence[Job]) -> None:
-        """Forget what is being computed and compute these."""
+    def start(self, jobs: Sequence[Job]) -> None:
+        """Give up what is being computed and compute these."""
         self.stop()
         if not jobs:
             return
-        self._open, self._errand = len(jobs), Errand(jobs)
-        self._running.append(self._errand)
-        self._errand.start()
-        self._looks.start()
+        self._open, self._worker = len(jobs), Worker(jobs)
+        self._running.append(self._worker)
+        self._worker.start()
+        self._poll.start()
 
     def stop(self) -> None:
-        """Forget what is being computed."""
-        if self._errand is not None:
-            self._errand.end()
-        self._errand, self._open = None, 0
+        """Give up what is being computed."""
+        if self._worker is not None:
+            self._worker.end()
+        self._worker, self._open = None, 0
 
     def close(self) -> None:
         """Stop, and be sure that nothing of it is running any longer."""
         self.stop()
-        for errand in self._running:
-            errand.join(PATIENCE)
-        self._look()
+        for worker in self._running:
+            worker.join(PATIENCE)
+        self._fetch()
 
-    def _look(self) -> None:
-        errand = self._errand
-        while errand is not None and errand is self._errand:
+    def _fetch(self) -> None:
+        worker = self._worker
+        while worker is not None and worker is self._worker:
             try:
-                asked, found = errand.found.get_nowait()
+                key, result = worker.results.get_nowait()
             except Empty:
                 break
             self._open -= 1
-            if isinstance(found, Exception) and not isinstance(found, KindynaError):
-                raise found
-            self.answered.emit(asked, found)
-        self._running = [errand for errand in self._running if errand.is_alive()]
+            if isinstance(result, Exception) and not isinstance(result, KindynaError):
+                raise result
+            self.result.emit(key, result)
+        self._running = [worker for worker in self._running if worker.is_alive()]
         if not self._running and not self._open:
-            self._looks.stop()
+            self._poll.stop()
 
 
-__all__ = ["Errand", "Job", "Lane"]
+__all__ = ["Background", "Job", "Worker"]
