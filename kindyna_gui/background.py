@@ -8,57 +8,42 @@ The other threads never touch an object of Qt: results wait in a queue that the 
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Sequence
 from queue import Empty, SimpleQueue
-from threading import Lock, Thread
+from threading import Event, Thread
 from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
+from core.cancellation import Cancelled, cancellable, checkpoint
 from core.errors import KindynaError
 
 Job = tuple[Any, Callable[[], Any]]
 """A key, and what computes the result; neither may hold an object of Qt."""
 POLL_MS = 3
-PATIENCE = 5.0  # seconds for a stopped worker to end: it may be waiting for a module to be imported
+PATIENCE = 5.0  # seconds for a stopped worker to come to its next checkpoint: it may be importing a module
 
 
 class Worker(Thread):
-    """Jobs one after the other, in a thread that can be ended at any moment."""
+    """Jobs one after the other. Once ``cancelled`` is set the job at hand ends at its next checkpoint, and no other begins."""
 
     def __init__(self, jobs: Sequence[Job]) -> None:
         super().__init__(daemon=True)
         self.results: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
+        self.cancelled = Event()
         self._jobs = tuple(jobs)
-        self._gate = Lock()
-        self._inside = self._ended = False
 
     def run(self) -> None:
-        try:
-            with self._gate:
-                self._inside = not self._ended
-            if self._inside:
-                self._work()
-            with self._gate:  # after it nothing can end it any more
-                self._inside = False
-        except SystemExit:
-            pass
-
-    def _work(self) -> None:
-        for key, compute in self._jobs:
-            try:
-                result = compute()
-            except Exception as error:  # raised again in the window's thread, where it is heard
-                result = error
-            self.results.put((key, result))
-
-    def end(self) -> None:
-        """End it as ``sys.exit`` in its midst would, at its next step of Python."""
-        with self._gate:
-            inside, self._inside, self._ended = self._inside, False, True
-            if inside and self.ident is not None:
-                ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(self.ident), ctypes.py_object(SystemExit))
+        with cancellable(self.cancelled):
+            for key, compute in self._jobs:
+                try:
+                    checkpoint()
+                    result = compute()
+                except Cancelled:
+                    return
+                except Exception as error:  # raised again in the window's thread, where it is heard
+                    result = error
+                self.results.put((key, result))
 
 
 class Background(QObject):
@@ -95,7 +80,7 @@ class Background(QObject):
     def stop(self) -> None:
         """Give up what is being computed."""
         if self._worker is not None:
-            self._worker.end()
+            self._worker.cancelled.set()
         self._worker, self._open = None, 0
 
     def close(self) -> None:

@@ -15,10 +15,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import Blended, BlendError, blend, feasible_ranges
+from core.blend import Blended, BlendError, best, blend, feasible_ranges
 from core.design import Design, faults, require_motion
 from core.errors import KindynaError
 from core.making import in_place, over_the_turn
+from kindyna_gui.background import Background, Job
 from kindyna_gui.blend_answer import AnswerPanel
 from kindyna_gui.blend_asked import Asked, has_both, plan, ranged
 from kindyna_gui.blend_fields import PointRow, Ranged
@@ -26,7 +27,6 @@ from kindyna_gui.blend_first import first_asked
 from kindyna_gui.blend_kind import heading
 from kindyna_gui.blend_questions import Questions
 from kindyna_gui.blend_words import effect, reason
-from kindyna_gui.blend_worker import Background, Job, best_answer
 from kindyna_gui.put_dialog import PutDialog
 from kindyna_gui.session import Session
 from kindyna_gui.wording import name_of, sentence, shortest
@@ -141,7 +141,7 @@ class BlendDialog(PutDialog):
     def _ask_for_the_best(self) -> None:
         asked = self.questions.asked()
         self._veil(f"Looking for the least {asked.goal}")
-        self.answers.start([(asked, partial(best_answer, asked.request, asked.goal))])
+        self.answers.start([(asked, partial(best, asked.request, asked.goal))])
 
     def _ask_for_ranges(self, asked: Asked) -> None:
         """The field at hand first; then what takes least: while a setting is missing those that are still open."""
