@@ -5,16 +5,18 @@ Exit codes: 0 done; 1 done and all files written, but a finding is an error; 2 n
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
-from typing import Any, NoReturn
+from core.process import exit_code, importing
 
-from core import __version__
-from core.commands import COMMANDS, DONE, NOTHING_DONE, Command, Painter
-from core.errors import KindynaError
+with importing():
+    import argparse
+    import sys
+    from collections.abc import Callable, Mapping, Sequence
+    from types import MappingProxyType
+    from typing import Any, NoReturn
+
+    from core import __version__
+    from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
+    from core.errors import KindynaError
 
 MOST_LINES = 100
 
@@ -51,14 +53,14 @@ def main(
     extra: Mapping[str, Command] = MappingProxyType({}),
 ) -> int:
     """Run one command; returns the exit code. painter paints pictures, None leaves them out; extra: more commands."""
-    rows = {**COMMANDS, **extra}
+    return exit_code(lambda: _run(argv, painter, program, {**COMMANDS, **extra}))
+
+
+def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    try:
-        words = parser(program, rows).parse_args(argv)
-    except SystemExit as stop:
-        return int(stop.code or 0)
+    words = parser(program, rows).parse_args(argv)
     try:
         return rows[words.command].run(words, painter)
     except KindynaError as error:
@@ -67,13 +69,6 @@ def main(
         print(
             "\n".join(lines[:MOST_LINES]), *([f"and {rest} more faults"] if rest > 0 else []), sep="\n", file=sys.stderr
         )
-        return NOTHING_DONE
-    except BrokenPipeError:
-        # the reader went away; nothing is left to tell it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
         return NOTHING_DONE
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -29,7 +30,33 @@ class Finding:
 
     @property
     def message(self) -> str:
-        return SENTENCES[self.code].format(**self.values)
+        """The sentence. Figures that it compares have as many digits as tell them apart."""
+        digits, names = COMPARED.get(self.code, (0, ()))
+        texts = dict(zip(names, apart([float(self.values.get(name, 1.0)) for name in names], digits), strict=True))
+        return SENTENCES[self.code].format(**{**self.values, **texts}, at=self._at)
+
+    @property
+    def _at(self) -> str:
+        """The cam angle inside of a sentence."""
+        angle = self.cam_angle_deg
+        return "" if angle is None or not math.isfinite(angle) else f" at {angle:.5g} deg"
+
+    @property
+    def says_angle(self) -> bool:
+        """The sentence holds the cam angle."""
+        return "{at}" in SENTENCES[self.code]
+
+
+MOST_DIGITS = 17  # of a double
+
+
+def apart(numbers: Sequence[float], digits: int) -> list[str]:
+    """Numbers as texts of so many digits, or of as many more as it takes that different numbers have different texts."""
+    while True:
+        texts = [f"{number:.{digits}g}" for number in numbers]
+        if digits >= MOST_DIGITS or len(set(texts)) == len(set(numbers)):
+            return texts
+        digits += 1
 
 
 SENTENCES: Mapping[str, str] = MappingProxyType(
@@ -37,13 +64,13 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "jump-displacement": "displacement jumps by {jump:.6g} {unit_name} at a join: no cam can do that",
         "jump-velocity": "velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration",
         "jump-acceleration": "acceleration jumps by {jump:.6g} {unit_name}/rad^2 at a join: infinite jerk",
-        "pressure-angle": "pressure angle {value:.4g} deg exceeds the usual {limit:.4g} deg; a larger base radius lowers it",
-        "roller-pressure-angle": "pressure angle {value:.4g} deg exceeds the usual {limit:.4g} deg; carry the roller at another "
-        "point, or move the cam's centre",
-        "undercut": "undercut: the smallest radius of the pitch curve, {pitch_radius_mm:.5g} mm, "
-        "is below the roller radius {roller_radius_mm:.5g} mm",
+        "pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
+        "roller-pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: carry the roller at another point, or move "
+        "the cam's centre",
+        "undercut": "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: "
+        "enlarge the base radius, or take a smaller roller",
         "separation": "the roller leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
-        "jamming": "friction jams the guide: friction times the slope of what pushes is {factor:.4g}, must stay below 1",
+        "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1",
         "dead-centre": "rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}",
         "rod-across-guide": "the rod comes close to standing across the guide, where the arm cannot drive the slider: "
         "cosine of its angle {value:.3g}",
@@ -53,20 +80,36 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "change-point": "the links at {joint} come to lie in one line, where both ways to assemble them meet (change point); "
         "the motion goes on smoothly, but play decides",
         "linkage-dead-centre": "dead centre: the links at {joint} come to lie in one line, transmission angle {value:.3g} deg",
-        "transmission-angle": "transmission angle at {joint} falls to {value:.4g} deg, usual are {limit:.4g} deg and more",
-        "unstable-speed": "{rpm:.6g} rpm lies in a forbidden band of speed, {rpm_lo:.6g} ... {rpm_hi:.6g} rpm (tongue {n:.0f}): "
+        "transmission-angle": "transmission angle of {joint} {value} deg{at}, limit {limit} deg: change the lengths of the links "
+        "that meet there",
+        "unstable-speed": "{rpm} rpm lies in a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}): "
         "twist of the shaft grows by up to {growth_percent:.3g} % a turn; change its stiffness or the speed",
         "unstable-shaft": "at {rpm:.6g} rpm twist of the shaft grows by {growth_percent:.3g} % a turn; change its stiffness or the "
         "speed",
-        "near-unstable-speed": "{rpm:.6g} rpm is near a forbidden band of speed, {rpm_lo:.6g} ... {rpm_hi:.6g} rpm (tongue {n:.0f}), "
+        "near-unstable-speed": "{rpm} rpm is near a forbidden band of speed, {rpm_lo} ... {rpm_hi} rpm (tongue {n:.0f}), "
         "in which twist of the shaft grows by up to {growth_percent:.3g} % a turn",
-        "above-all-speeds": "{rpm:.6g} rpm is above {top_rpm:.6g} rpm, from where on the shaft does not hold the cam",
+        "above-all-speeds": "{rpm} rpm is above {top_rpm} rpm, from where on the shaft does not hold the cam",
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
         "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak, "
         "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )
+
+COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
+    {
+        "pressure-angle": (4, ("value", "limit")),
+        "roller-pressure-angle": (4, ("value", "limit")),
+        "undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
+        "jamming": (4, ("factor", "limit")),
+        "transmission-angle": (4, ("value", "limit")),
+        "unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
+        "near-unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
+        "above-all-speeds": (6, ("rpm", "top_rpm")),
+    }
+)
+"""Code of a finding -> the least digits of the figures that its sentence compares, and their names; a limit that is none of its
+values is 1."""
 
 
 LEAST_BOUND = 1e-12

@@ -45,7 +45,7 @@ def printable(text: str) -> str:
 
 
 def finding_line(finding: Finding, angle: str = "cam angle") -> str:
-    where = "" if finding.cam_angle_deg is None else f" at {angle} {digits(finding.cam_angle_deg)} °"
+    where = "" if finding.cam_angle_deg is None or finding.says_angle else f" at {angle} {digits(finding.cam_angle_deg)} °"
     return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
 
 
@@ -145,7 +145,7 @@ def _flywheel(study: Study) -> list[str]:
     wheel = flywheel(study)
     if not wheel:
         return []
-    shaft = study.design.shaft
+    shaft = study.design.camshaft
     rows = [
         ("Mean torque", digits(wheel["mean_torque_nm"]), "N·m"),
         ("Energy swing", digits(wheel["energy_swing_j"]), "J"),
@@ -205,7 +205,7 @@ def _forbidden(told: dict[str, Any]) -> list[str]:
 
 
 def _needed(study: Study, told: dict[str, Any]) -> list[str]:
-    needed, now = told["stiffness"], study.design.shaft.elastic
+    needed, now = told["stiffness"], study.design.camshaft.elastic
     if now is None or needed["allowed"]:
         return ["", "At this speed the shaft keeps clear of the forbidden bands."]
     softer = needed["greatest_softer_nm_per_rad"]

@@ -138,7 +138,7 @@ def stability(study: Study) -> dict[str, Any]:
         row, machine = found.exact, found.machine
     except NoStability:
         return {}
-    needed = found.stiffness_for(study.design.shaft.speed_rpm)
+    needed = found.stiffness_for(study.design.camshaft.speed_rpm)
     return {
         "eta": machine.eta,
         "q": machine.q,

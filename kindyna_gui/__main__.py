@@ -6,19 +6,21 @@ which a window need not wait.
 
 from __future__ import annotations
 
-import argparse
-import os
-import sys
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, NoReturn
+from core.process import exit_code, importing
 
-from core import __version__
-from core.errors import KindynaError
-from kindyna_gui.display import lacking, obstacle
-from kindyna_gui.places import default_design
+with importing():
+    import argparse
+    import sys
+    from collections.abc import Callable, Mapping, Sequence
+    from dataclasses import replace
+    from pathlib import Path
+    from types import ModuleType
+    from typing import TYPE_CHECKING, NoReturn
+
+    from core import __version__
+    from core.errors import KindynaError
+    from kindyna_gui.display import lacking, obstacle
+    from kindyna_gui.places import default_design
 
 if TYPE_CHECKING:
     from core.commands import Drawn, Painter
@@ -56,7 +58,8 @@ def parser() -> argparse.ArgumentParser:
 def paint(drawn: Drawn) -> Mapping[str, bytes]:
     """The pictures of a study, a chart or another figure; none, and one line that says why, where Qt cannot be loaded."""
     try:
-        from kindyna_gui.pictures.files import paint as painted
+        with importing():
+            from kindyna_gui.pictures.files import paint as painted
     except ImportError as error:
         if not _of_qt(error):
             raise
@@ -70,6 +73,8 @@ def _with_qt(run: Run) -> Run:
 
     def guarded(words: argparse.Namespace, painter: Painter | None) -> int:
         try:
+            with importing():  # Qt cannot be interrupted there
+                from PySide6 import QtWidgets  # noqa: F401
             return run(words, painter)
         except ImportError as error:
             if not _of_qt(error):
@@ -119,7 +124,8 @@ def window(path: Path | None) -> int:
     try:
         trouble = lacking()
         if not trouble:
-            main_window = window_module()
+            with importing():
+                main_window = window_module()
     except ImportError as error:
         if not _of_qt(error):
             raise
@@ -146,31 +152,24 @@ def _of_qt(error: ImportError) -> bool:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the program; returns the exit code."""
+    return exit_code(lambda: _run(list(sys.argv[1:] if argv is None else argv)))
+
+
+def _run(words: list[str]) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    words = list(sys.argv[1:] if argv is None else argv)
     if words[:1] == [HEADLESS]:
         return headless(words[1:])
-    try:
-        asked = parser().parse_args(words)
-        if asked.headless is not None:
-            parser().error(f"{HEADLESS} must come first")
-    except SystemExit as stop:
-        return int(stop.code or 0)
+    asked = parser().parse_args(words)
+    if asked.headless is not None:
+        parser().error(f"{HEADLESS} must come first")
     path: Path | None = asked.design
     why = obstacle()
     try:
         return without_window(path or default_design(), why) if why else window(path)
     except KindynaError as error:
         print(error, file=sys.stderr)
-        return NOTHING_DONE
-    except BrokenPipeError:
-        # the reader went away; nothing is left to tell it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return DONE
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
         return NOTHING_DONE
 
 

@@ -15,10 +15,11 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.blend import Blended, BlendError, blend, feasible_ranges
+from core.blend import Blended, BlendError, best, blend, feasible_ranges
 from core.design import Design, faults, require_motion
 from core.errors import KindynaError
 from core.making import in_place, over_the_turn
+from kindyna_gui.background import Background, Job
 from kindyna_gui.blend_answer import AnswerPanel
 from kindyna_gui.blend_asked import Asked, has_both, plan, ranged
 from kindyna_gui.blend_fields import PointRow, Ranged
@@ -26,7 +27,6 @@ from kindyna_gui.blend_first import first_asked
 from kindyna_gui.blend_kind import heading
 from kindyna_gui.blend_questions import Questions
 from kindyna_gui.blend_words import effect, reason
-from kindyna_gui.blend_worker import Job, Lane, best_answer
 from kindyna_gui.put_dialog import PutDialog
 from kindyna_gui.session import Session
 from kindyna_gui.wording import name_of, sentence, shortest
@@ -51,7 +51,7 @@ class BlendDialog(PutDialog):
         self.design: Design | None = None  # with it
         self.questions = Questions(motion.unit)
         self.panel = AnswerPanel(motion.unit)
-        self.answers, self.ranges = Lane(self), Lane(self)
+        self.answers, self.ranges = Background(self), Background(self)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
@@ -97,8 +97,8 @@ class BlendDialog(PutDialog):
         self._soon.timeout.connect(self.ask)
         self._pause.timeout.connect(self._ask_for_the_best)
         self._slow.timeout.connect(self._is_slow)
-        self.answers.answered.connect(self._answered)
-        self.ranges.answered.connect(self._ranged)
+        self.answers.result.connect(self._answered)
+        self.ranges.result.connect(self._ranged)
 
     # -- asking ---------------------------------------------------------------------------------------------
 
@@ -124,7 +124,7 @@ class BlendDialog(PutDialog):
         if missing:
             self._veil(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
         else:
-            self.answers.ask([(asked, partial(blend, asked.request))])
+            self.answers.start([(asked, partial(blend, asked.request))])
 
     @property
     def busy(self) -> bool:
@@ -135,13 +135,13 @@ class BlendDialog(PutDialog):
         """Forget what is being computed."""
         for timer in (self._soon, self._pause, self._slow):
             timer.stop()
-        for lane in (self.answers, self.ranges):
-            lane.stop()
+        for each in (self.answers, self.ranges):
+            each.stop()
 
     def _ask_for_the_best(self) -> None:
         asked = self.questions.asked()
         self._veil(f"Looking for the least {asked.goal}")
-        self.answers.ask([(asked, partial(best_answer, asked.request, asked.goal))])
+        self.answers.start([(asked, partial(best, asked.request, asked.goal))])
 
     def _ask_for_ranges(self, asked: Asked) -> None:
         """The field at hand first; then what takes least: while a setting is missing those that are still open."""
@@ -154,7 +154,7 @@ class BlendDialog(PutDialog):
             at = (row.at.number or 0.0,) if isinstance(row, PointRow) else ()
             jobs.append((self._waiting.index(row), partial(feasible_ranges, request, row.name, *at)))
         self._asked_rows = tuple(self._waiting)
-        self.ranges.ask(jobs)
+        self.ranges.start(jobs)
 
     # -- answers --------------------------------------------------------------------------------------------
 
@@ -227,8 +227,8 @@ class BlendDialog(PutDialog):
 
     def done(self, result: int) -> None:
         self.stop()
-        for lane in (self.answers, self.ranges):
-            lane.close()
+        for each in (self.answers, self.ranges):
+            each.close()
         super().done(result)
 
 

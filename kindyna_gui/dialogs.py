@@ -9,6 +9,8 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from core.recovery import Found
+
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
@@ -39,6 +41,15 @@ class Unfinished(Enum):
     CLOSE = "close"
     LAST_WHOLE = "last whole motion"
     CANCEL = "cancel"
+
+
+class OnRecovery(Enum):
+    """What to do with unsaved work of a process that has died."""
+
+    RECOVER = "recover"
+    OPEN = "open the file as it is"
+    DISCARD = "discard"
+    LATER = "later"
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
@@ -143,6 +154,17 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfin
     box.exec()
     answer = buttons.get(box.clickedButton(), Unfinished.CANCEL)
     box.deleteLater()
+    return answer
+
+
+def ask_to_recover(parent: QWidget, found: Sequence[Found]) -> tuple[OnRecovery, Found]:
+    """What to do with unsaved work, and with which."""
+    from kindyna_gui.recovery_dialog import RecoveryDialog
+
+    dialog = RecoveryDialog(parent, found)
+    dialog.exec()
+    answer = dialog.choice, dialog.chosen
+    dialog.deleteLater()
     return answer
 
 

@@ -8,12 +8,16 @@ from typing import Any
 from core.design import NO_UNIT, Design, Unit, split_unit
 from core.errors import MISSING
 from core.project import Difference
-from kindyna_gui.wording import name_of, value_text
+from kindyna_gui.wording import choice_text, name_of, value_text
+
+NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
+"""Of keys that no form shows."""
 
 
-def difference_text(before: Design, after: Design, found: Difference) -> tuple[str, str, str]:
+def difference_text(before: Design | None, after: Design, found: Difference) -> tuple[str, str, str]:
     """A value that differs between two designs: its name, what stands in the one, what in the other."""
-    name = name_of(before if found.after is MISSING else after, found.path)
+    design = before if before is not None and found.after is MISSING else after
+    name = NAMES.get(found.path) or name_of(design, found.path)
     unit = split_unit(found.path.rpartition(".")[2])[1] or NO_UNIT
     return name, _any_text(found.before, unit), _any_text(found.after, unit)
 
@@ -26,7 +30,9 @@ def _any_text(value: Any, unit: Unit) -> str:
         return ", ".join(f"{key} {_any_text(each, NO_UNIT)}" for key, each in value.items())
     if isinstance(value, list | tuple):
         return f"({', '.join(_any_text(each, NO_UNIT) for each in value)})"
-    return value_text(value, unit)
+    if isinstance(value, float):
+        return value_text(value, unit)
+    return choice_text(value) if isinstance(value, str) else str(value)
 
 
 __all__ = ["difference_text"]

@@ -47,23 +47,28 @@ def joins_of(draft: Draft) -> tuple[Join, ...]:
 
 
 def closing_words(draft: Draft, closing: Design) -> str:
-    """What would close it: ``segment 4: Modified sine, 90°, -40 mm``."""
+    """What would close it: ``segment 4: Modified sine, -40 mm``."""
     before, after = list(draft.motion.segments), list(require_motion(closing).segments)
     new = -1
     if len(after) > len(before):
         new = next((i for i, segment in enumerate(before) if segment != after[i]), len(before) - 1) + 1
         before.insert(new, after[new])
     rows = [
-        f"{'a new ' if i == new else ''}segment {i + 1}: {_segment_words(segment, draft.motion)}"
+        f"{'a new ' if i == new else ''}segment {i + 1}: {_changes(None if i == new else before[i], segment, draft.motion)}"
         for i, segment in enumerate(after)
         if i == new or segment != before[i]
     ]
     return "; ".join(rows)
 
 
-def _segment_words(segment: Segment, motion: Motion) -> str:
-    span, rise = value_text(segment.span_deg, UNITS["deg"]), value_text(segment.rise, UNITS[motion.unit])
-    return f"{law_label(segment.curve.law)}, {span}, {rise}"
+def _changes(before: Segment | None, after: Segment, motion: Motion) -> str:
+    """Law, span and rise of a segment, as far as they are others than before."""
+    texts = [law_label(after.curve.law)] if before is None or before.curve.law != after.curve.law else []
+    if before is None or before.span_deg != after.span_deg:
+        texts.append(value_text(float(f"{after.span_deg:.6g}"), UNITS["deg"]))
+    if before is None or before.rise != after.rise:
+        texts.append(value_text(float(f"{after.rise:.6g}"), UNITS[motion.unit]))
+    return ", ".join(texts)
 
 
 __all__ = ["amiss", "closing_words", "joins_of", "misses"]

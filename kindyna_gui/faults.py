@@ -20,11 +20,11 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
 
-from core.design import Design
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.fault_log import FaultLog, short
 from kindyna_gui.note import Note
-from kindyna_gui.session import ChangeDesign, Refusal
+from kindyna_gui.session import Refusal
+from kindyna_gui.steps import ChangeDesign, Work
 from kindyna_gui.titles import title_of
 from kindyna_gui.view import View
 
@@ -34,11 +34,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class _Place:
-    """A design that no fault has touched, and where it stands on the undo stack of which document."""
+    """Work that no fault has touched, and where it stands on the undo stack of which document."""
 
     document: int
     index: int
-    design: Design
+    work: Work
 
 
 class Faults(QObject):
@@ -65,6 +65,7 @@ class Faults(QObject):
         self._event_end.timeout.connect(self._settle)
         self._session.stack.indexChanged.connect(self._step_taken)
         self._session.design_changed.connect(self._event_end.start)
+        self._session.draft_changed.connect(self._event_end.start)
         self._session.refused.connect(self._refused)
         window.menuBar().triggered.connect(self._chosen)
         self._in_thread.connect(self._say_of_thread)
@@ -124,7 +125,10 @@ class Faults(QObject):
     # -- once the event has ended -------------------------------------------------------------------------
 
     def _place(self) -> _Place:
-        return _Place(self._session.document, self._session.stack.index(), self._session.design)
+        return _Place(self._session.document, self._session.stack.index(), self._work())
+
+    def _work(self) -> Work:
+        return self._session.design, self._session.draft
 
     def _settle(self) -> None:
         """The event has ended: what it brought is good, or is taken back."""
@@ -148,13 +152,13 @@ class Faults(QObject):
         """Put the last good design back. The name of what is taken back, and of the menu entry that makes it again; both
         empty where the design has not changed."""
         session, stack, good = self._session, self._session.stack, self._good
-        if session.document != good.document or session.design is good.design:
+        if session.document != good.document or all(now is then for now, then in zip(self._work(), good.work, strict=True)):
             return "", ""
         index = stack.index()
         step, again = (f"Undo {stack.redoText()}", "Undo") if index < good.index else (stack.undoText(), "Redo")
         stack.setIndex(good.index)
-        if session.design != good.design:  # a later part of a gesture, which is one step with its beginning
-            stack.push(ChangeDesign(session, good.design, step, "", 0))
+        if self._work() != good.work:  # a later part of a gesture, which is one step with its beginning
+            stack.push(ChangeDesign(session, good.work, step, "", 0))
             again = "Undo"
         session.end_gesture()
         return step, again

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import Qt, QTimer
+from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
@@ -27,6 +27,7 @@ from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
 from kindyna_gui.player import Player
+from kindyna_gui.recovery import Recovery, write_before_the_end
 from kindyna_gui.session import Refusal, Session
 from kindyna_gui.settings import Settings
 from kindyna_gui.shares import Shares
@@ -43,7 +44,12 @@ _FRAME = 40  # pixels a desktop takes for the window's own frame
 
 
 class MainWindow(QMainWindow):
-    """The window over one session and one player, which end with it."""
+    """The window over one session and one player, which end with it.
+
+    furnished   the first picture is on the screen, and the docks are there
+    """
+
+    furnished = Signal()
 
     def __init__(self, session: Session, player: Player, settings: Settings) -> None:
         super().__init__()
@@ -53,6 +59,7 @@ class MainWindow(QMainWindow):
         session.design_changed.connect(self._design_changed)  # before the views, which ask the player for the angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
+        self.recovery = Recovery(self)
         self.exports = Exports(session, player, self)
         self.designing = Designing(self)
         self._painted, self._begun = False, True
@@ -115,6 +122,7 @@ class MainWindow(QMainWindow):
         self.documents.told.connect(self.status.tell)
         self.exports.told.connect(self.status.tell)
         self.disk.told.connect(self.status.tell)
+        self.recovery.told.connect(self.status.tell)
         self.designing.told.connect(self.status.tell)
         self.exports.layers = self._layers
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
@@ -260,6 +268,7 @@ class MainWindow(QMainWindow):
         for dock in self.docks.values():
             dock.hold(False)
         self._front_dock()
+        self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:
         if not self.documents.may_leave():
@@ -269,6 +278,7 @@ class MainWindow(QMainWindow):
         self.settings.save_layout(self)
         for view in self.findChildren(View):
             view.leave()
+        self.recovery.close()
         event.accept()
 
     def dragEnterEvent(self, event: QDragEnterEvent) -> None:
@@ -296,7 +306,9 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     settings = Settings()
     if own is not None:
         settings.add_recent(own)
-    return MainWindow(session, Player(), settings)
+    window = MainWindow(session, Player(), settings)
+    window.recovery.begin()
+    return window
 
 
 def run(path: Path | None = None) -> int:
@@ -304,8 +316,11 @@ def run(path: Path | None = None) -> int:
 
     Raises DesignError, FileError where the file is wrong.
     """
-    window = open_window(ensure_app(), path)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C in the terminal
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C while the window is being made ends it without a word
+    app = ensure_app()
+    window = open_window(app, path)
+    write_before_the_end(app, window.recovery)
+    window.furnished.connect(window.recovery.offer, Qt.ConnectionType.QueuedConnection)
     window.show()
     return QApplication.exec()
 

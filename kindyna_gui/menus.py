@@ -90,6 +90,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
             Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
             Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
+            Item("Reco&ver unsaved work...", "recovery.offer_again", None, None,
+                 "What was unsaved when KINDYNA ended without being closed"),
             SEPARATOR,
             Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),

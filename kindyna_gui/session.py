@@ -314,7 +314,7 @@ class Session(QObject):
         path = self._file()
         design = self._files.read(path)
         self._is_in_file(design, path)
-        if design != self.design:
+        if (design, None) != (self.design, self.draft):
             self.stack.push(BeginDesign(self, design, path, f"Reload {path.name}"))
         self.stack.setClean()
         self.file_changed.emit()

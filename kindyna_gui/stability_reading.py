@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QLabel
 
 from core.stability import EXACT, Stability, Verdict
-from kindyna_gui.lanes import Lane
+from kindyna_gui.background import Background
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.stability_words import point_text, tongue_of, waiting_text
 
@@ -35,8 +35,8 @@ class Reading(QLabel):
         self.setMinimumHeight(LINES * self.fontMetrics().lineSpacing() + 2)  # else the chart jumps
         self.setAlignment(Qt.AlignmentFlag.AlignTop)
         coloured(self, QUIET)
-        self.lane = Lane(self)
-        self.lane.answered.connect(self._answered)
+        self.background = Background(self)
+        self.background.result.connect(self._answered)
         self._pause = QTimer(self, singleShot=True, interval=REST_MS)
         self._pause.timeout.connect(self._ask)
         self._found: Stability | None = None
@@ -46,12 +46,12 @@ class Reading(QLabel):
 
     @property
     def busy(self) -> bool:
-        return self._pause.isActive() or self.lane.busy
+        return self._pause.isActive() or self.background.busy
 
     def stop(self) -> None:
         """Give up what is being computed; what is told stays."""
         self._pause.stop()
-        self.lane.stop()
+        self.background.stop()
         self.changed.emit()
 
     def say(self, text: str) -> None:
@@ -74,7 +74,7 @@ class Reading(QLabel):
         assert self._found is not None
         assert self.point is not None
         eta, q = self.point
-        self.lane.ask(
+        self.background.start(
             [
                 (self.point, partial(self._found.rest_at, eta, q)),
                 (self.point, partial(self._found.steady_at, eta, q)),

@@ -24,7 +24,7 @@ from core.design import with_elastic
 from core.errors import KindynaError
 from core.stability import ERROR, Chart, Stability, chart
 from core.study import Study
-from kindyna_gui.lanes import Job, Lane
+from kindyna_gui.background import Background, Job
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.chart import ACROSS, UPWARDS
 from kindyna_gui.player import Player
@@ -59,7 +59,7 @@ class StabilityView(View):
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
         self.chart, self.reading, self.pages = StabilityChart(), Reading(), StabilityPages()
         self.chart.setMinimumHeight(180)
-        self.fine, self.looks, self.means = Lane(), Lane(), Lane()
+        self.fine, self.looks, self.means = Background(), Background(), Background()
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self._begin)
         self._lay_out()
@@ -123,9 +123,9 @@ class StabilityView(View):
         self.chart.released.connect(self._released)
         self.reading.changed.connect(self._rest)
         self.pages.lacking.connect(self._lacks)
-        self.fine.answered.connect(self._refined)
-        self.looks.answered.connect(self._known)
-        self.means.answered.connect(self._known)
+        self.fine.result.connect(self._refined)
+        self.looks.result.connect(self._known)
+        self.means.result.connect(self._known)
         self.across.currentIndexChanged.connect(self._draw_chart)
         self.upwards.currentIndexChanged.connect(self._draw_chart)
         self.use.clicked.connect(self.use_wanted)
@@ -176,22 +176,22 @@ class StabilityView(View):
 
     @property
     def _computing(self) -> bool:
-        return any(lane.busy for lane in self._lanes)
+        return any(each.busy for each in self._background)
 
     @property
-    def _lanes(self) -> tuple[Lane, ...]:
-        return self.fine, self.looks, self.means, self.reading.lane
+    def _background(self) -> tuple[Background, ...]:
+        return self.fine, self.looks, self.means, self.reading.background
 
     def _stop(self) -> None:
         self._pause.stop()
-        for each in (self.fine, self.looks, self.means, self.reading):  # which stops its own lane
+        for each in (self.fine, self.looks, self.means, self.reading):  # which stops its own
             each.stop()
         self._rest()
 
     def leave(self) -> None:
         self._stop()
-        for lane in self._lanes:
-            lane.close()
+        for each in self._background:
+            each.close()
 
     def hideEvent(self, event: QHideEvent) -> None:
         super().hideEvent(event)
@@ -222,13 +222,13 @@ class StabilityView(View):
         if self.found is None or not self.on_screen():
             return
         if self.drawn.q.size < FINE:
-            self.fine.ask([("chart", self._chart(self.found, self.drawn.name, FINE, ERROR))])
+            self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, ERROR))])
         self._ask_for_point(self.found)
         self.pages.redraw()
 
     def _ask_for_point(self, found: Stability) -> None:
         assert self.looked is not None
-        self.looks.ask(self._jobs(found, self.looked))
+        self.looks.start(self._jobs(found, self.looked))
         self._rest()
 
     @staticmethod
@@ -245,7 +245,7 @@ class StabilityView(View):
     def _lacks(self, name: str) -> None:
         """A page in front waits for a cached property of the shaft."""
         if self.found is not None and not self.means.busy and not self._pause.isActive():
-            self.means.ask([(name, partial(getattr, self.found, name))])
+            self.means.start([(name, partial(getattr, self.found, name))])
             self._rest()
 
     def _refined(self, asked: str, found: Chart | KindynaError) -> None:

@@ -29,7 +29,9 @@ from kindyna_gui.session import Session
 from kindyna_gui.view import View
 
 PATIENCE_MS = 5000
-QUESTIONS = {name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_unfinished")}
+QUESTIONS = {
+    name: getattr(dialogs, name) for name in ("ask_to_save", "ask_on_conflict", "ask_unfinished", "ask_to_recover")
+}
 """Those that are buttons to be clicked, as the program asks them."""
 
 

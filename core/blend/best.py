@@ -30,6 +30,7 @@ from core.blend.request import (
 from core.blend.search import Gauge, Ground, least, starts
 from core.blend.solver import Place, Problem
 from core.blend.wishes import Wish, equation
+from core.cancellation import checkpoint
 from core.laws import peaks
 
 GONE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
@@ -71,6 +72,7 @@ def best(request: Request, goal: str) -> Blended:
     require_sense(request)
     winner: tuple[float, Candidate, Solution] | None = None
     for candidate in candidates(request):
+        checkpoint()
         found = _of_candidate(request, candidate, goal)
         if found is not None and (winner is None or found[0] < winner[0] * (1.0 - 1e-9)):
             winner = found[0], candidate, found[1]

@@ -17,6 +17,7 @@ from core.blend.request import (
     wishes_of,
 )
 from core.blend.wishes import POINT, SETTINGS, Wish
+from core.cancellation import checkpoint
 
 
 def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Range]:
@@ -47,6 +48,7 @@ def ranges_by(request: Request, rows: Iterable[Candidate], others: Sequence[Wish
     """What a wish may be beside others by any of the candidates."""
     found = []
     for candidate in rows:
+        checkpoint()
         problem = problem_of(request, candidate, [*others, wish])
         found += [_shown(r, request, candidate, wish) for r in problem.ranges(len(others))]
     return merged(found)

@@ -14,6 +14,7 @@ import numpy as np
 from core.blend.metering import Meter
 from core.blend.region import Region
 from core.blend.wishes import POINT, Wish, equation
+from core.cancellation import checkpoint
 
 Gauge = Callable[[np.ndarray, np.ndarray], tuple[float, np.ndarray]]
 """A value and its derivatives by t, x1, ... from the values of all forms and their derivatives."""
@@ -176,6 +177,7 @@ def _constraints(ground: Ground) -> list[dict[str, object]]:
 
 def _forms(ground: Ground, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """All forms and their derivatives by log t, log x1, ..."""
+    checkpoint()
     place = np.exp(np.minimum(z, 40.0))
     values, slopes = ground.meter.equations.slopes(float(place[0]), place[1:])
     return values, slopes * place

@@ -24,6 +24,7 @@ PRESSURE_FIELDS: Mapping[type, tuple[str, str]] = MappingProxyType(
     {RollerCam: ("pressure-angle", "cam.base_radius_mm"), LinkageCam: ("roller-pressure-angle", "cam.point")}
 )
 
+ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit itself does not exceed it
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
@@ -33,7 +34,7 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | Linkag
     found = []
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
     angle = degrees(worst.value)
-    if angle > limit:
+    if angle > limit * (1.0 + ROUNDING):
         values = {"value": angle, "limit": limit}
         severity = ERROR if angle > NO_DRIVE else WARNING
         code, field = PRESSURE_FIELDS[type(cam)]

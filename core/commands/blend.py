@@ -56,7 +56,8 @@ def words(parser: argparse.ArgumentParser) -> None:
         help="plain = rise",
     )
     parser.add_argument(
-        "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=" | ".join(SETTINGS)
+        "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE",
+        help=f"{' | '.join(SETTINGS)}; with --best, length is the least length of the stretch at constant velocity"
     )
     parser.add_argument(
         "--point",

@@ -96,12 +96,12 @@ def words(parser: argparse.ArgumentParser) -> None:
 def run(words: argparse.Namespace, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
     study = Study(require_follower(load(words.design)))
-    if words.guess and study.design.shaft.elastic is None:
+    if words.guess and study.design.camshaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     try:
         found = study.flexible_shaft()
     except NoStability as error:
-        if study.design.shaft.elastic is not None:
+        if study.design.camshaft.elastic is not None:
             raise
         raise NoStability(error.problem, error.field, f"{error.hint}, or take usual ones with --guess") from None
     return (_claims if words.claims else _machine)(study, found, words, painter)

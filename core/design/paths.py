@@ -8,11 +8,11 @@ in the table of the whole. Two coordinates stand in the file as one pair.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 from core.design.fields import Info, info_of, placing_of
 from core.design.parts import Motion, Segment, curve_of
@@ -62,7 +62,7 @@ def entries(design: Design, name: str) -> Iterator[Entry]:
 
 def entries_of(part: Any, path: str, motion_unit: str | None = None) -> Iterator[Entry]:
     """The entries of a part and of the parts in it, in the order of the file."""
-    for field in fields_in_order(type(part)):
+    for field in fields_in_order(cast(Hashable, type(part))):
         value, info, placing = getattr(part, field.name), info_of(field), placing_of(field)
         if info is not None:
             key = _key(part, field.name, motion_unit)
@@ -175,7 +175,7 @@ def _put_row(rows: tuple[Any, ...], field: Field[Any], steps: list[Step], value:
     if any(getattr(row, placing.key) == name for row in rows):
         return tuple(_put(row, steps[1:], value, path) if getattr(row, placing.key) == name else row for row in rows)
     if placing.row is None:
-        return _nowhere(path)  # type: ignore[no-any-return]
+        return _nowhere(path)
     return (*rows, placing.row(name, value))
 
 
@@ -227,7 +227,7 @@ def placing_single(at: Any) -> str | None:
 
 
 def _names(part: Any) -> frozenset[str]:
-    return _names_of(type(part))
+    return _names_of(cast(Hashable, type(part)))
 
 
 @lru_cache(maxsize=256)

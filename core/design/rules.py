@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import Any, cast
 
 from core.design.fields import field_faults, placing_of
 from core.design.linkage import Linkage
@@ -177,7 +177,7 @@ def part_faults(part: Any, path: str) -> list[Fault]:
 def _parts_of(part: Any, path: str) -> Iterator[tuple[str, Any]]:
     """A part and every part in it with its path, in the order of the file."""
     yield path, part
-    for field in fields_in_order(type(part)):
+    for field in fields_in_order(cast(Hashable, type(part))):
         value, placing = getattr(part, field.name), placing_of(field)
         if dataclasses.is_dataclass(value):
             yield from _parts_of(value, path if placing.inside else f"{path}.{field.name}")

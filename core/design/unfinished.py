@@ -146,7 +146,7 @@ def _after(motion: Motion, index: int) -> list[int]:
 
 def _turns(motion: Motion, index: int) -> Iterator[Motion]:
     """The motion with spans that make one turn: as it is; what is left of the turn added as a segment at its end, a
-    return where one is missing; one segment shorter or longer; all in proportion."""
+    return where one is missing; one segment shorter or longer; all but ``index`` in proportion; all in proportion."""
     gap = span_gap(motion)
     if gap == 0.0:
         yield motion
@@ -158,10 +158,22 @@ def _turns(motion: Motion, index: int) -> Iterator[Motion]:
     for other in _after(motion, index):
         span = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
         yield _with_cell(motion, other, "span_deg", span)
-    total = total_of(s.span_deg for s in segments)
-    scaled = [replace(s, span_deg=s.span_deg * 360.0 / total) for s in segments]
-    scaled[-1] = replace(scaled[-1], span_deg=rest(360.0, (s.span_deg for s in scaled[:-1])))
-    yield replace(motion, segments=tuple(scaled))
+    for kept in ([index], []):
+        yield replace(motion, segments=_in_proportion(segments, kept))
+
+
+def _in_proportion(segments: list[Segment], kept: list[int]) -> tuple[Segment, ...]:
+    """The segments with spans that make one turn, all but those kept in proportion to what they had."""
+    others = [i for i in range(len(segments)) if i not in kept]
+    if not others:
+        return tuple(segments)
+    left = rest(360.0, (segments[i].span_deg for i in kept))
+    now, made = total_of(segments[i].span_deg for i in others), list(segments)
+    for i in others[:-1]:
+        made[i] = replace(made[i], span_deg=rest(made[i].span_deg * left / now, ()))
+    last = rest(left, (made[i].span_deg for i in others[:-1]))
+    made[others[-1]] = replace(made[others[-1]], span_deg=last)
+    return tuple(made)
 
 
 def _returns(motion: Motion, index: int) -> Iterator[Motion]:

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from core.design.linkage import CRANK, Linkage, LinkageCam, LinkageLoads
-from core.design.parts import FOLLOWER_KINDS, Cam, Follower, Loads, Motion, Shaft, kind_of
+from core.design.linkage import CRANK, Linkage
+from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, kind_of
 from core.errors import DesignError, Fault
 
 D = TypeVar("D")
@@ -24,8 +24,8 @@ class Drive:
 
     motion: Motion | None
     mechanism: Follower | Linkage
-    cam: Cam | LinkageCam | None
-    loads: Loads | LinkageLoads
+    cam: Any  # Cam | LinkageCam | None, as the mechanism takes it
+    loads: Any  # Loads | LinkageLoads
 
     @property
     def table(self) -> str:
@@ -77,6 +77,12 @@ class Design:
         """The drive, of a design that has one."""
         (drive,) = self.drives
         return drive
+
+    @property
+    def camshaft(self) -> Shaft:
+        """The shaft, of a design that has one."""
+        assert self.shaft is not None, "asked of a linkage without [shaft]"
+        return self.shaft
 
     @property
     def tables(self) -> Mapping[str, Any]:

@@ -1,10 +1,10 @@
 """Cam followers: each builds a linkage from its lengths, in a frame of its own, and says what its parts are called."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, cast
 
 from core.design import CamSlider, Follower, Linkage, Translating, si
 from core.followers.base import LAYOUT_TABLE, BasePosition, Layout, base_position
@@ -50,11 +50,11 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
 def built(part: Follower | Linkage, cam: Any) -> Mechanism:
     """The mechanism of a drive; the same one as long as nothing changes that it depends on. Raises NoAssembly where a
     follower does not come to its base position."""
-    return _built(type(part), *BUILDERS[type(part)].needs(part, cam))
+    return _built(cast(Hashable, type(part)), *BUILDERS[type(part)].needs(part, cam))
 
 
 @lru_cache(maxsize=64)
-def _built(kind: type, part: Any, needed: Any) -> Mechanism:
+def _built(kind: Any, part: Any, needed: Any) -> Mechanism:
     return BUILDERS[kind].build(part, needed)
 
 

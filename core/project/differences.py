@@ -22,24 +22,23 @@ class Difference(NamedTuple):
     after: Any
 
 
-def differences(before: Design, after: Design) -> list[Difference]:
-    """Every value that differs, in the order of the file.
+def differences(before: Design | None, after: Design) -> list[Difference]:
+    """Every value that differs, in the order of the file; all values where there is no design before.
 
     Rows of lists are compared with the rows they correspond to: those that are equal, and between them in their order.
     The index in a path is that of the row in ``after``, of a row that has gone in ``before``.
     """
-    return list(_compare("", to_table(before), to_table(after)))
+    tables = [{} if design is None else to_table(design) for design in (before, after)]
+    for table in tables:
+        table.pop("format", None)  # of the file, not of the design
+    return list(_compare("", *tables))
 
 
 def _compare(path: str, before: Any, after: Any) -> Iterator[Difference]:
-    if isinstance(before, Mapping) and isinstance(after, Mapping):
-        yield from _tables(path, before, after)
-    elif isinstance(before, Mapping) and after is MISSING:
-        yield from _tables(path, before, {})
-    elif isinstance(after, Mapping) and before is MISSING:
-        yield from _tables(path, {}, after)
+    if _is_table(before) and _is_table(after):
+        yield from _tables(path, {} if before is MISSING else before, {} if after is MISSING else after)
     elif _is_rows(before) and _is_rows(after):
-        yield from _rows(path, before, after)
+        yield from _rows(path, [] if before is MISSING else before, [] if after is MISSING else after)
     elif before != after:
         yield Difference(path, before, after)
 
@@ -64,5 +63,11 @@ def _rows(path: str, before: Sequence[Any], after: Sequence[Any]) -> Iterator[Di
             yield Difference(f"{path}[{k}]", MISSING, after[k])
 
 
+def _is_table(value: Any) -> bool:
+    return value is MISSING or isinstance(value, Mapping)
+
+
 def _is_rows(value: Any) -> bool:
+    if value is MISSING:
+        return True
     return isinstance(value, Sequence) and bool(value) and all(isinstance(row, Mapping) for row in value)

@@ -1,6 +1,6 @@
 """Stability of the flexible camshaft (Kim1990, corrected): tongues, monodromy, wind-up, forbidden speeds."""
 
-from core.stability.chart import ETA_MAX, Cancelled, Chart, chart, count_up_to
+from core.stability.chart import ETA_MAX, Chart, chart, count_up_to
 from core.stability.claims import Claim, claims
 from core.stability.coefficients import Coefficients, coefficients
 from core.stability.contact import Contact, contact
@@ -19,7 +19,7 @@ from core.stability.verdicts import LABELS, Verdict, verdicts
 from core.stability.windup import History, histories, history
 
 __all__ = [
-    "APPROXIMATE", "EQUATIONS", "ERROR", "ETA_MAX", "EXACT", "LABELS", "TIMES", "Averages", "Band", "Cancelled", "Chart",
+    "APPROXIMATE", "EQUATIONS", "ERROR", "ETA_MAX", "EXACT", "LABELS", "TIMES", "Averages", "Band", "Chart",
     "Claim", "Coefficients", "Contact", "Curve", "Figure", "History", "Machine", "Monodromy", "Orbit", "Plot",
     "Stability", "Stiffness", "Tongues", "Verdict", "averages_plots", "bands", "branch", "chart",
     "claims", "coefficients", "coefficients_plot", "contact", "contact_marks", "count_up_to", "findings",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,13 +17,6 @@ ROWS = 64
 ETA_MAX = 5.6
 MOST_Q = 0.12  # of the chart of a machine of small Q (Kim1990 Fig. 8 goes to 0.1)
 ROOM = 1.6  # above the machine's own Q
-
-Progress = Callable[[float], bool]
-"""Told the part that is done, 0 ... 1; False asks to stop."""
-
-
-class Cancelled(Exception):
-    """Whoever asked no longer wants the answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,21 +82,15 @@ def chart(
     damping: float = 0.0,
     equations: Sequence[str] = (EXACT, APPROXIMATE),
     marked: Sequence[float] = (),
-    progress: Progress | None = None,
     error: float = ERROR,
 ) -> Chart:
     """The chart of a machine; by default ``rows`` of Q from 0 to well above the machine's own.
 
-    A coarse one (few rows, a large ``error`` of the edges η) comes at once; raises Cancelled where progress says so.
+    A coarse one (few rows, a large ``error`` of the edges η) comes at once.
     """
     if q is None:
         q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     rising = np.sort(np.asarray(q, dtype=float))
-    found: dict[str, Tongues] = {}
-    for number, equation in enumerate(equations):
-        if progress is not None and not progress(number / len(equations)):
-            raise Cancelled
-        found[equation] = tongues(coefficients, rising, count_up_to(eta_max), equation, damping, error)
-    if progress is not None and not progress(1.0):
-        raise Cancelled
+    count = count_up_to(eta_max)
+    found = {equation: tongues(coefficients, rising, count, equation, damping, error) for equation in equations}
     return Chart(name, rising, found, eta_max, machine, tuple(marked))

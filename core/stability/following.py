@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.stability.coefficients import Coefficients
 from core.stability.march import ARRIVED, March
 from core.stability.nonlinear import Points
@@ -36,6 +37,7 @@ class _Following:
         self._place = turning.place(lanes, nothing, states, nothing)
         going = lanes
         while going.size:
+            checkpoint()
             # the one that is behind says which leg is next, and all that stand in it go along
             leg = turning.leg_of(self._place.cam[going])
             mine = leg[self._place.y[going].argmin()]

@@ -11,6 +11,7 @@ from math import pi
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.motion import EPS, TURN
 from core.stability.coefficients import Coefficients, still
 from core.stability.lanes import Lanes
@@ -120,6 +121,7 @@ class March(Equation):
         done_at = until - ARRIVED * (1.0 + np.abs(until))
         going = np.flatnonzero(state.y < done_at)
         while going.size:
+            checkpoint()
             done = self._advance(state, going)
             if keep:
                 steps += done

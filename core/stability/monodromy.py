@@ -14,6 +14,7 @@ from math import pi
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.motion import EPS, TURN
 from core.stability.coefficients import Coefficients, still
 from core.stability.equations import EXACT, inertia_and_pull, weight_and_potential
@@ -195,6 +196,7 @@ def _panel_maps(
     value, speed = start, start_slope
     v = np.zeros((2, *p0.shape))
     for _ in range(SWEEPS):
+        checkpoint()
         new = p0 * value
         if p1 is not None:
             new += p1 * speed

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.errors import NoStability
 from core.motion import EPS
 from core.stability.coefficients import Coefficients
@@ -109,6 +110,7 @@ def tongues_of_order(
     errors = np.empty((q.size, count))
     bottom = np.zeros(q.size)
     for half in (False, True):
+        checkpoint()
         inner, outer = basis(-1, order, half), basis(order, reach, half) if corrected else None
         pairs = count // 2 if not half else (count + 1) // 2
         skip = 0 if half else 1  # the lowest of the whole harmonics has no partner

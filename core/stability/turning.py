@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.motion import EPS, TURN
 from core.stability import march
 from core.stability.coefficients import Coefficients
@@ -203,6 +204,7 @@ class Turning(Equation):
         before = np.full(lane.size, 1e-300)
         amplitude = np.broadcast_to(start, train.heavy.shape)
         for _ in range(SWEEPS):
+            checkpoint()
             turned = np.exp(wave * turn)
             pointer = turned * amplitude
             beta, rate = swing.read(pointer)

@@ -16,6 +16,7 @@ import numpy as np
 
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
+from core.dynamics import GuideReaction
 from core.mechanism import mechanism_of
 from core.motion import Angles
 from core.shaft import Flywheel
@@ -73,6 +74,12 @@ class Quantity:
     needs: str = ""
     turns: bool = False
     exists: Callable[[Study], bool] = _always
+
+
+def _guide(study: Study) -> GuideReaction:
+    guide = study.dynamics.guide
+    assert guide is not None, "asked of a mechanism without a guide"
+    return guide
 
 
 def _motion(order: int) -> Quantity:
@@ -137,8 +144,8 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         ),
         "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, SLIDER),
-        "guide_force": Quantity("dynamics", lambda s: s.dynamics.guide.normal, GUIDED),
-        "jam_factor": Quantity("dynamics", lambda s: s.dynamics.guide.jam, GUIDED),
+        "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
+        "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),
         "slider_pin_x": _pair_x("slider_pin", SLIDER),
         "slider_pin_y": _pair_y("slider_pin", SLIDER),
         "arm_pin_x": _pair_x("arm_pin", SLIDER),

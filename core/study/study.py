@@ -18,7 +18,7 @@ from core.extremes import Extreme, Range, find_above, find_extremes
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, moving_collinearity
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_train
-from core.motion import EPS, TURN, Angles, MotionState, Program, degrees, program
+from core.motion import EPS, TURN, Angles, MotionState, degrees, program
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
@@ -130,8 +130,8 @@ class Study:
         return "driver angle" if self.design.drive.is_linkage else "cam angle"
 
     @cached_property
-    def program(self) -> Program | CrankProgram:
-        """What the driver does over one turn: its pieces and joins."""
+    def program(self) -> Any:
+        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins."""
         return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
 
     @cached_property
@@ -298,7 +298,7 @@ class Study:
             raise self._located(error, "linkage") from None
         if isinstance(found, NoStability):
             raise found
-        return found  # type: ignore[no-any-return]
+        return found
 
     # -- flywheel and motor ---------------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 velocity and mirrors."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +22,7 @@ from mechanisms import (
     with_shaft,
 )
 from references import EPS, MP, Series, Shape, Solved, cam_shape, off, placed, reach_of, sense_of, sensitivity, solved
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from core.cam import centre_residual, envelope, relative_motion, tangency_residual
 from core.derivatives import Derivatives
@@ -329,7 +330,25 @@ def test_undercut_is_told_from_the_sharpest_place_on_and_not_before() -> None:
             assert f.field == "cam.roller_radius_mm"
             assert f.cam_angle_deg == pytest.approx(math.degrees(at), abs=1e-4)  # flat there: 1e-16 is 1e-8 away
             assert f.values["pitch_radius_mm"] == pytest.approx(limit, rel=1e-11)
-            assert f"{limit:.5g} mm" in f.message
+            shown = [float(text) for text in re.findall(r"([\d.e+-]+) mm", f.message)]
+            assert shown == pytest.approx([limit, radius], rel=1e-4)
+            assert shown[0] < shown[1], "as many digits as show the excess"
+
+
+def test_a_pressure_angle_just_above_its_limit_is_shown_with_the_digits_of_its_excess() -> None:
+    """The base radius for 30 degrees, by bisection: no finding there, and a little below it one that shows its excess."""
+    def worst(base: float) -> float:
+        return math.degrees(Study(with_cam(PUSHER, base_radius_mm=base)).extremes("cam")["pressure_angle"].high.value)
+
+    radius = brentq(lambda base: worst(base) - 30.0, 10.0, 80.0, xtol=1e-13)
+    for excess in (1e-5, 1e-8):
+        study = Study(with_cam(PUSHER, base_radius_mm=radius * (1.0 - excess)))
+        (found,) = (f for f in study.findings(("cam",)) if f.code == "pressure-angle")
+        shown = float(re.findall(r"pressure angle ([\d.]+) deg", found.message)[0])
+        assert 0.0 < shown - 30.0 < 1e2 * excess
+        assert "limit 30 deg" in found.message
+    exact = [radius + k * math.ulp(radius) for k in range(-3, 4)]
+    assert not any(f.code == "pressure-angle" for r in exact for f in Study(with_cam(PUSHER, base_radius_mm=r)).findings(("cam",)))
 
 
 @pytest.mark.parametrize(
@@ -348,6 +367,10 @@ def test_the_pressure_angle_is_measured_against_the_limit_of_its_follower(
         for f in found:
             assert (f.severity, f.field, f.values["limit"]) == (WARNING, "cam.base_radius_mm", limit)
             assert f.values["value"] == pytest.approx(math.degrees(worst.value), rel=4 * EPS)
+            assert f.message == (
+                f"pressure angle {f.values['value']:.4g} deg at {f.cam_angle_deg:.5g} deg, limit {limit:g} deg: "
+                "enlarge the base radius, or lengthen the rise"
+            )
             assert f.cam_angle_deg == pytest.approx(math.degrees(worst.theta), rel=4 * EPS)
             assert f"{math.degrees(worst.value):.4g} deg" in f.message
         told.append(bool(found))

@@ -17,7 +17,7 @@ from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import NoSuchStage
 from core.export import files
 from core.findings import ERROR
-from core.study import QUANTITIES, Study, quantities_of
+from core.study import QUANTITIES, Study
 
 # As the contract names them, in its order; further columns may follow.
 PROFILE = ["cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pitch_y_mm", "pressure_angle_deg", "pitch_curvature_per_mm",
@@ -72,7 +72,7 @@ def test_every_quantity_of_a_kind_can_be_tabled_but_the_singularities(kind: str)
 
 def test_an_unknown_channel_is_told_with_those_there_are() -> None:
     with pytest.raises(KeyError, match="no such channel; allowed: displacement_mm"):
-        channel("translating", "phi_deg")
+        channel(PUSHER, "phi_deg")
 
 
 # -- the files --------------------------------------------------------------------------------------------
@@ -113,7 +113,7 @@ def test_the_text_is_plain_and_reads_back_to_the_last_bit() -> None:
         assert "inf" not in text.lower().replace("infinite", "")
     for name, (head, rows) in tables(LIFT).items():
         for i, column in enumerate(head[1:], start=1):
-            values = channel("cam-slider", column).values(study)
+            values = channel(LIFT, column).values(study)
             assert rows[:, i].tolist() == values.tolist(), (name, column)
 
 
@@ -242,7 +242,7 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
     slugs = {row.slug for row in channels(design)} - {"polar_angle_deg", "linear_motor_torque_nm"}  # no flywheel, no linear answer
     assert set(told["extremes"]) == slugs
     for slug, sides in told["extremes"].items():
-        row = channel(study.kind, slug)
+        row = channel(study.design, slug)
         stage = study.extremes(row.stage)[row.quantity]
         for side, extreme in (("min", stage.low), ("max", stage.high)):
             assert sides[side]["value"] == pytest.approx(extreme.value / row.unit.factor, rel=1e-15)

@@ -408,6 +408,11 @@ def test_wrong_words_are_refused_in_one_line(tmp_path: Path, words: list[str | P
     assert phrase in check_refused(here(tmp_path, *words), tmp_path, {})
 
 
+def test_the_help_says_that_a_length_is_the_least_where_the_best_is_wanted(tmp_path: Path) -> None:
+    text = " ".join(core(tmp_path, "blend", "--help").stdout.split())
+    assert "with --best, length is the least length" in text
+
+
 @pytest.mark.parametrize("words", [["--help"], ["check", "--help"], ["report", "--help"], ["export", "--help"]])
 def test_help_is_given(tmp_path: Path, words: list[str]) -> None:
     done = here(tmp_path, *words)
@@ -476,6 +481,57 @@ def test_a_reader_that_goes_away_is_no_fault(tmp_path: Path) -> None:
     done = subprocess.run(["sh", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.stdout == "Transfer unit, lift drive\n"
     assert done.stderr == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no device that is always full")
+@pytest.mark.parametrize("words", [["report", str(LIFT_FILE)], ["laws"]])
+def test_what_cannot_be_printed_is_one_line(words: list[str], tmp_path: Path) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "core", *words], cwd=tmp_path, env=environment, stdout=full, stderr=subprocess.PIPE, text=True
+        )
+    assert done.stderr.startswith("standard output: no space left")
+    assert len(done.stderr.splitlines()) == 1
+    assert done.returncode == 2
+
+
+INTERRUPTED = """
+import os, runpy, signal, sys
+
+module, package = sys.argv[1:3]
+
+class Interrupt:
+    def find_spec(self, name, path=None, target=None):
+        if name == module:
+            sys.meta_path.remove(self)
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupt())
+
+sys.argv[1:] = sys.argv[3:]
+runpy.run_module(package, run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.parametrize(
+    ("module", "command", "code", "line"),
+    [
+        ("numpy", ["core", "report", str(LIFT_FILE)], 130, ""),
+        ("core.study", ["core", "report", str(LIFT_FILE)], 2, "interrupted\n"),
+        ("numpy", ["kindyna_gui", "--headless", "laws"], 130, ""),
+        ("PySide6", ["kindyna_gui", "--headless", "selftest"], 130, ""),
+        ("PySide6", ["kindyna_gui"], 130, ""),
+    ],
+)
+def test_an_interrupt_while_the_program_starts_ends_it_without_a_traceback(
+    module: str, command: list[str], code: int, line: str, tmp_path: Path
+) -> None:
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "QT_QPA_PLATFORM": "offscreen"}
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, module, *command], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120
+    )
+    assert (done.returncode, done.stderr) == (code, line)
 
 
 def test_a_name_in_any_language_is_written_and_printed(tmp_path: Path) -> None:

@@ -64,6 +64,13 @@ def test_tables_that_come() -> None:
     assert "shaft.stiffness_nm_per_rad" in paths
 
 
+def test_all_of_a_design_that_has_none_before() -> None:
+    found = {path: new for path, old, new in told(None, LIFT) if old is MISSING}
+    assert found["follower.rod_mm"] == 845.0
+    assert found["motion.segments[1]"]["rise_mm"] == -150.0
+    assert "format" not in found
+
+
 def test_a_file_is_compared_by_what_it_holds(tmp_path: Path) -> None:
     files, path = DesignFiles(), tmp_path / "a.toml"
     assert files.state(path) is OnDisk.SAME

@@ -13,7 +13,7 @@ from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 from core.design import End, Motion, Point, Polynomial, Segment, Spline, with_stroke
 from core.extremes import Range, find_extremes, piecewise_angles, true_stroke
 from core.motion import TURN, Angles, Program
-from core.study import Study, quantities_of
+from core.study import Study
 
 ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
 HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
@@ -252,7 +252,7 @@ def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
     study = Study(design, 1000)
     for stage in study.stages:
         ranges = study.extremes(stage)
-        for name, row in quantities_of(study.kind, stage).items():
+        for name, row in study.quantities(stage).items():
             if row.turns or name not in ranges:
                 continue
             samples = np.asarray(row.value(study), dtype=float)
@@ -268,7 +268,7 @@ def test_the_named_angle_has_the_named_value() -> None:
         study = Study(design)
         for stage in study.stages:
             for name, found in study.extremes(stage).items():
-                row = quantities_of(study.kind, stage)[name]
+                row = study.quantities(stage)[name]
                 for side in (found.low, found.high):
                     # a jump shows one side of its angle, or the other a hair before it
                     there = [float(row.value(study.at_theta(np.array([side.theta + d])))[0]) for d in (0.0, -1e-9, 1e-9)]

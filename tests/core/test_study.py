@@ -24,7 +24,7 @@ from mechanisms import (
 from core.design import Design, Named, Segment
 from core.errors import NoSuchStage
 from core.motion import Angles
-from core.study import SAMPLES, Study, clear_caches, evaluations, quantities_of
+from core.study import SAMPLES, Study, clear_caches, evaluations
 from core.study.stages import dynamics_stage
 
 ROOT = Path(__file__).parents[2]
@@ -212,7 +212,7 @@ def test_stages_are_named_in_the_order_they_need_each_other() -> None:
 def test_every_quantity_has_one_value_for_each_cam_angle() -> None:
     for design in (LIFT, PUSHER):
         study = Study(design, 24)
-        for name, row in quantities_of(study.kind).items():
+        for name, row in study.quantities().items():
             values = row.value(study)
             assert values.shape == (24,), name
             assert values.dtype == np.float64, name

@@ -1,13 +1,10 @@
 """kindyna_gui.blend_*: Yang's questions in a window, answered while they are typed."""
 
-import gc
 import threading
 import time
-import weakref
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from math import fsum
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +16,6 @@ from window_user import PATIENCE_MS, Open, User, settle
 
 from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
 from core.design import Design, Motion, Named, Segment, edited, faults
-from core.errors import KindynaError
 from core.making import into_design
 from core.project import load
 from core.study import Study
@@ -31,7 +27,6 @@ from kindyna_gui.blend_questions import GOAL_TEXTS, Questions
 from kindyna_gui.blend_settings import curve_of
 from kindyna_gui.blend_wizard import BlendDialog
 from kindyna_gui.blend_words import begin_of, range_text
-from kindyna_gui.blend_worker import Lane
 from kindyna_gui.number_box import WordBox
 from kindyna_gui.places import example
 from kindyna_gui.session import Session
@@ -315,97 +310,6 @@ def test_settings_are_named_after_their_curve() -> None:
         "C1", "CV1", "H2", "H3", "", "C4", "rise",
     ]  # fmt: skip
     assert [curve_of(n, (), ("C3", "CV2", "C4")) for n in ("h1", "h2", "h3", "vcv")] == ["C3", "CV2", "C4", ""]
-
-
-# -- computing beside the window --------------------------------------------------------------------------
-
-
-@pytest.fixture
-def lane(app: QApplication) -> Iterator[tuple[Lane, list[tuple[Any, Any]]]]:
-    made, heard = Lane(), []
-    made.answered.connect(lambda asked, found: heard.append((asked, found)))
-    yield made, heard
-    made.close()
-
-
-def _for_ever() -> None:
-    while True:
-        time.sleep(0.001)
-
-
-def test_answers_come_in_order(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    made, heard = lane
-    made.ask([(i, lambda i=i: i * i) for i in range(5)])
-    assert made.busy
-    wait_until(lambda: not made.busy)
-    assert heard == [(i, i * i) for i in range(5)]
-
-
-def test_a_refusal_is_an_answer(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    made, heard = lane
-    made.ask([("a", lambda: blend(Request("DRD", -1.0, 0.0, 90.0))), ("b", lambda: 1)])
-    wait_until(lambda: not made.busy)
-    assert isinstance(heard[0][1], KindynaError)
-    assert heard[1] == ("b", 1)
-
-
-def test_a_mistake_is_heard(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    """In the window's thread, as every other one."""
-    made, heard = lane
-    made.ask([("a", lambda: 1 // 0)])
-    made._looks.stop()
-    time.sleep(0.05)
-    with pytest.raises(ZeroDivisionError):
-        made._look()
-    assert heard == []
-    assert not made.busy
-
-
-def test_what_is_no_longer_wanted_is_not_computed_to_its_end(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    made, heard = lane
-    before = threading.active_count()
-    for _ in range(3):
-        made.ask([("endless", _for_ever), ("never", lambda: 0)])
-        wait_until(lambda: threading.active_count() > before)
-    made.ask([("short", lambda: 1)])
-    wait_until(lambda: not made.busy)
-    assert heard == [("short", 1)]
-    wait_until(lambda: threading.active_count() == before)
-
-
-def test_an_answer_that_comes_too_late_is_not_heard(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    made, heard = lane
-    made.ask([("old", lambda: 1)])
-    time.sleep(0.05)  # it waits to be heard
-    made.ask([("new", lambda: 2)])
-    wait_until(lambda: not made.busy)
-    settle()
-    assert heard == [("new", 2)]
-
-
-class Rubbish:
-    """Something that only Python's garbage collector takes away."""
-
-    def __init__(self) -> None:
-        self.itself = self
-
-
-def test_no_other_thread_tidies_up(lane: tuple[Lane, list[tuple[Any, Any]]]) -> None:
-    """What Python's garbage collector takes away may be a widget, which only the window's thread may do."""
-    made, heard = lane
-    threads: set[Any] = set()
-
-    def watch(phase: str, told: dict[str, int]) -> None:
-        threads.add(threading.current_thread())
-
-    gc.callbacks.append(watch)
-    try:
-        made.ask([("a", lambda: weakref.ref([Rubbish() for _ in range(5000)][-1]))])
-        wait_until(lambda: bool(heard))
-        wait_until(lambda: heard[0][1]() is None)
-    finally:
-        gc.callbacks.remove(watch)
-    assert threads == {threading.main_thread()}
 
 
 # -- the card picker --------------------------------------------------------------------------------------

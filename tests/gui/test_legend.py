@@ -32,7 +32,7 @@ FORCES = ("bearing_x_n", "bearing_y_n", "contact_force_n", "guide_force_n")
 def plot_of(design: Design, slugs: tuple[str, ...]) -> CurvePlot:
     study = Study(design, samples=90)
     plot = CurvePlot()
-    plot.set_curves(study, [channel(study.kind, slug) for slug in slugs])
+    plot.set_curves(study, [channel(study.design, slug) for slug in slugs])
     return plot
 
 
@@ -71,7 +71,7 @@ def test_two_names_that_do_not_fit_beside_each_other_stand_on_two_lines() -> Non
     _, again = lay(plot, 420, 170)
     assert again == wide
     study = Study(LIFT, samples=90)
-    plot.set_curves(study, [channel(study.kind, CURVATURE[0])])
+    plot.set_curves(study, [channel(study.design, CURVATURE[0])])
     _, alone = lay(plot, 421, 170)
     assert plot.legend.told == ""
     assert alone.top() < wide.top() - 8.0, "no room is lost where nothing has a name"

@@ -36,7 +36,7 @@ def plot_of(design: Design, *slugs: str, size: tuple[int, int] = (700, 240), sam
     plot = CurvePlot()
     plot.resize(*size)
     plot.grab()
-    plot.set_curves(study, [channel(study.kind, slug) for slug in slugs])
+    plot.set_curves(study, [channel(study.design, slug) for slug in slugs])
     return plot
 
 
@@ -126,7 +126,7 @@ def test_steps_are_round() -> None:
 
 @pytest.mark.parametrize("slug", [row.slug for row in channels(LIFT)])
 def test_a_curve_is_its_channel(slug: str) -> None:
-    row, study = channel("cam-slider", slug), Study(LIFT, SAMPLES)
+    row, study = channel(LIFT, slug), Study(LIFT, SAMPLES)
     plot = plot_of(LIFT, slug, size=(700, 400))
     (curve,) = curves(plot)
     x, y = curve.x, curve.y
@@ -165,7 +165,7 @@ def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) 
     plot = plot_of(LIFT, slug)
     assert plot.rung.symbol == unit
     y = curves(plot)[0].y
-    assert y[:-1] == pytest.approx(channel("cam-slider", slug).values(Study(LIFT, SAMPLES)) * factor)
+    assert y[:-1] == pytest.approx(channel(LIFT, slug).values(Study(LIFT, SAMPLES)) * factor)
     for level in plot.getAxis("left")._tickLevels:
         assert not [text for _, text in level if "e" in text]
 
@@ -177,12 +177,12 @@ def test_curves_of_one_family_are_told_apart_and_named() -> None:
     text = plot.legend.told
     assert all(name in text for name in ("Camshaft bearing, x", "Camshaft bearing, y", "Contact force"))
     assert title(plot) == "Force, N"
-    plot.set_curves(Study(PUSHER, SAMPLES), [channel("translating", "contact_force_n")])
+    plot.set_curves(Study(PUSHER, SAMPLES), [channel(PUSHER, "contact_force_n")])
     assert plot.legend.told == ""
 
 
 def test_the_reference_is_dashed_and_in_the_same_unit() -> None:
-    plot, row = plot_of(LIFT, "contact_force_n"), channel("cam-slider", "contact_force_n")
+    plot, row = plot_of(LIFT, "contact_force_n"), channel(LIFT, "contact_force_n")
     other = Study(with_shaft(LIFT, speed_rpm=60.0), 360)
     plot.set_curves(Study(LIFT, SAMPLES), [row], other)
     reference, curve = curves(plot)
@@ -280,7 +280,7 @@ QUIET = with_drive(with_cam(LIFT, base_radius_mm=403.3), motion=Motion(150.0, (S
 
 
 def test_what_rounding_leaves_of_a_zero_is_drawn_as_zero() -> None:
-    raw = channel("cam-slider", "drive_torque_nm").values(Study(QUIET, SAMPLES))
+    raw = channel(LIFT, "drive_torque_nm").values(Study(QUIET, SAMPLES))
     assert 0.0 < np.abs(raw).max() < 1e-9, "else there is nothing to be seen here"
     plot = plot_of(QUIET, "drive_torque_nm")
     (curve,) = curves(plot)
@@ -391,7 +391,7 @@ def test_an_empty_plot_says_what_would_fill_it() -> None:
     assert curves(plot) == []
     assert plot.readings() == []
     assert "choose a curve" in [item.text for item in plot.items() if isinstance(item, Tag)]
-    plot.set_curves(Study(LIFT, SAMPLES), [channel("cam-slider", "jerk_mm_s3")])
+    plot.set_curves(Study(LIFT, SAMPLES), [channel(LIFT, "jerk_mm_s3")])
     assert len(curves(plot)) == 1
 
 
@@ -516,6 +516,6 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
     from kindyna_gui.pictures.plot_curves import different
 
-    rows = [channel("cam-slider", slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
+    rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
     assert different(Study(LIFT, SAMPLES), rows) == rows[:1]
     assert different(Study(with_shaft(LIFT, flywheel_inertia_kg_m2=5000.0), SAMPLES), rows) == rows

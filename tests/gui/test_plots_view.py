@@ -82,7 +82,7 @@ def test_an_edit_is_drawn_at_once(show: Show) -> None:
 @pytest.mark.parametrize("slug", ["velocity_mm_s", "pressure_angle_deg", "contact_force_n", "drive_torque_nm"])
 def test_the_value_at_the_cursor_is_exact(slug: str, show: Show) -> None:
     """Not that of the nearest sample: a tenth of a degree beside it the velocity is another."""
-    row = channel("cam-slider", slug)
+    row = channel(LIFT, slug)
     view = show(row.quantity)
     for angle in (0.0, 36.13, 57.31, 300.07, 359.99):
         view.player.set_theta(radians(angle))
@@ -237,7 +237,7 @@ def test_the_numbers_are_those_of_the_core(show: Show, tmp_path: Path, picks: Ca
 
 
 def test_numbers_of_several_channels_stand_side_by_side() -> None:
-    rows = [channel("cam-slider", slug) for slug in ("phi_deg", "contact_force_n")]
+    rows = [channel(LIFT, slug) for slug in ("phi_deg", "contact_force_n")]
     lines = numbers(LIFT, rows).splitlines()
     assert lines[0] == "cam_angle_deg,phi_deg,contact_force_n"
     assert len(lines) == 3601

@@ -91,7 +91,7 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
     with unhurried(view.reading._pause):
         QTest.mouseMove(view.chart.viewport(), pixel(view, 1.25, 0.1))
         settle()
-        assert not view.reading.lane.busy, "it waits for the mouse to rest anew"
+        assert not view.reading.background.busy, "it waits for the mouse to rest anew"
         assert not view.progress.isVisible()
     view.reading._pause.start()
     wait_until(lambda: len(asked) == 2)

@@ -16,7 +16,7 @@ from core.design import with_elastic
 from core.project import load
 from core.stability import EXACT, Stability, chart, flexible
 from core.study import Study, evaluations
-from kindyna_gui.lanes import Errand
+from kindyna_gui.background import Worker
 from kindyna_gui.pictures.files import chart_file
 from kindyna_gui.places import example
 from kindyna_gui.stability_view import COARSE, FINE, StabilityView
@@ -137,10 +137,10 @@ def test_a_closed_window_computes_no_more(kim: User) -> None:
     view = page(kim, rest=False)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
     assert view.looks.busy
-    assert any(isinstance(each, Errand) for each in enumerate_threads())
+    assert any(isinstance(each, Worker) for each in enumerate_threads())
     kim.window.close()
     assert not view.busy
-    assert not any(isinstance(each, Errand) for each in enumerate_threads())
+    assert not any(isinstance(each, Worker) for each in enumerate_threads())
 
 
 def test_nothing_is_computed_while_the_page_is_hidden(kim: User) -> None:
@@ -167,7 +167,7 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
     settle()
     assert not view.busy
     assert not view.progress.isVisible()
-    wait_until(lambda: not any(isinstance(each, Errand) for each in enumerate_threads()))
+    wait_until(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
     kim.session.stages_on_screen = tuple
     kim.session.edit("shaft.stiffness_nm_per_rad", 91.0, "Change stiffness")
     settle()
@@ -191,10 +191,10 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
 
 
 def counted(view: StabilityView, monkeypatch: pytest.MonkeyPatch) -> Counter[str]:
-    """How often lanes are asked and anything is drawn."""
+    """How often work is started beside the window and anything is drawn."""
     counts: Counter[str] = Counter()
     for owner, name in (
-        *((lane, "ask") for lane in view._lanes),
+        *((each, "start") for each in view._background),
         (view.chart, "show_chart"),
         (view.pages, "redraw"),
         *((plot, "show_plot") for plots in view.pages.plots.values() for plot in plots),

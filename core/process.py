@@ -1,0 +1,66 @@
+"""How the process ends: an interrupt, a reader that goes away, a disk that is full; in one line at most, never a traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+DONE, NOTHING_DONE, INTERRUPTED = 0, 2, 130
+
+
+@contextmanager
+def importing() -> Iterator[None]:
+    """An interrupt (Ctrl+C) while the modules of the program are imported ends it quietly, with exit code 130."""
+    try:
+        before = signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+    except ValueError:  # not the main thread, which alone may change that
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def exit_code(run: Callable[[], int]) -> int:
+    """Run the program; its exit code, once all that it printed is written."""
+    try:
+        try:
+            code = run()
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        _flush()
+        return code
+    except BrokenPipeError:  # the reader went away; nothing is left to say to it
+        _give_up_printing()
+        return DONE
+    except OSError as error:
+        _give_up_printing()
+        place = error.filename or "standard output"
+        _say(f"{place}: {(error.strerror or str(error)).lower()}; choose another place, or make room there")
+        return NOTHING_DONE
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return NOTHING_DONE
+
+
+def _flush() -> None:
+    if sys.stdout is not None:
+        sys.stdout.flush()
+
+
+def _give_up_printing() -> None:
+    """What is still to be printed goes nowhere, or Python would try to write it once more at its end."""
+    with suppress(OSError, ValueError):  # a stream that is no file
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _say(line: str) -> None:
+    with suppress(OSError):
+        print(line, file=sys.stderr)
+
+
+__all__ = ["exit_code", "importing"]

@@ -1,0 +1,170 @@
+"""Unsaved work on the disk: one file for each window, with a lock that is held while its process lives.
+
+A recovery file is a design file whose first line, a comment, holds in JSON what the format has no place for: the design's own
+file, when it was written, and the motion that is not finished. So one move puts all of it in place, and it can be opened as
+any other design.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from core.errors import FileError
+from core.files import read_text, sweep, write
+from core.locks import NO_LOCKS, hold
+
+_HEAD = "# unsaved "
+
+
+@dataclass(frozen=True)
+class Unsaved:
+    """Unsaved work.
+
+    design   text of the design, as in a file
+    path     of the design's own file, None where it has none
+    draft    the motion that is not finished, of text, numbers, lists and dictionaries; None where there is none
+    time     when it was written, seconds since 1970
+    """
+
+    design: str
+    path: Path | None
+    draft: Mapping[str, Any] | None = None
+    time: float = 0.0
+
+
+def _text(unsaved: Unsaved) -> str:
+    head = {"path": None if unsaved.path is None else str(unsaved.path), "time": unsaved.time, "draft": unsaved.draft}
+    line = json.dumps(head).replace("\x7f", "\\u007f")  # which no comment of TOML may hold
+    return f"{_HEAD}{line}\n{unsaved.design}"
+
+
+def _parsed(text: str) -> Unsaved:
+    """What a recovery file holds; all of it as the design where its first line is not as written here."""
+    first, _, rest = text.partition("\n")
+    try:
+        head = json.loads(first.removeprefix(_HEAD))
+        path, draft, when = head["path"], head["draft"], float(head["time"])
+        return Unsaved(rest, None if path is None else Path(path), draft, when)
+    except (ValueError, KeyError, TypeError):
+        return Unsaved(text, None)
+
+
+class RecoveryFile:
+    """The recovery file of one window, whose lock is held from the first ``write`` to ``close``."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._path: Path | None = None
+        self._lock: int | None = None
+
+    def write(self, unsaved: Unsaved) -> None:
+        """Put unsaved work in the place of what was there, whole or not at all, and have the disk keep it.
+
+        Raises FileError where it cannot be written; then nothing has changed.
+        """
+        if self._path is None:
+            try:
+                self._begin()
+            except OSError as error:
+                raise FileError(f"{self._folder}: cannot be written: {error.strerror}; make room or permit it") from error
+        assert self._path is not None
+        write(self._path, _text(unsaved))
+
+    def _begin(self) -> None:
+        """Make the folder, choose a name and hold its lock."""
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        while self._path is None:
+            path = self._folder / f"{os.urandom(8).hex()}.toml"
+            try:
+                self._lock = hold(_lock_of(path))
+            except OSError as error:
+                if error.errno not in NO_LOCKS:
+                    raise
+                self._path = path
+            if self._lock is not None:  # else another process has taken it for one that was left behind
+                self._path = path
+
+    def clear(self) -> None:
+        """Nothing is unsaved any more."""
+        if self._path is not None:
+            _remove(self._path)
+
+    def close(self) -> None:
+        """Nothing is unsaved, and the window is closed."""
+        if self._path is not None:
+            _remove(self._path)
+            _remove_lock(self._path, self._lock)
+            self._path = self._lock = None
+
+
+@dataclass(frozen=True)
+class Found:
+    """Unsaved work of a process that has died. Until ``discard`` or ``release`` no other process finds it."""
+
+    file: Path
+    unsaved: Unsaved
+    _lock: int | None
+
+    def discard(self) -> None:
+        """Remove it: it is recovered, or not wanted."""
+        _remove(self.file)
+        _remove_lock(self.file, self._lock)
+
+    def release(self) -> None:
+        """Leave it to be found again."""
+        if self._lock is not None:
+            os.close(self._lock)
+
+
+def find(folder: Path) -> list[Found]:
+    """Unsaved work of processes that have died, the latest first. Their locks without work, and files half written, are
+    removed."""
+    sweep(folder)
+    found = []
+    for path in sorted({each.with_suffix(".toml") for each in folder.glob("*") if each.suffix in (".toml", ".lock")}):
+        try:
+            lock = hold(_lock_of(path))
+            if lock is None:
+                continue
+        except OSError as error:
+            if error.errno not in NO_LOCKS:
+                continue
+            lock = None
+        if not path.exists():
+            _remove_lock(path, lock)
+            continue
+        try:
+            found.append(Found(path, _parsed(read_text(path)), lock))
+        except FileError:  # it stays for another time
+            if lock is not None:
+                os.close(lock)
+    return sorted(found, key=lambda each: each.unsaved.time, reverse=True)
+
+
+def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None) -> Unsaved:
+    """Unsaved work as of this moment."""
+    return Unsaved(design, path, draft, time.time())
+
+
+def _lock_of(path: Path) -> Path:
+    return path.with_suffix(".lock")
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):
+        path.unlink()
+
+
+def _remove_lock(path: Path, lock: int | None) -> None:
+    _remove(_lock_of(path))
+    if lock is not None:
+        os.close(lock)
+    if os.name == "nt":  # where no open file can be removed
+        _remove(_lock_of(path))

@@ -1,0 +1,109 @@
+"""Computing beside the window: new jobs stop those that are still being computed.
+
+What may take its time is not computed in the window's own thread, and what is no longer wanted not to its end.
+
+The other threads never touch an object of Qt: results wait in a queue that the window polls. Nor do they tidy up (see
+``tidying``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from queue import Empty, SimpleQueue
+from threading import Event, Thread
+from typing import Any
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from core.cancellation import Cancelled, cancellable, checkpoint
+from core.errors import KindynaError
+
+Job = tuple[Any, Callable[[], Any]]
+"""A key, and what computes the result; neither may hold an object of Qt."""
+POLL_MS = 3
+PATIENCE = 5.0  # seconds for a stopped worker to come to its next checkpoint: it may be importing a module
+
+
+class Worker(Thread):
+    """Jobs one after the other. Once ``cancelled`` is set the job at hand ends at its next checkpoint, and no other begins."""
+
+    def __init__(self, jobs: Sequence[Job]) -> None:
+        super().__init__(daemon=True)
+        self.results: SimpleQueue[tuple[Any, Any]] = SimpleQueue()
+        self.cancelled = Event()
+        self._jobs = tuple(jobs)
+
+    def run(self) -> None:
+        with cancellable(self.cancelled):
+            for key, compute in self._jobs:
+                try:
+                    checkpoint()
+                    result = compute()
+                except Cancelled:
+                    return
+                except Exception as error:  # raised again in the window's thread, where it is heard
+                    result = error
+                self.results.put((key, result))
+
+
+class Background(QObject):
+    """Jobs beside the window, of which only the last that were started count.
+
+    result   (key of the job, its result or the KindynaError)
+    """
+
+    result = Signal(object, object)
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._worker: Worker | None = None
+        self._running: list[Worker] = []  # with those that are about to end
+        self._open = 0
+        self._poll = QTimer(self, interval=POLL_MS)
+        self._poll.timeout.connect(self._fetch)
+
+    @property
+    def busy(self) -> bool:
+        """Results are still to come."""
+        return self._open > 0
+
+    def start(self, jobs: Sequence[Job]) -> None:
+        """Give up what is being computed and compute these."""
+        self.stop()
+        if not jobs:
+            return
+        self._open, self._worker = len(jobs), Worker(jobs)
+        self._running.append(self._worker)
+        self._worker.start()
+        self._poll.start()
+
+    def stop(self) -> None:
+        """Give up what is being computed."""
+        if self._worker is not None:
+            self._worker.cancelled.set()
+        self._worker, self._open = None, 0
+
+    def close(self) -> None:
+        """Stop, and be sure that nothing of it is running any longer."""
+        self.stop()
+        for worker in self._running:
+            worker.join(PATIENCE)
+        self._fetch()
+
+    def _fetch(self) -> None:
+        worker = self._worker
+        while worker is not None and worker is self._worker:
+            try:
+                key, result = worker.results.get_nowait()
+            except Empty:
+                break
+            self._open -= 1
+            if isinstance(result, Exception) and not isinstance(result, KindynaError):
+                raise result
+            self.result.emit(key, result)
+        self._running = [worker for worker in self._running if worker.is_alive()]
+        if not self._running and not self._open:
+            self._poll.stop()
+
+
+__all__ = ["Background", "Job", "Worker"]

@@ -1,0 +1,119 @@
+"""A user who works at a real window until the process dies: ``python working_window.py SEED [DESIGN]``.
+
+Each line on stdout is a JSON object: what would be lost if the process ended, after each change, with the time by the clock
+that all processes of the machine share, and by that of files. The line before it, ``{"begin": n}``, says that the n-th change
+comes.
+"""
+
+import json
+import random
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QTimer
+from PySide6.QtTest import QTest
+
+from core.design import entries, kind_row, motion_of
+from core.project import load
+from kindyna_gui import dialogs, main_window
+from kindyna_gui.__main__ import main
+from kindyna_gui.main_window import MainWindow
+from kindyna_gui.places import example
+from kindyna_gui.session import Session
+
+DESIGNS = ("transfer_lift", "card_picker", "four_bar_coupler_cam", "lecture_six_bar")
+
+
+def say(line: dict[str, Any]) -> None:
+    print(json.dumps(line), flush=True)
+
+
+def edit_a_number(window: MainWindow, dice: random.Random) -> None:
+    design = window.session.typed
+    rows = [each for name in kind_row(design).report_sections for each in entries(design, name)]
+    numbers = [each for each in rows if isinstance(each.value, float) and each.value]
+    row = dice.choice(numbers)
+    window.session.edit(row.path, row.value * dice.uniform(0.98, 1.02), f"Change {row.path}")
+    window.session.end_gesture()
+
+
+def drag(window: MainWindow, dice: random.Random) -> None:
+    """One number, many times in a row."""
+    name = window.session.design.name
+    for number in range(dice.randint(5, 15)):
+        window.session.edit("name", f"{name[:20]} {number}", "Change name")
+        say(state(window.session))
+        say({"begin": number})
+        QTest.qWait(20)
+    window.session.end_gesture()
+
+
+def leave_the_motion_unfinished(window: MainWindow, dice: random.Random) -> None:
+    motion = motion_of(window.session.typed)
+    if motion is not None:
+        path = f"motion.segments[{dice.randrange(len(motion.segments))}].span_deg"
+        window.session.edit(path, dice.uniform(5.0, 300.0), "Change span")
+        window.session.end_gesture()
+
+
+def segment(window: MainWindow, dice: random.Random) -> None:
+    if motion_of(window.session.design) is not None:
+        window.designing.segment(dice.choice(("insert", "split", "duplicate")))
+
+
+def undo(window: MainWindow, dice: random.Random) -> None:
+    window.session.stack.undo()
+
+
+def redo(window: MainWindow, dice: random.Random) -> None:
+    window.session.stack.redo()
+
+
+def save(window: MainWindow, dice: random.Random) -> None:
+    if window.session.draft is None:
+        window.documents.save()
+
+
+def begin(window: MainWindow, dice: random.Random) -> None:
+    window.documents.begin(load(example(dice.choice(DESIGNS))), "another")
+
+
+ACTIONS = (edit_a_number,) * 8 + (drag,) * 2 + (leave_the_motion_unfinished,) * 3 + (segment, undo, undo, redo, save, begin)
+
+
+def state(session: Session) -> dict[str, Any]:
+    return session.state() | {"time": time.monotonic(), "clock": time.time()}
+
+
+def work(window: MainWindow, seed: int) -> None:
+    dice = random.Random(seed)
+    say(state(window.session))
+    number = 0
+    while True:
+        number += 1
+        say({"begin": number})
+        dice.choice(ACTIONS)(window, dice)
+        say(state(window.session))
+        QTest.qWait(dice.choice((20, 50, 100, 200, 400)))
+
+
+def run(seed: int, path: str = "") -> int:
+    """As the program is started, with somebody at its window."""
+    open_window = main_window.open_window
+    saved_as = Path(f"saved_{seed}.toml").absolute()
+    dialogs.design_to_save = lambda *_: saved_as
+    dialogs.show_faults = lambda *_: None
+
+    def watched(*arguments: Any) -> MainWindow:
+        window = open_window(*arguments)
+        window.furnished.connect(lambda: QTimer.singleShot(0, window, lambda: work(window, seed)))
+        return window
+
+    main_window.open_window = watched
+    return main([path] if path else [])
+
+
+if __name__ == "__main__":
+    sys.exit(run(int(sys.argv[1]), *sys.argv[2:]))
