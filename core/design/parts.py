@@ -151,7 +151,23 @@ class Translating:
     direction_deg: float = number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards")
 
 
-Follower = CamSlider | Translating
+SIDES: Mapping[str, float] = MappingProxyType({"left": 1.0, "right": -1.0})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Oscillating:
+    """Arm on a fixed pivot with a roller on the cam (physics of the oscillating roller follower)."""
+
+    face: str = choice("Face", FACES, default="roller")
+    arm_mm: float = length("Arm", help="pivot to roller centre")
+    pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
+    pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
+    side: str = choice(
+        "Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the roller lies"
+    )
+
+
+Follower = CamSlider | Translating | Oscillating
 
 
 # -- cam, shaft, loads ------------------------------------------------------------------------------------
@@ -223,15 +239,21 @@ class Loads:
     """What every follower's loads share; in a file what a follower adds stands first."""
 
     FILE_ORDER: ClassVar[tuple[str, ...]] = ()
-    friction: float = number(
-        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
-    )
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
 
 
 @dataclass(frozen=True, kw_only=True)
-class CamSliderLoads(Loads):
+class GuidedLoads(Loads):
+    """Of a follower that moves a slider."""
+
+    friction: float = number(
+        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class CamSliderLoads(GuidedLoads):
     """Masses and forces of the cam-driven slider."""
 
     FILE_ORDER = (
@@ -257,7 +279,7 @@ class CamSliderLoads(Loads):
 
 
 @dataclass(frozen=True, kw_only=True)
-class TranslatingLoads(Loads):
+class TranslatingLoads(GuidedLoads):
     """Masses and closing spring of a translating follower."""
 
     FILE_ORDER = ("follower_mass_kg", "friction", "spring_rate_n_per_mm", "preload_n")
@@ -265,6 +287,25 @@ class TranslatingLoads(Loads):
     follower_mass_kg: float = _mass("Follower mass", "with its roller")
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
     preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
+
+
+@dataclass(frozen=True, kw_only=True)
+class OscillatingLoads(Loads):
+    """Masses and closing spring of an oscillating follower."""
+
+    FILE_ORDER = (
+        "arm_mass_kg", "arm_inertia_kg_m2", "arm_centre_mm", "arm_centre_angle_deg", "roller_mass_kg", "roller_inertia_kg_m2",
+        "spring_rate_nm_per_rad", "preload_nm",
+    )  # fmt: skip
+
+    arm_mass_kg: float = _mass("Arm mass")
+    arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
+    arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
+    arm_centre_angle_deg: float = number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the arm")
+    roller_mass_kg: float = _mass("Roller mass")
+    roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
+    spring_rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
+    preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
 
 
 # -- kinds of followers ------------------------------------------------------------------------------------
@@ -285,6 +326,7 @@ FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
     {
         "cam-slider": FollowerKind("Cam-driven slider", CamSlider, RollerCam, CamSliderLoads, "mm"),
         "translating": FollowerKind("Translating follower", Translating, RollerCam, TranslatingLoads, "mm"),
+        "oscillating": FollowerKind("Oscillating follower", Oscillating, RollerCam, OscillatingLoads, "deg"),
     }
 )
 

@@ -7,7 +7,18 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, CamSliderLoads, LinkageLoads, Loads, Translating, TranslatingLoads, si
+from core.design import (
+    CamSlider,
+    CamSliderLoads,
+    LinkageLoads,
+    Loads,
+    Oscillating,
+    OscillatingLoads,
+    Translating,
+    TranslatingLoads,
+    si,
+)
+from core.design.parts import SIDES
 from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
 
 
@@ -40,10 +51,20 @@ def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loadi
     return Loading(masses, (OutputForce(-s.preload, s.spring_rate),), _guide_friction(s.friction), "guide")
 
 
+def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loading:
+    """The closing spring turns the arm towards the cam; the roller is fixed to the arm and turns with it."""
+    g, s = si(follower), si(loads)
+    arm = Inertia(s.arm_mass, cmath.rect(s.arm_centre, s.arm_centre_angle), s.arm_inertia)
+    roller = Inertia(s.roller_mass, complex(g.arm), s.roller_inertia)
+    masses = (Mass("arm", combined([arm, roller]), _gravity(loads)),)
+    return Loading(masses, (OutputForce(-s.preload, s.spring_rate, SIDES[follower.side]),))
+
+
 LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
     {
         CamSliderLoads: cam_slider_loading,
         TranslatingLoads: translating_loading,
+        OscillatingLoads: oscillating_loading,
         LinkageLoads: lambda linkage, loads: link_loading(loads, _body),
     }
 )

@@ -6,10 +6,11 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
-from core.design import CamSlider, Follower, Linkage, Translating, si
+from core.design import CamSlider, Follower, Linkage, Oscillating, Translating, si
 from core.followers.base import LAYOUT_TABLE, BasePosition, Layout, base_position
 from core.followers.cam_slider import cam_slider
 from core.followers.limits import NEAR, findings
+from core.followers.oscillating import oscillating
 from core.followers.translating import translating
 from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
 
@@ -42,6 +43,7 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
     {
         CamSlider: Builder(_reach, cam_slider),
         Translating: Builder(_reach, translating),
+        Oscillating: Builder(_reach, oscillating),
         Linkage: Builder(_under, _linkage),
     }
 )

@@ -47,7 +47,7 @@ def _rounded(length: float, way: Callable[[float], int], digits: int = 6) -> str
     return f"{way(length / 10.0**places) * 10.0**places:.12g}"
 
 
-def _between(one: float, other: float) -> str:
+def triangle_range(one: float, other: float) -> str:
     """The range of the third side of a triangle of two sides [m], in mm."""
     return f"{_rounded(abs(one - other) * 1e3, math.ceil)} ... {_rounded((one + other) * 1e3, math.floor)}"
 
@@ -67,8 +67,8 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
             f"the roller cannot reach the base circle: roller arm {follower.roller_arm_mm:.9g} mm, pivot "
             f"{pivot_distance * 1e3:.9g} mm from the cam centre, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
             "follower.roller_arm_mm",
-            f"make the roller arm {_between(pivot_distance, reach)} mm long, or base radius + roller radius "
-            f"{_between(pivot_distance, g.roller_arm)} mm",
+            f"make the roller arm {triangle_range(pivot_distance, reach)} mm long, or base radius + roller radius "
+            f"{triangle_range(pivot_distance, g.roller_arm)} mm",
         )
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b

@@ -14,7 +14,8 @@ from math import pi
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, Design, Translating, put, si
+from core.design import CamSlider, Design, Oscillating, Translating, put, si
+from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.base import LAYOUT_TABLE, Layout, base_position
@@ -126,8 +127,26 @@ def _on_guide(design: Design, train: Train, to: complex) -> Changes:
     }
 
 
+def _on_arm(design: Design, train: Train, to: complex) -> Changes:
+    """Arm, side and base radius: the pivot stays, the arm has turned as far as the motion says."""
+    follower = design.drive.follower
+    assert isinstance(follower, Oscillating)
+    pivot, turned = _at(train, "pivot"), SIDES[follower.side] * float(train.motion.y[0, 0])
+    first = (to - pivot) * cmath.exp(-1j * turned)  # in the base position
+    side = "left" if (first / -pivot).imag > 0.0 else "right"
+    return {
+        "follower.arm_mm": abs(to - pivot) * 1e3,
+        "follower.side": side,
+        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.cam.roller_radius_mm,
+    }
+
+
 DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
     {
+        Oscillating: {
+            "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
+            "roller": Drag("roller", "follower.arm_mm", _on_arm),
+        },
         CamSlider: {
             "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
             "arm_pin": Drag("arm pin", "follower.slider_arm_mm", _arm_pin),

@@ -29,6 +29,7 @@ FOLLOWERS = frozenset(FOLLOWER_KINDS)
 ALL_KINDS = FOLLOWERS | {"linkage"}
 SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
+PIVOTED = frozenset({"cam-slider", "oscillating"})
 
 NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
@@ -143,20 +144,20 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
             "dynamics", _by_motor(Flywheel.linear_motor_torque), needs="shaft", exists=lambda s: s.levelled and _motor_runs(s)
         ),
         "camshaft_speed": Quantity("dynamics", _speed, needs="shaft", exists=_motor_runs),
-        "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, SLIDER),
+        "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
         "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
         "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),
         "slider_pin_x": _pair_x("slider_pin", SLIDER),
         "slider_pin_y": _pair_y("slider_pin", SLIDER),
         "arm_pin_x": _pair_x("arm_pin", SLIDER),
         "arm_pin_y": _pair_y("arm_pin", SLIDER),
-        "pivot_x": _pair_x("pivot", SLIDER),
-        "pivot_y": _pair_y("pivot", SLIDER),
+        "pivot_x": _pair_x("pivot", PIVOTED),
+        "pivot_y": _pair_y("pivot", PIVOTED),
         "bearing_x": _pair_x("bearing", FOLLOWERS),
         "bearing_y": _pair_y("bearing", FOLLOWERS),
         "slider_pin": _size("slider_pin", SLIDER),
         "arm_pin": _size("arm_pin", SLIDER),
-        "pivot": _size("pivot", SLIDER),
+        "pivot": _size("pivot", PIVOTED),
         "bearing": _size("bearing", FOLLOWERS),
     }
 )
