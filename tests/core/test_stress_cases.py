@@ -8,7 +8,7 @@ import pytest
 from references import EPS
 from stress_cases import CASES, Case, many_segments
 
-from core.dynamics.loading import Inertia, combined
+from core.dynamics import Inertia, combined
 from core.study import Study
 
 LOOKED_AT = [pytest.param(case, value, id=f"{case.name}, {value:.0e}") for case in CASES for value in case.some]
