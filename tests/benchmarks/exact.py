@@ -28,15 +28,27 @@ import itertools
 from benchmarks.exact_dyads import dyad_values
 from benchmarks.exact_shafts import OF_SHAFTS
 from mechanisms import LIFT, with_shaft
-from references import LAW_TERMS, MP, Series, cam_shape, free_bodies, joins_of, law, law_joins, motion_series, placed
+from references import (
+    LAW_TERMS,
+    MP,
+    Series,
+    cam_shape,
+    free_bodies,
+    joins_of,
+    law,
+    law_joins,
+    masses,
+    motion_series,
+    placed,
+)
 
 from core.design import Design, entries, get, put
 from core.motion import Program
 
 FILE = Path(__file__).with_name("exact.json")
 LAW = "modified-sine"
-FITTED = with_shaft(LIFT, flywheel_inertia_kg_m2=300.0, motor_slope_nm_s_per_rad=50.0)
-"""The lift with a flywheel that levels some of its torque."""
+FITTED = with_shaft(LIFT, flywheel_inertia_kg_m2=2000.0, motor_slope_nm_s_per_rad=3000.0)
+"""The lift with a flywheel that levels some of its torque; its speed changes by half."""
 SHARES = (0.11373, 0.52719, 0.93131)  # of each piece of the motion: on no table's knots
 STEP = MP.mpf(10) ** -20
 
@@ -213,35 +225,73 @@ def _gauss(count: int) -> list[tuple[Any, Any]]:
     return found
 
 
+def _integrals(nodes: Sequence[tuple[Any, Any]]) -> Any:
+    """Integrals from -1 to each of Gauss's nodes, of the polynomial through values at them: a matrix."""
+    count, made = len(nodes), MP.zeros(len(nodes), len(nodes))
+    values = [[MP.legendre(n, x) for x, _ in nodes] for n in range(count + 1)]
+    for i, (x, _) in enumerate(nodes):
+        for n in range(count):
+            reach = x + 1 if n == 0 else (values[n + 1][i] - values[n - 1][i]) / (2 * n + 1)
+            for j, (_, w) in enumerate(nodes):
+                made[i, j] += MP.mpf(2 * n + 1) / 2 * w * values[n][j] * reach
+    return made
+
+
 def _flywheel() -> dict[str, Any]:
-    """x' + r x = T - T̄ over the turn, piece by piece by Gauss-Legendre, closed so that it comes back to where it began."""
+    """d/dθ ½(I + J)ω² = T̄ + k(ω̄ - ω) - T_s over the turn, T_s = T_c - ½ω̄²J', for e = ½(I + J)(ω² - ω̄²): collocation at
+    Gauss's nodes, piece by piece, closed so that it comes back to where it began, by Newton's method."""
     compiled = Program(FITTED.drive.motion)
     shaft = FITTED.shaft
     omega = MP.convert(shaft.speed_rpm) * 2 * MP.pi / 60
-    rate = MP.convert(shaft.motor_slope_nm_s_per_rad) / (MP.convert(shaft.flywheel_inertia_kg_m2) * omega)
+    slope, flywheel = MP.convert(shaft.motor_slope_nm_s_per_rad), MP.convert(shaft.flywheel_inertia_kg_m2)
     spots = [float(s * (b - a) + a) for a, b in zip(compiled.starts, compiled.ends, strict=True) for s in (0.31373, 0.81931)]
     joins = sorted({*map(float, compiled.starts), *spots, 2.0 * math.pi})
     nodes = _gauss(30)
+    within = _integrals(nodes)
 
     @cache
-    def drive(theta: Any) -> Any:
+    def load(theta: Any) -> tuple[Any, Any]:
         segment = _segment(theta)
-        y = motion_series(FITTED.drive.motion, theta, segment)
-        return free_bodies(FITTED, placed(FITTED, theta, y), _way(segment))["torque"]
+        there = placed(FITTED, theta, motion_series(FITTED.drive.motion, theta, segment))
+        worth = MP.fsum(
+            m.mass * abs(m.centre.derivative(1)) ** 2 + m.inertia * m.angle.derivative(1) ** 2
+            for m in masses(FITTED, there).values()
+        )
+        return free_bodies(FITTED, there, _way(segment))["torque"], flywheel + worth
 
-    def parts(a: float, b: float) -> list[tuple[Any, Any, Any]]:
+    stretches = []
+    for a, b in itertools.pairwise(joins):
         half, middle = (MP.mpf(b) - a) / 2, (MP.mpf(a) + b) / 2
-        return [(half * w, middle + half * x, drive(middle + half * x)) for x, w in nodes]
+        stretches.append((half, [load(middle + half * x) for x, _ in nodes]))
+    mean = MP.fsum(h * w * t for h, row in stretches for (_, w), (t, _) in zip(nodes, row, strict=True)) / (2 * MP.pi)
+    energies = [[MP.zero] * len(nodes) for _ in stretches]
 
-    stretches = [(a, b, parts(a, b)) for a, b in itertools.pairwise(joins)]
-    mean = MP.fsum(w * t for _, _, row in stretches for w, _, t in row) / (2 * MP.pi)
-    x, at_joins = MP.zero, {0.0: MP.zero}
-    for a, b, row in stretches:
-        x = MP.exp(-rate * (MP.mpf(b) - a)) * x + MP.fsum(w * MP.exp(-rate * (b - at)) * (t - mean) for w, at, t in row)
-        at_joins[b] = x
-    begin = x / (1 - MP.exp(-rate * 2 * MP.pi))
-    values = [[mean + rate * (at_joins[s] + begin * MP.exp(-rate * MP.mpf(s))) + 0j] for s in spots]
-    peak = max(abs(t) for _, _, row in stretches for _, _, t in row)
+    def above(e: Any, worth: Any) -> Any:
+        """ω - ω̄."""
+        return 2 * e / worth / (omega + MP.sqrt(omega**2 + 2 * e / worth))
+
+    for _ in range(9):
+        maps = []  # e at nodes and end as p·begin + q
+        for (half, row), known in zip(stretches, energies, strict=True):
+            rates = [slope / (worth * (omega + above(e, worth))) for e, (_, worth) in zip(known, row, strict=True)]
+            free = [c * e - slope * above(e, worth) - (t - mean)
+                    for c, e, (t, worth) in zip(rates, known, row, strict=True)]  # fmt: skip
+            matrix = MP.eye(len(nodes)) + half * within * MP.diag(rates)
+            p = MP.lu_solve(matrix, MP.ones(len(nodes), 1))
+            q = MP.lu_solve(matrix, half * within * MP.matrix(free))
+            ends = [MP.fsum(half * w * (f - c * v) for (_, w), f, c, v in zip(nodes, given, rates, values, strict=True))
+                    for given, values in (([0] * len(nodes), p), (free, q))]  # fmt: skip
+            maps.append((list(p), list(q), 1 + ends[0], ends[1]))
+        whole, gained = MP.one, MP.zero
+        for _, _, kept, more in maps:
+            whole, gained = whole * kept, gained * kept + more
+        begins = [gained / (1 - whole)]
+        for _, _, kept, more in maps:
+            begins.append(begins[-1] * kept + more)
+        energies = [[b * x + y for x, y in zip(p, q, strict=True)] for b, (p, q, _, _) in zip(begins, maps, strict=False)]
+    at_joins = dict(zip(joins, begins, strict=True))
+    values = [[mean - slope * above(at_joins[s], load(MP.mpf(s))[1]) + 0j] for s in spots]
+    peak = max(abs(t) for _, row in stretches for t, _ in row)
     torque_condition = json.loads(FILE.read_text(encoding="utf-8"))["torque"]["condition"]
     return _rows(spots, values, torque_condition, [float(peak)])
 

@@ -1,7 +1,9 @@
-"""Flywheel: the motor's torque of the lift with a fitted flywheel by the linear equation, from the cam's torque at any angle."""
+"""Flywheel: the motor's torque of the lift with a fitted flywheel, from the cam's torque and inertia at any angle."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from math import sqrt
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,81 +13,101 @@ from benchmarks.plain import turn
 from benchmarks.table import Channels, Kernel, Method
 
 from core.design import si
+from core.dynamics import reduced_inertia
 from core.motion import TURN, Angles
-from core.shaft import Flywheel, load_curve
+from core.shaft import load_curve, steady_speed
 from core.study import Study
 
 SHAFT = si(FITTED.shaft)
-RATE = SHAFT.motor_slope / (SHAFT.flywheel_inertia * SHAFT.speed)  # k/(I ω̄) [per radian]
-NODES = 10  # per panel of our own curve
-CLOSING = float(np.exp(-RATE * TURN))  # what a turn leaves of a deviation
+SLOPE, MEAN, FLYWHEEL = SHAFT.motor_slope, SHAFT.speed, SHAFT.flywheel_inertia
+SHOTS = 40  # turns until one ends as it began
+
+Rate = Callable[[float, float], float]
 
 
 def given(theta: np.ndarray) -> SimpleNamespace:
     study = Study(FITTED)
 
-    def torque(angles: Angles) -> np.ndarray:
-        return study.at(angles).dynamics.torque
+    def load(angles: Angles) -> np.ndarray:
+        there = study.at(angles)
+        return np.array([there.dynamics.torque, reduced_inertia(there.linkage, there.loading.inertias)])
 
-    return SimpleNamespace(theta=theta, angles=study.program.angles(theta), study=study, program=study.program, torque=torque)
+    return SimpleNamespace(theta=theta, program=study.program, load=load)
 
 
 def ours(there: Any, setting: None) -> Channels:
-    """Torque on panels, mean, energy, sizing and the motor's torque."""
-    curve = load_curve(lambda a: np.array([there.torque(a), np.zeros(a.theta.size)]), there.program)
-    return (Flywheel(there.torque, curve, FITTED.shaft).linear_motor_torque(there.angles),)
+    """Torque and inertia on panels, and the speed by collocation."""
+    curve = load_curve(there.load, there.program)
+    speed = steady_speed(curve, FLYWHEEL, SLOPE, MEAN)
+    assert speed is not None
+    return (curve.mean - SLOPE * speed.deviation(there.theta),)
 
 
-def harmonics(there: Any, points: int) -> Channels:
-    """Samples of the torque, their Fourier transform, each harmonic by 1/(1 + i n I ω̄/k), and back."""
-    knots = turn(points)
-    waves = np.fft.rfft(there.torque(there.program.angles(knots)))
-    waves /= 1.0 + 1j * np.arange(waves.size) / RATE
-    back = np.fft.irfft(waves, points)
-    return (np.interp(there.theta, np.append(knots, TURN), np.append(back, back[0])),)
+def _closed(over_a_turn: Callable[[float], float]) -> float:
+    """What a turn begins and ends with, by secants."""
+    a, b = 0.0, over_a_turn(0.0)
+    fa, fb = b - a, over_a_turn(b) - b
+    for _ in range(SHOTS):
+        if fa == fb or abs(fb) <= 1e-15 * abs(b):
+            break
+        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
+        fb = over_a_turn(b) - b
+    return b
 
 
-def _sampled(there: Any, points: int) -> tuple[np.ndarray, float]:
-    told = there.torque(there.program.angles(turn(points)))
-    return told, float(told.mean())
+def _above(energy: Any, inertia: Any) -> Any:
+    """ω - ω̄ at e = ½(I + J)(ω² - ω̄²)."""
+    return 2.0 * energy / inertia / (MEAN + np.sqrt(np.maximum(MEAN**2 + 2.0 * energy / inertia, 0.0)))
 
 
 def fixed_steps(there: Any, points: int) -> Channels:
-    """Runge and Kutta's four slopes a step; the steady state by what one turn leaves of a start."""
-    told, mean = _sampled(there, 2 * points)
-    drive = (np.append(told, told[0]) - mean).tolist()
-    step, x, found = TURN / points, 0.0, []
-    for i in range(points):
-        a, b, c = drive[2 * i : 2 * i + 3]
-        found.append(x)
-        k1 = a - RATE * x
-        k2 = b - RATE * (x + 0.5 * step * k1)
-        k3 = b - RATE * (x + 0.5 * step * k2)
-        k4 = c - RATE * (x + step * k3)
-        x += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    return (_steady(there, mean, np.append(found, x), turn(points + 1) * (points + 1) / points),)
+    """Runge and Kutta's four slopes a step, the turn closed by secants."""
+    torque, inertia = there.load(there.program.angles(turn(2 * points)))
+    mean, step = float(torque.mean()), TURN / points
+    drive, worth = ([*row.tolist(), float(row[0])] for row in (torque - mean, inertia + FLYWHEEL))
+    found = [0.0] * (points + 1)
 
+    def rate(e: float, i: int) -> float:
+        return -drive[i] - SLOPE * 2.0 * e / worth[i] / (MEAN + sqrt(MEAN**2 + 2.0 * e / worth[i]))
 
-def _steady(there: Any, mean: float, x: np.ndarray, at: np.ndarray) -> np.ndarray:
-    begin = x[-1] / (1.0 - CLOSING)
-    return mean + RATE * np.interp(there.theta, at, x + begin * np.exp(-RATE * at))
+    def once(e: float) -> float:
+        for i in range(points):
+            found[i] = e
+            k1 = rate(e, 2 * i)
+            k2 = rate(e + 0.5 * step * k1, 2 * i + 1)
+            k3 = rate(e + 0.5 * step * k2, 2 * i + 1)
+            e += step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + rate(e + step * k3, 2 * i + 2))
+        found[points] = e
+        return e
+
+    once(_closed(once))
+    at = turn(points + 1) * (points + 1) / points
+    motor = mean - SLOPE * _above(np.array(found), np.array(worth[::2]))
+    return (np.interp(there.theta, at, motor),)
 
 
 def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp over one turn, the torque from a cubic spline of 3600 samples."""
+    """scipy's solve_ivp over one turn, torque and inertia from cubic splines of 3600 samples, the turn closed by secants."""
     from scipy.integrate import solve_ivp
     from scipy.interpolate import CubicSpline
 
     method, tolerance = setting
-    told, mean = _sampled(there, 3600)
-    drive = CubicSpline(turn(3601) * 3601 / 3600, np.append(told, told[0]) - mean)
-    size = float(np.abs(told).max())
-    solved = solve_ivp(
-        lambda t, x: drive(t) - RATE * x, (0.0, TURN), [0.0], method, rtol=tolerance, atol=tolerance * size,
-        dense_output=True,
-    )  # fmt: skip
-    begin = float(solved.y[0, -1]) / (1.0 - CLOSING)
-    return (mean + RATE * (solved.sol(there.theta)[0] + begin * np.exp(-RATE * there.theta)),)
+    torque, inertia = there.load(there.program.angles(turn(3600)))
+    mean, at = float(torque.mean()), turn(3601) * 3601 / 3600
+    drive = CubicSpline(at, np.append(torque, torque[0]) - mean)
+    worth = CubicSpline(at, np.append(inertia, inertia[0]) + FLYWHEEL)
+    size = float(np.abs(torque).max())
+
+    def once(e: float, dense: bool = False) -> Any:
+        return solve_ivp(
+            lambda t, x: -drive(t) - SLOPE * _above(x, worth(t)), (0.0, TURN), [e], method, rtol=tolerance,
+            atol=tolerance * size, dense_output=dense,
+        )  # fmt: skip
+
+    begin = 0.0
+    for _ in range(4):  # what a turn leaves of a deviation is a hundredth
+        begin = float(once(begin).y[0, -1])
+    return (mean - SLOPE * _above(once(begin, dense=True).sol(there.theta)[0], worth(there.theta)),)
 
 
 def _by(method: str) -> Method:
@@ -100,12 +122,11 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("FFT harmonics", harmonics, (3600, 360, 36_000, 360_000), "points"),
         Method("RK4, fixed steps", fixed_steps, (3600, 360, 720, 36_000), "points"),
         *(_by(method) for method in ("RK45", "DOP853", "LSODA", "Radau")),
     ),
     # the motor's torque is a mean of the cam's; between ten values and their polynomial stand two sums of ten and
     # Lebesgue's constant of 2.5, from panel to panel some 240 roundings
     roundings=34 + 22 + 30 + 24 + 2 * 10 * 2.5 + 240,
-    digits=4e-16,
+    digits=1.2e-14,
 )
