@@ -55,7 +55,7 @@ class CurvePlot(FixedPlot):
         super().__init__(parent, theme, top=True)
         self._axes["top"].setHeight(TOP_HEIGHT if names else UNNAMED)
         self._axes["top"].setStyle(showValues=names)
-        self.show_numbers(angles, angle_title(Study.angle_name))
+        self.show_numbers(angles, angle_title("cam angle"))
         self._with_angles = angles
         self._cursor = Cursor(self._view, theme)
         self._angle, self._with_cursor, self._named = 0.0, True, names
