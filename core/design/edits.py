@@ -152,7 +152,22 @@ def edited(design: Design, path: str, value: Any) -> Design:
         return with_drive(design, motion=motion)
     if path == "follower.layout" and isinstance(design.drive.mechanism, CamSlider):
         return with_drive(design, mechanism=with_layout(design.drive.mechanism, value))
-    return put(design, path, value)
+    changed = put(design, path, value)
+    if changed.drive.is_linkage and changed.shaft is not None:
+        return _at_one_speed(changed, path)
+    return changed
+
+
+def _at_one_speed(design: Design, path: str) -> Design:
+    """A linkage whose shaft and driver turn alike, as the one of them says that has been edited."""
+    driver, shaft = design.drive.linkage.driver, design.camshaft
+    if path == "linkage.driver.speed_rpm":
+        rotation = "cw" if driver.speed_rpm < 0.0 else "ccw"
+        return replace(design, shaft=replace(shaft, speed_rpm=abs(driver.speed_rpm), rotation=rotation))
+    if path in ("shaft.speed_rpm", "shaft.rotation"):
+        turning = replace(driver, speed_rpm=shaft.signed_rpm)
+        return with_drive(design, mechanism=replace(design.drive.linkage, driver=turning))
+    return design
 
 
 def with_elastic(design: Design, elastic: Elastic | None) -> Design:

@@ -228,6 +228,11 @@ class Shaft:
         """d of the papers: +1 when the shaft turns counter-clockwise, -1 clockwise."""
         return SENSES[self.rotation]
 
+    @property
+    def signed_rpm(self) -> float:
+        """The speed, negative where the shaft turns clockwise."""
+        return SENSES.get(self.rotation, 1.0) * self.speed_rpm
+
 
 def _mass(label: str, help: str = "") -> float:
     field: float = number(label, 0.0, default=0.0, help=help)

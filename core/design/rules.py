@@ -196,7 +196,16 @@ def faults(design: Design) -> list[Fault]:
             if fault.path not in told:
                 told.add(fault.path)
                 found.append(fault)
-    return found
+    return [*found, *_one_speed(design)]
+
+
+def _one_speed(design: Design) -> Iterator[Fault]:
+    """A linkage's shaft turns as its driver does."""
+    if not design.drive.is_linkage or design.shaft is None:
+        return
+    driver, shaft = design.drive.linkage.driver.speed_rpm, design.shaft.signed_rpm
+    if abs(driver - shaft) > CLOSING * abs(shaft):
+        yield Fault("linkage.driver.speed_rpm", driver, "is not the shaft's, clockwise negative", f"{shaft:.12g} rpm, or leave it out")
 
 
 def whole_faults(motion: Motion, path: str) -> list[Fault]:

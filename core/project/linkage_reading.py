@@ -20,6 +20,7 @@ from core.design import (
     LinkMass,
     Motion,
     Place,
+    Shaft,
     Side,
     Slider,
     faults,
@@ -32,24 +33,28 @@ from core.project.hooks import NO_NUMBER, NO_WORD
 from core.project.tables import Table
 from core.project.telling import did_you_mean, hinted, missing, spelled, unknown_key
 
-_KNOWN = ("format", "name", "assumed", "motion", "linkage", "cam", "loads")
+_KNOWN = ("format", "name", "assumed", "motion", "linkage", "cam", "shaft", "loads")
 _MOTION_SPEED = 60.0  # [rpm] of a motion's shaft where the file does not say: one turn a second
 _STRUCTURE = r"linkage|linkage\.links\[\d+\]|linkage\.branch\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
 """Paths of faults that may follow from links that could not be read."""
-ReadMotion = Callable[[Mapping[str, Any], str], tuple[Any, list[Fault]]]
+ReadPart = Callable[[Mapping[str, Any], str, type, str], tuple[Any, list[Fault]]]
 
 
-def linkage_from_table(table: Mapping[str, Any], read_motion: ReadMotion) -> tuple[Design, list[Fault]]:
-    """The design as far as it can be read, and all that is wrong but for the head of the file; ``read_motion`` reads
-    [motion] in a unit."""
+def linkage_from_table(table: Mapping[str, Any], read: ReadPart) -> tuple[Design, list[Fault]]:
+    """The design as far as it can be read, and all that is wrong but for the head of the file; ``read`` reads a table of
+    the file as a part, its motion in a unit."""
     found: list[Fault] = []
     for key, value in table.items():
         if key not in _KNOWN and key not in ("follower", "drives"):
             found.append(unknown_key(spelled(key), key, value, _KNOWN))
-    linkage = _linkage(table["linkage"], found)
+    shaft: Shaft | None = None
+    if "shaft" in table:
+        shaft, told = read(table, "shaft", Shaft, "mm")
+        found += told
+    linkage = _linkage(table["linkage"], found, shaft)
     motion: Motion | None = None
     if "motion" in table:
-        motion, told = read_motion(table, _unit(linkage, table["motion"]))
+        motion, told = read(table, "motion", Motion, _unit(linkage, table["motion"]))
         found += told
     cam = None
     if "cam" in table:
@@ -58,19 +63,19 @@ def linkage_from_table(table: Mapping[str, Any], read_motion: ReadMotion) -> tup
     name = table.get("name", "")
     assumed = table.get("assumed", ())
     plain = tuple(p for p in assumed if isinstance(p, str)) if isinstance(assumed, list | tuple) else ()
-    design = Design(name, None, (Drive(motion, linkage, cam, loads),), plain)
+    design = Design(name, shaft, (Drive(motion, linkage, cam, loads),), plain)
     found += _rule_faults(design, found, "motion" in table)
     found += _assumed_faults(assumed, design)
     return design, found
 
 
-def _linkage(at: Any, found: list[Fault]) -> Linkage:
+def _linkage(at: Any, found: list[Fault], shaft: Shaft | None) -> Linkage:
     table = Table(at, "linkage", found)
     links = tuple(row.part(Link, {}, {"points": _points(row)}) for row in table.rows("links"))
     if table.is_table and "links" not in table.entries:
         found.append(missing("linkage.links", "[[linkage.links]] with number and points"))
     sliders = tuple(row.part(Slider, {"through": PAIRS["through"]}, {}) for row in table.rows("sliders"))
-    driver = table.take("driver", lambda value: _driver(Table(value, "linkage.driver", found)), NO_NUMBER)
+    driver = table.take("driver", lambda value: _driver(Table(value, "linkage.driver", found), shaft), NO_NUMBER)
     if driver is NO_NUMBER:
         driver = Driver(NO_NUMBER, NO_WORD)
         if table.is_table:
@@ -80,15 +85,16 @@ def _linkage(at: Any, found: list[Fault]) -> Linkage:
     return Linkage(links, sliders, driver, branch)
 
 
-def _driver(table: Table) -> Driver:
+def _driver(table: Table, shaft: Shaft | None) -> Driver:
+    """The driver; where the shaft says how fast it turns, it need not."""
     given: dict[str, Any] = {}
     if table.is_table and "kind" not in table.entries:
         table.found.append(missing(f"{table.path}.kind", "crank | motion"))
         given["kind"] = NO_WORD
     if "speed_rpm" not in table.entries:
-        if table.is_table and table.entries.get("kind") != MOTION:
+        if table.is_table and table.entries.get("kind") != MOTION and shaft is None:
             table.found.append(missing(f"{table.path}.speed_rpm", "of the crank, in rpm; negative = clockwise"))
-        given["speed_rpm"] = _MOTION_SPEED
+        given["speed_rpm"] = _MOTION_SPEED if shaft is None else shaft.signed_rpm
     return table.part(Driver, {}, given)
 
 

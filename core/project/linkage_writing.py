@@ -11,6 +11,7 @@ import tomli_w
 
 from core.design import Design, LinkageLoads
 from core.design.paths import PAIRS
+from core.project.hooks import converter
 
 
 def linkage_tables(design: Design) -> dict[str, Any]:
@@ -28,6 +29,8 @@ def linkage_tables(design: Design) -> dict[str, Any]:
     told = {"linkage": table}
     if design.drive.cam is not None:
         told["cam"] = _flat(design.drive.cam)
+    if design.shaft is not None:
+        told["shaft"] = converter("mm").unstructure(design.shaft)
     if repr(design.drive.loads) != repr(LinkageLoads()):  # which tells 0.0 from -0.0
         told["loads"] = _flat(design.drive.loads)
     return told

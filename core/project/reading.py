@@ -39,7 +39,7 @@ def from_table(table: Mapping[str, Any]) -> Design:
     """The design in the tables of a file. Raises DesignError with all faults."""
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     if next((kind for kind in _KINDS if kind in table), "") == "linkage":
-        design, told = linkage_from_table(table, lambda at, unit: _read(at, "motion", Motion, unit))
+        design, told = linkage_from_table(table, _read)
         if found or told:
             raise DesignError([*found, *told])
         return design
