@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 from PySide6.QtCore import QObject, Signal
 
 from core.design import Design, Elastic, motion_of, with_elastic
+from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.session import Refusal
-from kindyna_gui.shown_kinds import NO_MOTION, NO_SHAFT, only_cams
+from kindyna_gui.shown_kinds import NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
     from kindyna_gui.main_window import MainWindow
@@ -92,13 +93,21 @@ class Designing(QObject):
 
     # -- the shaft ----------------------------------------------------------------------------------------
 
+    def give_shaft(self) -> None:
+        """A linkage gets a shaft that turns as its driver does; where there is one, its fields come before the reader."""
+        design = self._session.design
+        if design.shaft is None:
+            self._session.put(give_shaft(design), "Give it a shaft")
+            self._session.end_gesture()
+        self._window.focus_field("shaft.flywheel_inertia_kg_m2")
+
     def make_flexible(self) -> None:
         """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
         from core.stability import flexible
 
         if self._elastic is None:
             try:
-                design, study = only_cams(self._session.design, NO_SHAFT), self._session.study
+                design, study = with_shaft(self._session.design, NO_SHAFT), self._session.study
                 changed = flexible(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
                 self.told.emit(str(error))

@@ -12,7 +12,7 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.player import Player
 from kindyna_gui.reads import READS
 from kindyna_gui.session import Session
-from kindyna_gui.shown_kinds import only_cams
+from kindyna_gui.shown_kinds import NO_WHEEL, with_shaft
 from kindyna_gui.tables import Heading, Row, RowsTable
 from kindyna_gui.view import View
 from kindyna_gui.wording import step_text
@@ -51,7 +51,7 @@ class FlywheelView(View):
         self.set_column(self.table, row, grows=self.table)
 
     def refresh(self, study: Study) -> None:
-        design = only_cams(study.design, "A flywheel is sized for a cam and its follower; a linkage has none here.")
+        design = with_shaft(study.design, NO_WHEEL)
         wheel, shaft = study.flywheel, design.shaft
         floor = ROUNDING * torque_size(study)
         tiny = floor / (shaft.speed_fluctuation * study.omega**2)

@@ -170,6 +170,9 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
             _view("&Flywheel", "flywheel", "Size of the flywheel for the wanted evenness of speed"),
             _view("Camshaft &speed", "camshaft_speed", "Speed over the cam angle, which the flywheel evens out"),
+            SEPARATOR,
+            Item("Give it a &shaft", "designing.give_shaft", None, None,
+                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
         ),
     ),
     (
@@ -179,6 +182,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Flexible shaft", "designing.make_flexible", None, None,
                  "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
             Item("&Rigid shaft", "designing.make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
+            Item("Give it a &shaft", "designing.give_shaft", None, None,
+                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
             SEPARATOR,
             _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
         ),

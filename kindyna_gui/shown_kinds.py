@@ -11,7 +11,8 @@ NO_MOTION = (
 )
 
 
-NO_SHAFT = "Stability is studied for the shaft of a cam; a linkage has none here."
+NO_SHAFT = "Stability is studied for the shaft of a cam; this linkage has none: Stability > Give it a shaft."
+NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."
 
 
 class NotHere(KindynaError):
@@ -23,9 +24,9 @@ def is_linkage(design: Design) -> bool:
     return design.drive.is_linkage
 
 
-def only_cams(design: Design, instead: str) -> Design:
-    """The design of a cam and its follower; raises NotHere, with the sentence, for any other kind."""
-    if not design.drive.is_linkage:
+def with_shaft(design: Design, instead: str) -> Design:
+    """The design, whose shaft carries a flywheel and may twist; raises NotHere, with the sentence, where it has none."""
+    if design.shaft is not None and (design.drive.cam is not None or design.by_crank):
         return design
     raise NotHere(instead)
 
@@ -40,18 +41,17 @@ def motion_shown(design: Design) -> Motion:
 
 def has_cam(study: Study) -> bool:
     """Whether a cam belongs to the design."""
-    return not is_linkage(study.design) or "cam" in study.stages
+    return "cam" in study.stages
 
 
 def sense_of(study: Study) -> float:
     """+1 where the cam, or the crank, turns counter-clockwise, -1 clockwise."""
-    sense: float = study.sense if is_linkage(study.design) else study.design.shaft.sense
-    return sense
+    return study.sense
 
 
 def size_of(study: Study) -> float:
     """A length that tells the size of the mechanism [m]."""
-    size: float = study.course.plan.size if is_linkage(study.design) else study.reach
+    size: float = study.course.plan.size if study.mechanism.ranged else study.reach
     return size
 
 
@@ -60,7 +60,7 @@ def ranges_of(study: Study) -> tuple[tuple[float, float], ...]:
 
     Raises NoAnswer where the linkage stands nowhere.
     """
-    if not is_linkage(study.design) or not study.by_crank:
+    if not study.by_crank:
         return ()
     ranges = study.course.ranges
     return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)

@@ -29,7 +29,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.chart import ACROSS, UPWARDS
 from kindyna_gui.player import Player
 from kindyna_gui.session import Session
-from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, only_cams
+from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, with_shaft
 from kindyna_gui.stability_chart import StabilityChart
 from kindyna_gui.stability_pages import Looked, StabilityPages
 from kindyna_gui.stability_reading import Reading
@@ -137,7 +137,7 @@ class StabilityView(View):
         self._stop()
         self.wanted = self.found = None
         self.use.hide()
-        design = only_cams(study.design, NO_SHAFT)
+        design = with_shaft(study.design, NO_SHAFT)
         if design.shaft.elastic is None:
             raise NotHere(RIGID)
         self.found = found = study.flexible_shaft()

@@ -12,7 +12,7 @@ from math import fsum, nan
 from types import MappingProxyType
 from typing import Any
 
-from core.design.parts import CamSlider, Elastic, Motion, Segment, curve_of
+from core.design.parts import CamSlider, Elastic, Motion, Segment, Shaft, curve_of
 from core.design.paths import put
 from core.design.stretch import scaled
 from core.design.whole import Design, with_drive
@@ -168,6 +168,13 @@ def _at_one_speed(design: Design, path: str) -> Design:
         turning = replace(driver, speed_rpm=shaft.signed_rpm)
         return with_drive(design, mechanism=replace(design.drive.linkage, driver=turning))
     return design
+
+
+def with_shaft(design: Design) -> Design:
+    """The design of a linkage with a shaft that turns as its driver does, without flywheel and rigid."""
+    if design.shaft is not None:
+        return design
+    return replace(design, shaft=Shaft("ccw" if design.sense > 0.0 else "cw", design.speed_rpm))
 
 
 def with_elastic(design: Design, elastic: Elastic | None) -> Design:
