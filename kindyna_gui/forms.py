@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollA
 
 from core.design import FOLLOWER_KINDS, Design, Entry, entries, kind_of
 from core.findings import ERROR
-from core.project import to_table
 from core.study import Study
 from kindyna_gui.field_parts import in_tab_order
 from kindyna_gui.fields import COLUMNS, Field, NameField, Spec
@@ -35,10 +34,6 @@ menu Compo."""
 
 def specs_of(design: Design, section: str) -> list[Spec]:
     """The rows of a section, in the order of the file."""
-    if not design.drive.is_linkage:
-        specs = {entry.path: Spec.of(entry) for entry in entries(design, section)}
-        order = [f"{section}.{key}" for key in to_table(design)[section]]
-        return [specs[path] for path in order if path in specs]
     return [
         _named(design, entry) for entry in entries(design, section) if entry.path.rpartition(".")[2] not in _STRUCTURE
     ]
