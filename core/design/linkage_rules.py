@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Iterator
 from itertools import combinations
 
+from core.design.counts import count_fault
 from core.design.fields import field_faults
 from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageDesign, LinkageLoads
 from core.design.rules import part_faults
@@ -21,6 +22,12 @@ _WITH_SIDES = ("RRR", "RRP", "RPR")
 
 def linkage_faults(design: LinkageDesign) -> list[Fault]:
     """Every fault of a linkage, in the order of the file."""
+    linkage, loads = design.linkage, design.loads
+    counted = {
+        "linkage.links": linkage.links, "linkage.sliders": linkage.sliders, "loads.masses": loads.masses, "loads.forces": loads.forces,
+    }  # fmt: skip
+    if over := [fault for path, rows in counted.items() if (fault := count_fault(path, len(rows)))]:
+        return over
     found = list(_part_ranges(design))
     told = {fault.path for fault in found}
     for rule in (_links, _sliders, _driver, _structure, _branches, _motion, _cam, _loads):

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
+from core.design.counts import count_fault
 from core.design.fields import field_faults
 from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Shaft, SingleCam, Spline
 from core.errors import MISSING, Fault
@@ -112,6 +113,11 @@ def _deep_faults(part: Any, path: str) -> Iterator[Fault]:
                 yield from _deep_faults(item, f"{path}.{field.name}[{i}]")
 
 
+def _segments_are_few(motion: Motion, path: str) -> Iterator[Fault]:
+    if fault := count_fault(f"{path}.segments", len(motion.segments)):
+        yield fault
+
+
 def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
     for i, segment in enumerate(motion.segments):
         at = f"{path}.segments[{i}]"
@@ -155,7 +161,7 @@ def _elastic_part(shaft: Shaft, path: str) -> Iterator[Fault]:
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segment_faults, _spans_make_a_turn, _rises_return_to_start),
+        Motion: (_segments_are_few, _segment_faults, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
         Shaft: (_elastic_part,),
     }

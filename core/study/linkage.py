@@ -284,6 +284,13 @@ class LinkageStudy(Study, of=LinkageDesign):
         return cam.findings(self._cam_extremes, ground, part)
 
     @property
+    def _undercut(self) -> bool:
+        """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
+        assert self.design.cam is not None
+        corners = any(join.jumps[:2].any() for join in program(self.design.motion).joins)
+        return corners or cam.undercut(self._cam_extremes, self.design.cam)
+
+    @property
     def _cam_extremes(self) -> Mapping[str, Range]:
         return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
@@ -305,14 +312,12 @@ class LinkageStudy(Study, of=LinkageDesign):
             proof["loop_closure"] = _worst(train.residual, EPS * train.condition)
             proof["three_centres"] = self._three_centres()
         if "cam" in wanted:
-            assert self.design.cam is not None
             centre = cam.centre_residual(self.linkage, self.cam)
             proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
-            part = self.design.cam
-            radius: float = si(part).roller_radius
+            radius: float = si(self.design.cam).roller_radius
             reach = float(np.abs(self.cam.flank.pitch).max())
             proof["roller_tangency"] = cam.tangency(
-                self.cam, radius, reach, 64.0 * EPS, lambda: cam.undercut(self._cam_extremes, part)
+                self.cam, radius, reach, 64.0 * EPS, lambda: self._undercut
             )
         if "dynamics" in wanted:
             bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())

@@ -228,6 +228,12 @@ class CamStudy(Study, of=SingleCam):
     def _motor_findings(self) -> list[Finding]:
         return shaft.findings(self.flywheel) if self.levelled and self.jam is None else []
 
+    @property
+    def _undercut(self) -> bool:
+        """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
+        corners = any(join.jumps[:2].any() for join in self.program.joins)
+        return corners or cam.undercut(self._cam_extremes, self.design.drive.cam)
+
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft.elastic is None:
             return []
@@ -255,7 +261,7 @@ class CamStudy(Study, of=SingleCam):
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
             proof["roller_tangency"] = cam.tangency(
-                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, self.design.drive.cam)
+                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: self._undercut
             )
         if "dynamics" in wanted:
             bound = max(1e-13, 64.0 * EPS * float(self.linkage.condition.max()))
