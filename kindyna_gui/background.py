@@ -77,6 +77,12 @@ class Background(QObject):
         self._worker.start()
         self._poll.start()
 
+    def wait(self, seconds: float) -> bool:
+        """Stand still until all results are there, but no longer than so long; whether they are."""
+        if self._worker is not None:
+            self._worker.join(seconds)
+        return self._worker is None or not self._worker.is_alive()
+
     def stop(self) -> None:
         """Give up what is being computed."""
         if self._worker is not None:
