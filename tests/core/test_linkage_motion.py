@@ -10,6 +10,7 @@ from mechanisms import LIFT
 
 from core.__main__ import main
 from core.blend import Request, blend
+from core.blend.apply import in_place, into_design, over_the_turn
 from core.design import (
     Design,
     LinkageDesign,
@@ -27,7 +28,6 @@ from core.design import (
 )
 from core.dividing import add_point, copy_segment, split_segment
 from core.errors import DesignError
-from core.making import in_place, into_design, over_the_turn
 from core.project import load, save
 from core.study import Study
 
