@@ -16,7 +16,7 @@ from core.measured.telling import (
     suspicions,
     worst_first,
 )
-from core.measured.words import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
+from core.measured.units import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
     "ANGLE_UNITS",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NoReturn, cast
 
 from core.measured.sheet import RowFault, Sheet, TableError, number
-from core.measured.words import (
+from core.measured.units import (
     ANGLE,
     ANGLE_UNITS,
     BASES,

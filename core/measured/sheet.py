@@ -13,7 +13,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from core.errors import KindynaError
-from core.measured.words import unit_of
+from core.measured.units import unit_of
 
 DELIMITERS: Mapping[str, str] = MappingProxyType({"tab": "\t", "semicolon": ";", "comma": ",", "spaces": " "})
 DECIMALS: Mapping[str, str] = MappingProxyType({"point": ".", "comma": ","})

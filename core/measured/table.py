@@ -9,7 +9,7 @@ import numpy as np
 
 from core.measured.columns import Layout, column_name
 from core.measured.sheet import DECIMALS, DELIMITERS, Row, RowFault, Sheet, TableError, line_ranges, number
-from core.measured.words import ANGLE_UNITS, TIME_UNITS
+from core.measured.units import ANGLE_UNITS, TIME_UNITS
 
 LEAST_ANGLES = 4  # different cam angles a curve can be laid through
 SAME = 1e-6  # deg: angles this close are one
