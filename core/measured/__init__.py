@@ -4,8 +4,7 @@ from core.measured.columns import NOTHING_SAID, Layout, Wish, layout
 from core.measured.fitting import Contradiction, Fit, FitError, fit, guess_error
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, Sheet, TableError, read_sheet
-from core.measured.table import Table, read_table
-from core.measured.telling import (
+from core.measured.summary import (
     detected,
     figures,
     fit_data,
@@ -16,6 +15,7 @@ from core.measured.telling import (
     suspicions,
     worst_first,
 )
+from core.measured.table import Table, read_table
 from core.measured.units import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
