@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QEventLoop, Qt
 from PySide6.QtWidgets import (
@@ -181,7 +181,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
     object of Qt, and ends at its next checkpoint. Its exceptions are raised here.
     """
     work, loop = Background(parent), QEventLoop()
-    results: list[tuple[Result | None, Exception | None]] = []
+    results: list[Any] = []
 
     def attempt() -> tuple[Result | None, Exception | None]:
         try:
@@ -191,27 +191,30 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
         except Exception as error:  # of any kind: it is the caller's
             return None, error
 
-    def take(_: object, result: tuple[Result | None, Exception | None]) -> None:
+    def take(_: object, result: object) -> None:
         results.append(result)
         loop.quit()
 
+    def cancel() -> None:
+        work.cancel()
+        dialog.setLabelText("Stopping")
+        dialog.setCancelButton(None)  # type: ignore[arg-type]
+        dialog.show()  # until it has stopped, for it hides itself
+
     work.result.connect(take)
     work.start([("", attempt)])
-    dialog = None
     if not work.wait(AT_ONCE):
         dialog = QProgressDialog(text, "Cancel", 0, 0, parent)
         dialog.setWindowTitle("KINDYNA")
         dialog.setWindowModality(Qt.WindowModality.WindowModal)
-        dialog.canceled.connect(loop.quit)
+        dialog.canceled.connect(cancel)
         dialog.show()
-    if not results:
         loop.exec()
-    work.close()
-    work.deleteLater()
-    if dialog is not None:
         dialog.close()
         dialog.deleteLater()
-    if not results:
+    work.close()
+    work.deleteLater()
+    if isinstance(results[0], Cancelled):
         return None
     result, error = results[0]
     if error is not None:

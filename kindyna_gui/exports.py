@@ -14,6 +14,7 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 
+from core.cancellation import checkpoint
 from core.channels import Channel
 from core.design import Design
 from core.errors import KindynaError
@@ -44,6 +45,7 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     from core.export import files
 
     made = files(Study(design, samples))
+    checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)
 

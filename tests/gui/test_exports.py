@@ -258,17 +258,17 @@ def test_tables_are_written_beside_the_window_which_stays_alive_and_can_be_cance
 
     def tick() -> None:
         dialog = user.window.findChild(QProgressDialog)
-        ticks.append(dialog is not None and dialog.isVisible())
-        if sum(ticks) == 5:
-            assert dialog is not None
-            QTest.mouseClick(dialog.findChild(QPushButton), Qt.MouseButton.LeftButton)
+        if dialog is not None and dialog.isVisible():
+            ticks.append(True)
+            if len(ticks) == 5:
+                QTest.mouseClick(dialog.findChild(QPushButton), Qt.MouseButton.LeftButton)
 
     timer = QTimer(user.window, interval=10)
     timer.timeout.connect(tick)
     timer.start()
     user.choose(*EXPORT, "Tables...")
     timer.stop()
-    assert sum(ticks) >= 5, "events run while it computes"
+    assert len(ticks) >= 5, "events run while it computes"
     assert user.window.status.currentMessage() == "The export of the tables was cancelled; nothing is written"
     assert list(tmp_path.iterdir()) == []
     assert user.window.findChild(QProgressDialog) is None or not user.window.findChild(QProgressDialog).isVisible()
