@@ -130,6 +130,9 @@ class Actions:
             key, modifier = self.rng.choice(KEYS)
             self.note(f"  key: {modifier.name} {key.name}")
             QTest.keyClick(QApplication.focusWidget() or self.window, key, modifier)
+            QTest.qWait(1)
+            if QApplication.activeModalWidget() is not None:  # it has the keys from now on
+                return
 
     def field(self) -> None:
         self._fill(self._some((QLineEdit, QComboBox)))
@@ -262,6 +265,7 @@ class Actions:
         self.note(f"  Ctrl+ {steps}")
         for step in steps:
             QTest.keyClick(QApplication.focusWidget() or self.window, K.Key_Z if step == "Z" else K.Key_Y, CTRL)
+            QTest.qWait(1)
 
     def resize(self) -> None:
         size = self.rng.choice(SIZES)
