@@ -33,7 +33,8 @@ import pyqtgraph
 from PySide6.QtCore import Qt, QTimer, QtMsgType, qInstallMessageHandler
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
-from random_actions import WEIGHTS, Actions
+from random_actions import Actions
+from random_choices import WEIGHTS
 from random_dialogs import Answers, activate
 from random_files import write_files
 
