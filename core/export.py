@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from core.cancellation import checkpoint
 from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
 from core.design import Design
 from core.files import write_all
@@ -18,13 +19,16 @@ if TYPE_CHECKING:
     from core.stability import Tongues
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
+ROWS_AT_ONCE = 4096
 TONGUES, SUMMARY = "tongues.csv", "summary.json"
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
     """A table with a header line; every number is the shortest text that reads back to the same bits."""
-    lines = [",".join(names)]
-    lines += [",".join(map(repr, row)) for row in np.column_stack(columns).tolist()]
+    lines, rows = [",".join(names)], np.column_stack(columns)
+    for begin in range(0, len(rows), ROWS_AT_ONCE):
+        checkpoint()
+        lines += [",".join(map(repr, row)) for row in rows[begin : begin + ROWS_AT_ONCE].tolist()]
     return "\n".join(lines) + "\n"
 
 

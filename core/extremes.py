@@ -44,16 +44,20 @@ class Range:
     high: Extreme
 
 
+@lru_cache(maxsize=64)
+def _places(count: int) -> np.ndarray:
+    """Where a piece is looked at, 0 ... 1: equally spaced, and close to its ends."""
+    return np.union1d(np.linspace(0.0, 1.0, count), ENDS)
+
+
 def piecewise_angles(program: Program) -> Angles:
     """Cam angles that look at every piece from inside, its ends included: dense enough to bracket extremes."""
-    theta, piece = [], []
-    for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        count = int(np.clip(np.ceil((b - a) / STEP) + 1, LEAST, MOST))
-        x = np.union1d(np.linspace(0.0, 1.0, count), ENDS)
-        theta.append(a + (b - a) * x)
+    counts = np.clip(np.ceil((program.ends - program.starts) / STEP) + 1, LEAST, MOST).astype(int)
+    theta = []
+    for a, b, count in zip(program.starts, program.ends, counts.tolist(), strict=True):
+        theta.append(a + (b - a) * _places(count))
         theta[-1][-1] = b
-        piece.append(np.full(x.size, i))
-    return Angles(np.concatenate(theta), np.concatenate(piece))
+    return Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]))
 
 
 def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
@@ -206,31 +210,31 @@ class _Search:
         """The highest; among equals (to rounding) the smallest cam angle."""
         top = max(self._highest(), self.sign * self.found.value)
         slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
-        plateaus = self._plateaus(np.flatnonzero(self._value >= top - slack))
-        equal = [(float(self._theta[i]), float(self._value[i])) for _, i in plateaus]
-        if not plateaus and self.sign * self.found.value >= top - slack:
+        first, named = self._plateaus(np.flatnonzero(self._value >= top - slack))
+        equal = list(zip(self._theta[named].tolist(), self._value[named].tolist(), strict=True))
+        if not equal and self.sign * self.found.value >= top - slack:
             equal.append((self.found.theta, self.sign * self.found.value))
+        low, high = self._theta[np.maximum(first - 1, 0)], self._theta[named]
         for b in self._all:
             # beside a plateau the value differs by rounding only: the plateau names the angle
-            beside = any(self._theta[max(first - 1, 0)] <= b.theta <= self._theta[i] for first, i in plateaus)
+            beside = bool(((low <= b.theta) & (b.theta <= high)).any())
             if b.value >= top - slack and not (beside and equal):
                 equal.append((b.theta, b.value))
         theta, value = min(equal)
         return Extreme(self.sign * value, theta % (2.0 * pi))
 
-    def _plateaus(self, ties: np.ndarray) -> list[tuple[int, int]]:
+    def _plateaus(self, ties: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Runs of equal samples within a piece: the first of each, and the one that names it. That is the first, but for
         a curve that runs into the end of its piece, where it arrives: its last."""
-        found = []
-        for run in np.split(ties, np.flatnonzero(np.diff(ties) > 1) + 1) if ties.size else []:
-            for piece in np.unique(self._piece[run]):
-                part = run[self._piece[run] == piece]
-                if part.size < 2:
-                    continue
-                own = np.flatnonzero(self._piece == piece)
-                arrives = part[-1] == own[-1] and part[0] != own[0]
-                found.append((int(part[0]), int(part[-1] if arrives else part[0])))
-        return found
+        cuts = np.flatnonzero((np.diff(ties) > 1) | (np.diff(self._piece[ties]) != 0)) + 1
+        first = ties[np.append(0, cuts)] if ties.size else ties
+        last = ties[np.append(cuts - 1, ties.size - 1)] if ties.size else ties
+        long = last > first
+        first, last = first[long], last[long]
+        piece = self._piece[first]  # in rising order, as all samples are
+        begin, end = (np.searchsorted(self._piece, piece, side) for side in ("left", "right"))
+        arrives = (last == end - 1) & (first != begin)
+        return first, np.where(arrives, last, first)
 
 
 @lru_cache(maxsize=32)

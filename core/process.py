@@ -8,6 +8,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
+from core.terminal import harmless_output
+
 DONE, NOTHING_DONE, INTERRUPTED = 0, 2, 130
 
 
@@ -26,12 +28,13 @@ def importing() -> Iterator[None]:
 
 
 def exit_code(run: Callable[[], int]) -> int:
-    """Run the program; its exit code, once all that it printed is written."""
+    """Run the program; its exit code, once all that it printed is written, harmless to the terminal."""
     try:
-        try:
-            code = run()
-        except SystemExit as stop:
-            code = int(stop.code or 0)
+        with harmless_output():
+            try:
+                code = run()
+            except SystemExit as stop:
+                code = int(stop.code or 0)
         _flush()
         return code
     except BrokenPipeError:  # the reader went away; nothing is left to say to it

@@ -39,7 +39,8 @@ class Worker(Thread):
                 try:
                     checkpoint()
                     result = compute()
-                except Cancelled:
+                except Cancelled as error:
+                    self.results.put((key, error))
                     return
                 except Exception as error:  # raised again in the window's thread, where it is heard
                     result = error
@@ -49,7 +50,7 @@ class Worker(Thread):
 class Background(QObject):
     """Jobs beside the window, of which only the last that were started count.
 
-    result   (key of the job, its result or the KindynaError)
+    result   (key of the job, its result, the KindynaError, or Cancelled where ``cancel`` was called)
     """
 
     result = Signal(object, object)
@@ -77,6 +78,19 @@ class Background(QObject):
         self._worker.start()
         self._poll.start()
 
+    def wait(self, seconds: float) -> bool:
+        """Stand still until all results are there, but no longer than so long; whether they are."""
+        if self._worker is not None:
+            self._worker.join(seconds)
+            if not self._worker.is_alive():
+                self._fetch()
+        return not self.busy
+
+    def cancel(self) -> None:
+        """Let the jobs end at their next checkpoint, and go on waiting for their results."""
+        if self._worker is not None:
+            self._worker.cancelled.set()
+
     def stop(self) -> None:
         """Give up what is being computed."""
         if self._worker is not None:
@@ -97,8 +111,8 @@ class Background(QObject):
                 key, result = worker.results.get_nowait()
             except Empty:
                 break
-            self._open -= 1
-            if isinstance(result, Exception) and not isinstance(result, KindynaError):
+            self._open = 0 if isinstance(result, Cancelled) else self._open - 1  # no other job begins then
+            if isinstance(result, Exception) and not isinstance(result, KindynaError | Cancelled):
                 raise result
             self.result.emit(key, result)
         self._running = [worker for worker in self._running if worker.is_alive()]

@@ -16,9 +16,9 @@ from PySide6.QtWidgets import (
 )
 
 from core.blend import Blended, BlendError, best, blend, feasible_ranges
+from core.blend.apply import in_place, over_the_turn
 from core.design import Design, faults, require_motion
 from core.errors import KindynaError
-from core.making import in_place, over_the_turn
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend_answer import AnswerPanel
 from kindyna_gui.blend_asked import Asked, has_both, plan, ranged

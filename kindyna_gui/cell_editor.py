@@ -28,7 +28,7 @@ class CellDelegate(QStyledItemDelegate):
         if editor is self._open:
             self.commitData.emit(editor)
 
-    def _closed(self, *_: object) -> None:
+    def _closed(self) -> None:  # without the editor, which may have gone by now
         self._open = None
         self._session.end_gesture()
 

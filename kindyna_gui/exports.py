@@ -14,6 +14,7 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 
+from core.cancellation import checkpoint
 from core.channels import Channel
 from core.design import Design
 from core.errors import KindynaError
@@ -44,16 +45,25 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
     from core.export import files
 
     made = files(Study(design, samples))
+    checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)
 
 
-def written(parent: QWidget, path: Path | None, make: Callable[[], Content]) -> str:
-    """Write one file; what has been done, empty where nothing was: no path, or a fault, which is then shown."""
+def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, paints: bool = False) -> str:
+    """Write one file; what has been done, empty where nothing was: no path, or a fault, which is then shown.
+
+    paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
+    """
+    from kindyna_gui import export_dialogs
+
     if path is None:
         return ""
     try:
-        write(path, _patiently(make))
+        made = _patiently(make) if paints else export_dialogs.beside(parent, f"Writing {path.name}", make)
+        if made is None:
+            return f"{path.name} was cancelled; nothing is written"
+        write(path, made)
     except KindynaError as error:
         dialogs.show_faults(parent, f"{path.name} cannot be written.", str(error).splitlines())
         return ""
@@ -77,7 +87,7 @@ def save_picture(view: View, name: str) -> None:
         dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
         return
     path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
-    told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()))
+    told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
     if told:
         view.told.emit(told)
 
@@ -122,10 +132,16 @@ class Exports(QObject):
         wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
         if wanted is None:
             return
+        design = self._session.design
         try:
-            made = _patiently(lambda: write_tables(self._session.design, wanted.folder, wanted.samples))
+            made = export_dialogs.beside(
+                self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
+            )
         except KindynaError as error:
             dialogs.show_faults(self._window, "The tables cannot be exported.", str(error).splitlines())
+            return
+        if made is None:
+            self.told.emit("The export of the tables was cancelled; nothing is written")
             return
         self._settings.folder = wanted.folder
         self.told.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
@@ -135,7 +151,8 @@ class Exports(QObject):
         from core.report import report
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
-        self._tell(written(self._window, path, lambda: report(Study(self._session.design))))
+        design = self._session.design
+        self._tell(written(self._window, path, lambda: report(Study(design))))
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
@@ -156,7 +173,7 @@ class Exports(QObject):
         if data is None:
             self.told.emit("The animation was cancelled; nothing is written")
         else:
-            self._tell(written(self._window, path, lambda: data))
+            self._tell(written(self._window, path, lambda: data, paints=True))
 
     def _tell(self, text: str) -> None:
         if text:

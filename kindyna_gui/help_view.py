@@ -51,7 +51,12 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
 
 
 def space(page: QTextDocument) -> None:
-    """Give headings their size and every paragraph some room: Markdown knows neither."""
+    """Give headings their size and every paragraph some room: Markdown knows neither.
+
+    As one edit: else each change of a cell would lay its whole table out anew.
+    """
+    edit = QTextCursor(page)
+    edit.beginEditBlock()
     block = page.begin()
     while block.isValid():
         cursor, form = QTextCursor(block), QTextBlockFormat(block.blockFormat())
@@ -65,6 +70,7 @@ def space(page: QTextDocument) -> None:
             cursor.select(QTextCursor.SelectionType.BlockUnderCursor)
             cursor.mergeCharFormat(letters)
         block = block.next()
+    edit.endEditBlock()
 
 
 class HelpWindow(QWidget):

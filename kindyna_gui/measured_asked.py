@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 
 from core.measured import (
     NOTHING_SAID,
+    Contradiction,
     Fit,
     FitError,
     Layout,
+    RowFault,
     Sheet,
     Table,
     TableError,
@@ -40,14 +42,15 @@ class Asked:
 class Answer:
     """As much as could be made of it.
 
-    faults   (line or 0, what is wrong) where there is no fit
-    refused  nothing is wrong but the measuring error
+    fit      with faults besides: of all rows, to look at only
+    faults   why there is no motion to put into the design
+    refused  the file can be read, but no motion can be made of it as asked
     """
 
     sheet: Sheet | None = None
     layout: Layout | None = None
     fit: Fit | None = None
-    faults: tuple[tuple[int, str], ...] = ()
+    faults: tuple[RowFault, ...] = ()
     refused: bool = False
 
 
@@ -71,8 +74,11 @@ class Reader:
             return self._answer
         try:
             return replace(self._answer, fit=fit(self._table, asked.error, asked.lowest, asked.keep_all))
+        except Contradiction as error:
+            shown = fit(self._table, asked.error, asked.lowest, keep_all=True)
+            return replace(self._answer, fit=shown, faults=(RowFault(0, str(error)),))
         except FitError as error:
-            return replace(self._answer, faults=((0, str(error)),), refused=True)
+            return replace(self._answer, faults=(RowFault(0, str(error)),), refused=True)
 
     def _read(self, delimiter: str, decimal: str, wish: Wish) -> Answer:
         answer = Answer()

@@ -52,8 +52,8 @@ class MeasuredDialog(PutDialog):
         self.answer = Answer()
         self.form = ReadingForm(motion.unit)
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
-        self.keep_all = QCheckBox("Fit rows that stand alone, too")
-        self.keep_all.setToolTip("Else a row far away from its neighbours is taken for a typing error and left out")
+        self.keep_all = QCheckBox("Keep all rows, wrong ones too")
+        self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
         self.rows_plot, self.residual_plot = MeasuredPlot(angles=False), MeasuredPlot(angles=True)
         self.found = FoundTable()
         self._lay_out()
@@ -140,14 +140,16 @@ class MeasuredDialog(PutDialog):
         answer = self.answer
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
-        self.put_button.setEnabled(answer.fit is not None)
+        self.put_button.setEnabled(not answer.faults)
         for widget in (self.error, self.lowest, self.estimate, self.keep_all):
             widget.setEnabled(answer.fit is not None or answer.refused)
         if answer.fit is not None:
             self._show_fit(answer.fit)
+            if answer.faults:
+                self.tell(sentence(answer.faults[0].text), wrong=True)
         elif answer.refused:  # the last curve stays
             self.error.set_refused(True)
-            self.tell(sentence(answer.faults[0][1]), wrong=True)
+            self.tell(sentence(answer.faults[0].text), wrong=True)
         else:
             self._show_faults()
 
@@ -212,7 +214,7 @@ class MeasuredDialog(PutDialog):
 
     def accept(self) -> None:
         """Put the motion into the design, where the table gives one."""
-        if self.answer.fit is not None:
+        if self.answer.fit is not None and not self.answer.faults:
             self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 

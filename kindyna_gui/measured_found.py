@@ -1,4 +1,4 @@
-"""What was found in a measured table, line by line: rows that are wrong, rows that are suspicious, what was guessed."""
+"""What was found in a measured table, line by line: faults, wrong rows, what was guessed."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from core.findings import ERROR, NOTE, WARNING
-from core.measured import Fit, notes, row_line
+from core.measured import Fit, RowFault, notes, row_line, worst_first
 from kindyna_gui.look import sign
 from kindyna_gui.measured_asked import spelled
 from kindyna_gui.tables import Heading, Row, RowsTable
 from kindyna_gui.wording import sentence
 
-MOST = 200  # wrong or suspicious rows in the list
+MOST = 200  # faults or wrong rows in the list
 
 
 @dataclass(frozen=True)
@@ -26,30 +26,30 @@ class Found:
 
 
 def found_in(fit: Fit) -> list[Found]:
-    """Suspicious rows, the worst first, then what was guessed and noticed."""
-    rows = sorted(fit.suspects, key=lambda i: -abs(fit.residuals[i]))[:MOST]
-    suspects = [Found(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    return suspects + [Found(0, spelled(note), NOTE) for note in notes(fit)]
+    """Wrong rows, the worst first, then what was guessed and noticed."""
+    rows = worst_first(fit)[:MOST]
+    wrong = [Found(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
+    return wrong + [Found(0, spelled(note), NOTE) for note in notes(fit)]
 
 
 def _off(fit: Fit, row: int) -> str:
-    """What is suspicious about a row; its line stands in the other column."""
+    """What is wrong with a row; its line stands in the other column."""
     told = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
     return f"{told}, left out" if row in fit.left_out else told
 
 
-def found_wrong(faults: Sequence[tuple[int, str]]) -> list[Found]:
-    """Faults (line or 0, what is wrong there)."""
-    shown = [Found(line, text, ERROR) for line, text in faults[:MOST]]
+def found_wrong(faults: Sequence[RowFault]) -> list[Found]:
+    """The faults of a file."""
+    shown = [Found(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
     rest = len(faults) - MOST
     return [*shown, Found(0, f"and {rest} more", ERROR)] if rest > 0 else shown
 
 
-def counted(faults: Sequence[tuple[int, str]]) -> str:
+def counted(faults: Sequence[RowFault]) -> str:
     """All faults in one sentence."""
-    rows = len({line for line, _ in faults if line})
+    rows = sum(fault.rows for fault in faults if fault.line)
     if not rows:
-        return sentence(faults[0][1])
+        return sentence(faults[0].text)
     return f"{rows} {'row is' if rows == 1 else 'rows are'} wrong: correct how the file is read, or mend it and read it again."
 
 

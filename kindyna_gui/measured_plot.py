@@ -80,7 +80,7 @@ class MeasuredPlot(FixedPlot):
     ) -> None:
         angles = fit.table.angles
         step = -(-angles.size // MOST_DOTS)
-        wrong = list(fit.suspects)
+        wrong = [*fit.outliers.wrong, *(row for stretch in fit.outliers.undecided for row in stretch)]
         self.dots.setData(x=angles[::step], y=values[::step], size=DOT if angles.size < MANY else SMALL_DOT)
         self.bad.setData(x=angles[wrong], y=values[wrong])
         for old in self.limits:

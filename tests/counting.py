@@ -47,5 +47,5 @@ def peak(run: Callable[[], object]) -> int:
 
 
 def cost(fresh: Callable[[], Callable[[], object]]) -> Cost:
-    """Of a run that ``fresh`` makes anew each time, with nothing remembered."""
+    """Of a run that is made anew for each of the two, for counting slows counting."""
     return Cost(calls(fresh()), peak(fresh()))

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from math import isfinite
 from random import Random
-from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import QPoint, QPointF, Qt
@@ -22,37 +20,13 @@ from PySide6.QtWidgets import (
     QMenu,
     QWidget,
 )
+from random_choices import AREAS, CTRL, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
 
 from core.design import motion_of
 from kindyna_gui.canvas import Canvas, joints_now
 from kindyna_gui.docks import VIEWS
 from kindyna_gui.main_window import MainWindow
 from kindyna_gui.motion_diagram import MotionDiagram
-
-NUMBERS = ("0", "1", "12.5", "-3", "90", "360", "1e-9", "1e9", "-1e308", "1e400", "nan", "inf", "", "abc", "12,5", "1/3",
-           "3 mm", "--", "0.1", "25", "40", "2000", "0x10", "1e", " 7 ")  # fmt: skip
-NO, SHIFT, CTRL, ALT = (
-    Qt.KeyboardModifier.NoModifier,
-    Qt.KeyboardModifier.ShiftModifier,
-    Qt.KeyboardModifier.ControlModifier,
-    Qt.KeyboardModifier.AltModifier,
-)
-K = Qt.Key
-KEYS = (
-    *((key, NO) for key in (K.Key_Space, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down, K.Key_PageUp, K.Key_PageDown, K.Key_Home,
-                            K.Key_End, K.Key_Tab, K.Key_Return, K.Key_Escape, K.Key_Insert, K.Key_Delete, K.Key_Backspace,
-                            K.Key_F1, K.Key_F2, K.Key_F5, K.Key_F6, K.Key_F7, K.Key_F8, K.Key_A, K.Key_5, K.Key_Minus)),
-    *((key, CTRL) for key in (K.Key_Z, K.Key_Z, K.Key_Y, K.Key_A, K.Key_C, K.Key_V, K.Key_X, K.Key_I, K.Key_K, K.Key_D, K.Key_E,
-                              K.Key_G, K.Key_T, K.Key_L, K.Key_M, K.Key_B, K.Key_O, K.Key_S, K.Key_0, K.Key_1, K.Key_2, K.Key_3,
-                              K.Key_4, K.Key_5, K.Key_6, K.Key_Tab, K.Key_Home, K.Key_End, K.Key_PageDown)),
-    *((key, CTRL | SHIFT) for key in (K.Key_Z, K.Key_D, K.Key_M, K.Key_S, K.Key_Tab)),
-    *((key, SHIFT) for key in (K.Key_Tab, K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
-    *((key, ALT) for key in (K.Key_Left, K.Key_Right, K.Key_Up, K.Key_Down)),
-)  # fmt: skip
-AREAS = (Qt.DockWidgetArea.LeftDockWidgetArea, Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea,
-         Qt.DockWidgetArea.TopDockWidgetArea)  # fmt: skip
-SIZES = ((1440, 900), (1280, 720), (1280, 800), (1024, 700), (800, 600), (1920, 1200))
-
 
 
 class Actions:
@@ -98,27 +72,36 @@ class Actions:
 
     def open_example(self) -> None:
         """A design of another kind, as the menu File has it."""
-        self._open_by(("File", "Examples"))
+        self._choose(("File", "Examples"))
 
     def new_design(self) -> None:
-        self._open_by(("File", "New"))
+        self._choose(("File", "New"))
 
-    def _open_by(self, texts: tuple[str, ...]) -> None:
+    def question(self) -> None:
+        """What opens a dialog, or changes the mechanism."""
+        self._choose(self.rng.choice(QUESTIONS))
+
+    def _choose(self, way: tuple[str, ...]) -> None:
+        """An entry of the menu bar; one of those in a menu where the way ends at that. What is greyed stays unchosen."""
         place: Any = self.window.menuBar()
         self.on_the_way = True
-        for text in texts:
-            entry = next(a for a in place.actions() if a.text().replace("&", "") == text)
+        for text in (*way, None):
+            entries = [a for a in place.actions() if a.isVisible() and a.isEnabled() and not a.isSeparator()]
+            named = [a for a in entries if text is None or a.text().replace("&", "") == text]
+            if not named:
+                break
+            entry = self.rng.choice(named)
+            self.note(f"  menu: {entry.text()!r}")
+            if entry.menu() is None:
+                self.on_the_way = False
+                QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
+                break
             QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
             place = entry.menu()
             for _ in range(20):
                 if not place.isVisible():
                     QTest.qWait(5)
         self.on_the_way = False
-        if not place.isVisible():
-            return
-        entry = self.rng.choice([a for a in place.actions() if a.isEnabled()])
-        self.note(f"  {texts[-1]}: {entry.text()!r}")
-        QTest.mouseClick(place, Qt.MouseButton.LeftButton, pos=place.actionGeometry(entry).center())
 
     def open_file(self) -> None:
         self.note("  Ctrl+O")
@@ -130,6 +113,9 @@ class Actions:
             key, modifier = self.rng.choice(KEYS)
             self.note(f"  key: {modifier.name} {key.name}")
             QTest.keyClick(QApplication.focusWidget() or self.window, key, modifier)
+            QTest.qWait(1)
+            if QApplication.activeModalWidget() is not None:  # it has the keys from now on
+                return
 
     def field(self) -> None:
         self._fill(self._some((QLineEdit, QComboBox)))
@@ -262,6 +248,7 @@ class Actions:
         self.note(f"  Ctrl+ {steps}")
         for step in steps:
             QTest.keyClick(QApplication.focusWidget() or self.window, K.Key_Z if step == "Z" else K.Key_Y, CTRL)
+            QTest.qWait(1)
 
     def resize(self) -> None:
         size = self.rng.choice(SIZES)
@@ -312,13 +299,4 @@ class Actions:
             QTest.mouseClick(button, Qt.MouseButton.LeftButton, pos=QPoint(button.width() // 2, button.height() // 2))
 
 
-WEIGHTS: Mapping[str, int] = MappingProxyType(
-    {
-        "menu": 14, "open_example": 6, "new_design": 2, "open_file": 3, "keys": 12, "field": 14, "button": 9, "table": 10,
-        "mouse": 8, "drag": 5, "drag_join": 6, "drag_joint": 6, "wheel": 5, "undo_redo": 7, "resize": 2, "dock": 4, "play": 3,
-        "view": 4,
-    }
-)  # fmt: skip
-"""Name of an action -> how often it is chosen."""
-
-__all__ = ["WEIGHTS", "Actions"]
+__all__ = ["Actions"]

@@ -148,9 +148,8 @@ class Answers:
 
 
 def activate(window: QWidget) -> None:
-    """Give a window the keys back after what stood in front of it has gone, which is a window manager's work."""
-    active = QApplication.activeWindow()
-    if active is None or not active.isVisible():
+    """Give a window the keys, as a window manager does with what stands in front."""
+    if QApplication.activeWindow() is not window:
         window.activateWindow()
 
 

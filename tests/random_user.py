@@ -32,8 +32,9 @@ if __name__ == "__main__":
 import pyqtgraph
 from PySide6.QtCore import Qt, QTimer, QtMsgType, qInstallMessageHandler
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QWidget
-from random_actions import WEIGHTS, Actions
+from PySide6.QtWidgets import QApplication, QWidget
+from random_actions import Actions
+from random_choices import WEIGHTS
 from random_dialogs import Answers, activate
 from random_files import write_files
 
@@ -129,8 +130,10 @@ class RandomUser(Actions):
         QTest.qWait(5)
         while self.answers.waited_for:
             QTest.qWait(10)
-        activate(self.window)
-        QTest.qWait(1)
+        active = QApplication.activeWindow()
+        if active is None or not active.isVisible():
+            activate(self.window)
+            QTest.qWait(1)
         self._beat()
 
     def finish(self, folder: Path) -> None:

@@ -1,24 +1,17 @@
 """Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
 
-from core.blend.best import GOALS, best
-from core.blend.choose import blend
+from core.blend.choose import GOALS, best, blend
 from core.blend.curves import (
     CONSTANT_VELOCITY,
     ELEMENTS,
     MOTION_TYPES,
-    Element,
-    MotionType,
     Sequence,
     admissible,
     sequences,
 )
-from core.blend.family import Family, Solution, Task
-from core.blend.openings import Opening, freedoms, missing_settings, open_settings, openings
-from core.blend.range import Range
-from core.blend.ranges import feasible_range, feasible_ranges
-from core.blend.request import Blended, BlendError, Request, candidates
-from core.blend.solver import Problem
-from core.blend.wishes import MAY_VANISH, SETTINGS, Wish
+from core.blend.feasible import Opening, feasible_range, feasible_ranges, openings
+from core.blend.request import Blended, BlendError, Candidate, Request, candidates
+from core.blend.settings import MAY_VANISH, SETTINGS, Range
 
 __all__ = [
     "CONSTANT_VELOCITY",
@@ -29,26 +22,17 @@ __all__ = [
     "SETTINGS",
     "BlendError",
     "Blended",
-    "Element",
-    "Family",
-    "MotionType",
+    "Candidate",
     "Opening",
-    "Problem",
     "Range",
     "Request",
     "Sequence",
-    "Solution",
-    "Task",
-    "Wish",
     "admissible",
     "best",
     "blend",
     "candidates",
     "feasible_range",
     "feasible_ranges",
-    "freedoms",
-    "missing_settings",
-    "open_settings",
     "openings",
     "sequences",
-]  # fmt: skip
+]

@@ -1,35 +1,143 @@
-"""The motion that does what is asked: sequence by sequence, fewest curves first."""
+"""The motion that meets a request: ``blend`` where its settings determine it, ``best`` where they leave something free."""
 
 from __future__ import annotations
 
-from core.blend.refusal import refusal, wrong_number
-from core.blend.request import (
-    Blended,
-    BlendError,
-    Request,
-    answered,
-    candidates,
-    means_something,
-    problem_of,
-    require_sense,
-    wishes_of,
-)
+from collections.abc import Mapping
+from functools import lru_cache, partial
+from math import log
+from types import MappingProxyType
 
-MOST_BENT = 2  # acceleration and points that are solved for at once
+import numpy as np
+
+from core.blend.curves import CONSTANT
+from core.blend.evaluator import Evaluator, law_of
+from core.blend.family import Solution
+from core.blend.feasible import dependent
+from core.blend.refusal import refusal, wrong_number
+from core.blend.request import Blended, BlendError, Candidate, Request, candidates
+from core.blend.search import least, logarithm
+from core.blend.settings import Constraint
+from core.blend.solver import Problem
+from core.cancellation import checkpoint
+from core.laws import peaks
+
+MOST_NONLINEAR = 2  # acceleration and points that are solved for at once
+GONE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
+
+Goal = tuple[int, int, int]
+"""Which peak coefficient c of a curve counts, and the powers of height and of span beside it: c h^i / β^k."""
+
+GOALS: Mapping[str, Goal] = MappingProxyType({"acceleration": (0, 1, 2), "jerk": (1, 1, 3), "torque": (2, 2, 3)})
+"""Largest |a| [per deg²], |jerk| inside the curves [per deg³] and |v a|, to which the inertia torque on the camshaft is
+proportional."""
 
 
 def blend(request: Request) -> Blended:
-    """The motion of fewest curves that does what is asked; where it can in several ways, the gentlest. Raises
-    BlendError, which names what would be feasible."""
-    require_sense(request)
-    wishes = wishes_of(request)
-    fitting = [c for c in candidates(request) if c.freedom == len(wishes) and means_something(c, wishes)]
+    """The motion of fewest curves that meets a request; where several do, the gentlest. Raises BlendError, which names
+    what would be feasible."""
+    request.require_sense()
+    constraints = request.constraints
+    fitting = [c for c in candidates(request) if c.freedom == len(constraints) and c.has(constraints)]
     if not fitting:
         raise wrong_number(request)
-    if sum(not w.linear for w in wishes) > MOST_BENT:
-        raise BlendError(f"more than {MOST_BENT} of acceleration and points: give a height, speed or length instead")
+    if sum(not c.linear for c in constraints) > MOST_NONLINEAR:
+        raise BlendError(f"more than {MOST_NONLINEAR} of acceleration and points: give a height, speed or length instead")
     for candidate in fitting:
-        solutions = problem_of(request, candidate, wishes).solutions()
+        solutions = candidate.problem(request, constraints).solutions()
         if solutions:
-            return answered(request, candidate, solutions[0])
-    raise refusal(request, fitting, wishes)
+            return candidate.answer(request, solutions[0])
+    raise refusal(request, fitting, constraints)
+
+
+# -- the gentlest -----------------------------------------------------------------------------------------
+
+
+def best(request: Request, goal: str) -> Blended:
+    """The gentlest motion by a goal of ``GOALS`` among all sequences of the request, its settings kept; ``length`` is the
+    least that the constant velocity may last.
+
+    Raises BlendError; also where a constant velocity is wanted and the gentlest would have none.
+    """
+    if goal not in GOALS:
+        raise BlendError(f"best {goal!r}: unknown; allowed: {' | '.join(GOALS)}")
+    request.require_sense()
+    winner: tuple[float, Candidate, Solution] | None = None
+    for candidate in candidates(request):
+        checkpoint()
+        solution = _best_of(request, candidate, GOALS[goal])
+        if solution is not None:
+            peak = _peak(solution, GOALS[goal])
+            if winner is None or peak < winner[0] * (1.0 - 1e-9):
+                winner = peak, candidate, solution
+    if winner is None:
+        raise _nothing(request)
+    _, candidate, solution = winner
+    rows = zip(solution.sequence.curves, solution.heights, strict=True)
+    if any(h <= GONE * max(solution.heights) for name, h in rows if name in CONSTANT):
+        raise BlendError(f"best {goal}: the gentlest has no constant velocity left; give its length or height")
+    return candidate.answer(request, solution)
+
+
+def _nothing(request: Request) -> BlendError:
+    """Why no sequence does it: what the last setting may be while the others stay."""
+    able = [c for c in candidates(request) if c.takes(request.constraints)]
+    if not able:
+        return BlendError(f"no sequence of this motion takes these settings: {', '.join(request.settings)}")
+    return refusal(request, able, request.constraints)
+
+
+def _best_of(request: Request, candidate: Candidate, goal: Goal) -> Solution | None:
+    """The best of a sequence; None where the settings leave nothing."""
+    length = request.settings.get("length", 0.0)
+    constraints = [c for c in request.constraints if c.name != "length"]
+    if not (candidate.takes(constraints) and candidate.has(request.constraints)):
+        return None
+    problem = candidate.problem(request, constraints)
+    is_complete = candidate.freedom == len(constraints)
+    if length and not is_complete and not dependent(request, candidate, request.constraints):
+        return _searched(problem, goal, length)
+    able = problem.solutions() if is_complete else [_searched(problem, goal, 0.0)]
+    long_enough = [s for s in able if s is not None and _length(s) >= length * (1.0 - 1e-12)]
+    return min(long_enough, key=partial(_peak, goal=goal), default=None)
+
+
+def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
+    """The best over the numbers that the constraints leave free. In logarithms: the same for slow and fast motions."""
+    evaluator, limits = problem.evaluator, []
+    goals = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
+    if length:
+        share = Constraint("length", length / problem.task.span)
+        limits = [lambda forms: evaluator.setting(share, forms) / share.value - _one(forms)]
+    found = least(evaluator, problem.constraints, goals, limits)
+    return problem.solution_at(found[1]) if found is not None else None
+
+
+def _one(forms: np.ndarray) -> np.ndarray:
+    """1 as a quantity: its derivatives are 0."""
+    return np.eye(forms.shape[1], 1)
+
+
+def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], forms: np.ndarray) -> np.ndarray:
+    """Logarithm of c h^i / β^k with its derivatives."""
+    which, power, root = goal
+    height, span = evaluator.height_and_span(curve, forms)
+    return power * logarithm(height) - root * logarithm(span) + log(_coefficient(curve[0], which)) * _one(forms)
+
+
+def _peak(solution: Solution, goal: Goal) -> float:
+    """The greatest c h^i / β^k of a solution."""
+    which, power, root = goal
+    rows = zip(solution.sequence.curves, solution.heights, solution.spans, strict=True)
+    return max(c * h**power / b**root for name, h, b in rows if (c := _coefficient(name, which)))
+
+
+@lru_cache(maxsize=64)
+def _coefficient(curve: str, which: int) -> float:
+    found = peaks(law_of(curve))
+    return (found.ca, found.cj, found.cm)[which]
+
+
+def _length(solution: Solution) -> float:
+    """Span of the constant velocity [deg]: of the rise where it has one."""
+    rows = zip(solution.sequence.curves, solution.spans, strict=True)
+    return next((span for name, span in rows if name in CONSTANT), 0.0)

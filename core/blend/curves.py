@@ -16,41 +16,41 @@ State = tuple[int, int]
 class Element:
     """One row of Yang's Table 1.
 
-    way         1 rise, -1 return
-    start, end  states; a curve may follow where its start is the state reached
-    speed       c of v = c h/β at its moving end, 0 where it has none
-    bend        c of |a| = c h/β² at its end or start where that is not 0, else 0
-    peak        c of the largest |a| = c h/β²
+    velocity_sign  1 rise, -1 return
+    start, end     states; a curve may follow where its start is the state reached
+    speed          c of v = c h/β at its moving end, 0 where it has none
+    peak           c of the largest |a| = c h/β²
     """
 
-    way: int
+    velocity_sign: int
     start: State
     end: State
     speed: float
-    bend: float
     peak: float
 
 
 _H, _P = pi * pi / 4.0, 216.0 / 41.0
+KAPPA = sqrt(_P)
+"""κ: a return of P2 that joins H2 takes κ √(h h3)/V."""
 
 ELEMENTS: Mapping[str, Element] = MappingProxyType(
     {
-        "C1": Element(1, (0, 0), (1, 0), 2.0, 0.0, pi),
-        "C2": Element(1, (1, 0), (0, 0), 2.0, 0.0, pi),
-        "C3": Element(-1, (0, 0), (-1, 0), 2.0, 0.0, pi),
-        "C4": Element(-1, (-1, 0), (0, 0), 2.0, 0.0, pi),
-        "C5": Element(1, (0, 0), (0, 0), 0.0, 0.0, 2.0 * pi),
-        "C6": Element(-1, (0, 0), (0, 0), 0.0, 0.0, 2.0 * pi),
-        "H1": Element(1, (0, 1), (1, 0), pi / 2.0, _H, _H),
-        "H2": Element(1, (1, 0), (0, -1), pi / 2.0, _H, _H),
-        "H3": Element(-1, (0, -1), (-1, 0), pi / 2.0, _H, _H),
-        "H4": Element(-1, (-1, 0), (0, 1), pi / 2.0, _H, _H),
-        "H5": Element(1, (0, 1), (0, -1), 0.0, 2.0 * _H, 2.0 * _H),
-        "H6": Element(-1, (0, -1), (0, 1), 0.0, 2.0 * _H, 2.0 * _H),
-        "P1": Element(1, (0, 0), (0, -1), 0.0, _P, _P),
-        "P2": Element(-1, (0, -1), (0, 0), 0.0, _P, _P),
-        "CV1": Element(1, (1, 0), (1, 0), 1.0, 0.0, 0.0),
-        "CV2": Element(-1, (-1, 0), (-1, 0), 1.0, 0.0, 0.0),
+        "C1": Element(1, (0, 0), (1, 0), 2.0, pi),
+        "C2": Element(1, (1, 0), (0, 0), 2.0, pi),
+        "C3": Element(-1, (0, 0), (-1, 0), 2.0, pi),
+        "C4": Element(-1, (-1, 0), (0, 0), 2.0, pi),
+        "C5": Element(1, (0, 0), (0, 0), 0.0, 2.0 * pi),
+        "C6": Element(-1, (0, 0), (0, 0), 0.0, 2.0 * pi),
+        "H1": Element(1, (0, 1), (1, 0), pi / 2.0, _H),
+        "H2": Element(1, (1, 0), (0, -1), pi / 2.0, _H),
+        "H3": Element(-1, (0, -1), (-1, 0), pi / 2.0, _H),
+        "H4": Element(-1, (-1, 0), (0, 1), pi / 2.0, _H),
+        "H5": Element(1, (0, 1), (0, -1), 0.0, 2.0 * _H),
+        "H6": Element(-1, (0, -1), (0, 1), 0.0, 2.0 * _H),
+        "P1": Element(1, (0, 0), (0, -1), 0.0, _P),
+        "P2": Element(-1, (0, -1), (0, 0), 0.0, _P),
+        "CV1": Element(1, (1, 0), (1, 0), 1.0, 0.0),
+        "CV2": Element(-1, (-1, 0), (-1, 0), 1.0, 0.0),
     }
 )
 CONSTANT = ("CV1", "CV2")
@@ -92,8 +92,8 @@ class Sequence:
         return "-".join(self.curves)
 
 
-def strokes(ends: tuple[State, State] | None, way: int, constant: bool) -> list[tuple[str, ...]]:
-    """All chains of curves of one way between two states that stand still only at their ends: with a curve of
+def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: bool) -> list[tuple[str, ...]]:
+    """All chains of curves of a rise or a return between two states that dwell only at their ends: with a curve of
     constant velocity, or without one."""
     if ends is None:
         return [] if constant else [()]
@@ -102,7 +102,7 @@ def strokes(ends: tuple[State, State] | None, way: int, constant: bool) -> list[
     while open_chains:
         chain, state = open_chains.pop()
         for name, row in ELEMENTS.items():
-            if row.way != way or row.start != state or name in chain:
+            if row.velocity_sign != velocity_sign or row.start != state or name in chain:
                 continue
             if row.end == ends[1]:
                 found.append((*chain, name))
@@ -120,8 +120,8 @@ def sequences(motion_type: str, constant: str = "none") -> list[Sequence]:
 @lru_cache(maxsize=32)
 def _sequences(motion_type: str, constant: str) -> tuple[Sequence, ...]:
     row = MOTION_TYPES[motion_type]
-    rises = strokes(row.rise, 1, constant in ("rise", "both"))
-    backs = strokes(row.back, -1, constant in ("return", "both"))
+    rises = _strokes(row.rise, 1, constant in ("rise", "both"))
+    backs = _strokes(row.back, -1, constant in ("return", "both"))
     return tuple(sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
 
 
@@ -133,6 +133,3 @@ def admissible(curves: tuple[str, ...], start: State) -> bool:
             return False
         state = ELEMENTS[name].end
     return True
-
-
-KAPPA = sqrt(_P)

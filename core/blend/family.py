@@ -1,7 +1,7 @@
-"""One sequence of curves as a family of solutions: every height and speed from the numbers that are left free.
+"""One sequence of curves as a family of motions: every height and speed from the numbers that are left free.
 
-Only the joining laws stand here: equal speeds and accelerations at the joins, the stroke, the total span (Yang eqs. 1-4).
-What the designer asks for on top is the business of the solver.
+Only the joining conditions stand here: equal speeds and accelerations at the joins, the strokes, the total span (Yang
+eqs. 1-4). What the designer sets beside them are constraints.
 
 Symbols: h1, h2, h3 heights of the curves before, of and after the constant velocity of the rise, h4, h5, h6 those of the
 return (time mirror of h3, h2, h1); g the stroke of the return; W, R speeds of rise and return times the span, r = R/W.
@@ -15,8 +15,16 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, pi, sqrt
 
+import numpy as np
+
 from core.blend.curves import CONSTANT, ELEMENTS, KAPPA, Sequence
-from core.blend.equations import Equations, Form, constant, number, power
+from core.blend.equations import Equations, Form, term, times_t
+
+RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
+SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
+"""c of span = c h/V of the curves that reach the speed V at an end."""
+_SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
+"""c of span = c √(g h3)/V of a return of one curve: its acceleration at the top is that of H2."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +61,8 @@ class Solution:
 
 
 @dataclass(frozen=True)
-class Bend:
-    """Largest |a| of a curve: factor S² / height with S its speed ``W`` or ``R``, for a stroke and a span of 1."""
+class PeakAcceleration:
+    """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1."""
 
     speed: str
     height: str
@@ -109,7 +117,7 @@ class Family:
         return self.sequence.curves[0] == "H1"
 
     @cached_property
-    def bent(self) -> str:
+    def parameter(self) -> str:
         """What the number t is, in which the family is not linear; empty where nothing is free."""
         if len(self.sequence.rise) == 1:
             return ""
@@ -123,148 +131,74 @@ class Family:
     @cached_property
     def linear(self) -> tuple[str, ...]:
         """The other free numbers: with t given, every height and W are linear in them."""
-        if self.bent == "r":
-            third = self.has_constant_return or not self.harmonic
-            sixth = self.has_constant_return and not self.harmonic
-            return (
-                *(("h1",) if self.has_constant_rise else ()), *(("h3",) if third else ()), *(("h6",) if sixth else ())
-            )  # fmt: skip
-        alone = self.bent == "h3" or self.single_back == "P2"
+        if self.parameter == "r":
+            h3 = self.has_constant_return or not self.harmonic
+            h6 = self.has_constant_return and not self.harmonic
+            rows = (("h1", self.has_constant_rise), ("h3", h3), ("h6", h6))
+            return tuple([name for name, free in rows if free])
+        alone = self.parameter == "h3" or self.single_back == "P2"
         return ("h1",) if alone and self.has_constant_rise else ()
 
     @cached_property
     def freedom(self) -> int:
         """How many numbers are free."""
-        return (1 if self.bent else 0) + len(self.linear)
+        return (1 if self.parameter else 0) + len(self.linear)
 
     @cached_property
-    def bends(self) -> tuple[Bend, ...]:
-        """The curves of which one has the largest acceleration: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose
-        acceleration another one must match is left out."""
+    def accelerations(self) -> tuple[PeakAcceleration, ...]:
+        """Those of which one is the largest: C π h/β², H π²/4 h/β² with β = c h/V. A curve whose acceleration another one
+        must match is left out."""
         first, last = (ELEMENTS[name] for name in (self.sequence.rise[0], self.sequence.rise[-1]))
-        rows = [Bend("W", "h1", first.peak / first.speed**2), Bend("W", "h3", last.peak / last.speed**2)]
+        rows = [PeakAcceleration("W", "h1", first.peak / first.speed**2), PeakAcceleration("W", "h3", last.peak / last.speed**2)]
         if len(self.sequence.back) > 1 and not self.mirrored and not self.harmonic:
             row = ELEMENTS[self.sequence.back[-1]]
-            rows.append(Bend("R", "h6", row.peak / row.speed**2))
+            rows.append(PeakAcceleration("R", "h6", row.peak / row.speed**2))
         return tuple(rows)
 
     def equations(self, task: Task) -> Equations:
         """For the ratio of the strokes of a task."""
         return _equations(self, task.back / task.rise)
 
-    def solution(self, task: Task, t: float, heights: Iterable[float], exact: Mapping[str, float]) -> Solution:
-        """The motion from its t and its ``heights`` for a stroke of 1; those in ``exact`` that it meets but for rounding are
-        taken from there."""
-        if len(self.sequence.rise) == 1:
+    def solution(self, task: Task, t: float, heights: Iterable[float], given: Mapping[str, float]) -> Solution:
+        """The motion from its t and its ``heights`` for a stroke of 1; those that were given and that it meets but for
+        rounding are taken as they were given."""
+        if not self.heights:
             return Solution(self.sequence, *_without_freedom(self.sequence, task), 0.0, 0.0)
         at = {name: max(h * task.rise, 0.0) for name, h in zip(self.heights, heights, strict=True)}
-        if self.bent == "r":
-            at.update(self._returned(task, at, t * t))
-        for name, value in exact.items():
+        if self.parameter == "r":
+            at.update(self._return_heights(task, at, t * t))
+        for name, value in given.items():
             if abs(value - at[name]) <= min(1e-14 * task.rise, 1e-13 * value):
                 at[name] = value
-        return self._assembled(task, at, self._ratio(task, t))
+        return self._with_speeds(task, at, self._speed_ratio(task, t))
 
-    def _returned(self, task: Task, at: Mapping[str, float], square: float) -> dict[str, float]:
-        """Heights of the return from those of the rise, so that the accelerations at the joins are the same to the last
-        bit."""
+    def _return_heights(self, task: Task, at: Mapping[str, float], square: float) -> dict[str, float]:
+        """From those of the rise, so that the accelerations at the joins are the same to the last bit; square = r²."""
         h4 = square * at["h3"]
         h6 = square * at["h1"] if self.harmonic else at["h6"] if self.has_constant_return else task.back - h4
         middle = {"h5": max(task.back - h4 - h6, 0.0)} if self.has_constant_return else {}
         return {"h4": h4, **middle, "h6": h6}
 
-    def _ratio(self, task: Task, t: float) -> float:
-        """Speed of the return over that of the rise."""
-        return t if self.bent == "r" else sqrt(task.back / task.rise) if self.bent == "h1" else 1.0
+    def _speed_ratio(self, task: Task, t: float) -> float:
+        """r, speed of the return over that of the rise."""
+        return t if self.parameter == "r" else sqrt(task.back / task.rise) if self.parameter == "h1" else 1.0
 
-    def _assembled(self, task: Task, at: Mapping[str, float], ratio: float) -> Solution:
+    def _with_speeds(self, task: Task, at: Mapping[str, float], ratio: float) -> Solution:
         """Speeds from the heights: spans add up, and joins are continuous, but for the last bit."""
         rises, heights = len(self.sequence.rise), tuple([at[name] for name in self.heights])
         works = [SPEEDS[curve] * h for curve, h in zip(self.sequence.curves, heights, strict=not self.single_back)]
         if self.single_back:
             heights += (task.back,)
-            works.append(_FACTORS[self.single_back] * sqrt(task.back * at["h3"]))
+            works.append(_SINGLE[self.single_back] * sqrt(task.back * at["h3"]))
         works[rises:] = [work / ratio for work in works[rises:]]
         speed = sum(works) / task.span
         back_speed = ratio * speed if len(self.sequence.back) > 1 else 0.0
         return Solution(self.sequence, heights, tuple([work / speed for work in works]), speed, back_speed)
 
 
-RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
-SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
-"""span = c h/V of the curves that reach the speed V at an end."""
-_FACTORS = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
-"""Span of a return of one curve, √(g h3)/V times this: its acceleration at the top is that of H2."""
-
-
 def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ...]:
-    """The names of the heights of curves of one way."""
+    """The names of the heights of the curves of one stroke."""
     return names if len(curves) == 3 else names[::2]
-
-
-@lru_cache(maxsize=256)
-def _equations(family: Family, g: float) -> Equations:
-    """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
-    numbers = family.linear
-    free = {name: number(i + 1) for i, name in enumerate(numbers)}
-    forms = _rise(family, free, g)
-    forms["up"] = _work(family.sequence.rise, forms, RISE)
-    if family.single_back:
-        forms["h4"] = constant(g)
-        joined = power(1) if family.bent else constant(sqrt(0.5))  # √h3
-        forms["W"] = forms["up"] + joined * (_FACTORS[family.single_back] * sqrt(g))
-    elif family.sequence.back:
-        forms.update(_back(family, free, forms, g))
-        down = _work(family.sequence.back, forms, RETURN)
-        if family.bent == "r":
-            forms["W"], forms["R"] = forms["up"] + down.by_t(-1), forms["up"].by_t() + down
-        else:
-            r = sqrt(g) if family.bent == "h1" else 1.0
-            forms["W"], forms["R"] = forms["up"] + down * (1.0 / r), forms["up"] * r + down
-    else:
-        forms["W"] = forms["up"]
-    tops = tuple(g if name == "h6" else 1.0 for name in numbers)
-    return Equations(forms, numbers, inf if family.bent == "r" else 1.0, tops)
-
-
-def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
-    """Span times speed."""
-    made = constant(0.0)
-    for curve, name in zip(curves, named(curves, names), strict=True):
-        made = made + forms[name] * SPEEDS[curve]
-    return made
-
-
-def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]:
-    """h1, h2, h3."""
-    bent = family.bent
-    if family.single_back == "H6":
-        h1 = h3 = power(2) if bent else constant(0.5)
-    elif bent == "h1":
-        h1 = power(1)
-        h3 = 1.0 - h1
-    elif bent == "r":
-        # of a motion that never dwells, without constant velocity on the return: r² (h1 + h3) = g
-        h3 = free["h3"] if "h3" in free else power(-2) * g - free["h1"]
-        h1 = free["h1"] if "h1" in free else 1.0 - h3
-    else:
-        h3 = power(2) if bent == "root of h3" else power(1)
-        h1 = free["h1"] if "h1" in free else 1.0 - h3
-    middle = {"h2": 1.0 - h1 - h3} if family.has_constant_rise else {}
-    return {"h1": h1, **middle, "h3": h3}
-
-
-def _back(family: Family, free: Mapping[str, Form], rise: Mapping[str, Form], g: float) -> dict[str, Form]:
-    """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
-    if family.mirrored:
-        h4, h6 = rise["h3"], rise["h1"]
-    elif family.bent == "h1":
-        h4, h6 = rise["h3"] * g, rise["h1"] * g
-    else:
-        h4 = rise["h3"].by_t(2)
-        h6 = rise["h1"].by_t(2) if family.harmonic else free["h6"] if "h6" in free else g - h4
-    middle = {"h5": g - h4 - h6} if family.has_constant_return else {}
-    return {"h4": h4, **middle, "h6": h6}
 
 
 def _without_freedom(sequence: Sequence, task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -273,3 +207,82 @@ def _without_freedom(sequence: Sequence, task: Task) -> tuple[tuple[float, ...],
         return (task.rise,), (task.span,)
     first = task.span * sqrt(task.rise) / (sqrt(task.rise) + sqrt(task.back))
     return (task.rise, task.back), (first, task.span - first)
+
+
+# -- the equations ----------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=256)
+def _equations(family: Family, g: float) -> Equations:
+    """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
+    numbers = family.linear
+    forms = _rise(family, g)
+    forms["up"] = _work(family.sequence.rise, forms, RISE)
+    if family.single_back:
+        forms["h4"] = _number(family, g)
+        root = _t(family, 1) if family.parameter else _number(family, sqrt(0.5))  # √h3
+        forms["W"] = forms["up"] + _SINGLE[family.single_back] * sqrt(g) * root
+    elif family.sequence.back:
+        forms.update(_back(family, forms, g))
+        down = _work(family.sequence.back, forms, RETURN)
+        if family.parameter == "r":
+            forms["W"], forms["R"] = forms["up"] + times_t(down, -1), times_t(forms["up"], 1) + down
+        else:
+            r = sqrt(g) if family.parameter == "h1" else 1.0
+            forms["W"], forms["R"] = forms["up"] + down / r, forms["up"] * r + down
+    else:
+        forms["W"] = forms["up"]
+    tops = [g if name == "h6" else 1.0 for name in numbers]
+    return Equations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
+
+
+def _number(family: Family, value: float) -> Form:
+    return value * term(len(family.linear))
+
+
+def _t(family: Family, power: int) -> Form:
+    return term(len(family.linear), 0, power)
+
+
+def _free(family: Family) -> dict[str, Form]:
+    """The free numbers but t."""
+    return {name: term(len(family.linear), j) for j, name in enumerate(family.linear, 1)}
+
+
+def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
+    """Span times speed of one stroke: Σ c h."""
+    rows = zip(curves, named(curves, names), strict=True)
+    return np.sum([SPEEDS[curve] * forms[name] for curve, name in rows], axis=0)
+
+
+def _rise(family: Family, g: float) -> dict[str, Form]:
+    """h1, h2, h3."""
+    free, parameter, one = _free(family), family.parameter, _number(family, 1.0)
+    if family.single_back == "H6":
+        h1 = h3 = _t(family, 2) if parameter else 0.5 * one
+    elif parameter == "h1":
+        h1 = _t(family, 1)
+        h3 = one - h1
+    elif parameter == "r":
+        # of a motion that never dwells, without constant velocity on the return: r² (h1 + h3) = g
+        h3 = free["h3"] if "h3" in free else g * _t(family, -2) - free["h1"]
+        h1 = free["h1"] if "h1" in free else one - h3
+    else:
+        h3 = _t(family, 2 if parameter == "root of h3" else 1)
+        h1 = free["h1"] if "h1" in free else one - h3
+    middle = {"h2": one - h1 - h3} if family.has_constant_rise else {}
+    return {"h1": h1, **middle, "h3": h3}
+
+
+def _back(family: Family, rise: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
+    free, stroke = _free(family), _number(family, g)
+    if family.mirrored:
+        h4, h6 = rise["h3"], rise["h1"]
+    elif family.parameter == "h1":
+        h4, h6 = g * rise["h3"], g * rise["h1"]
+    else:
+        h4 = times_t(rise["h3"], 2)
+        h6 = times_t(rise["h1"], 2) if family.harmonic else free.get("h6", stroke - h4)
+    middle = {"h5": stroke - h4 - h6} if family.has_constant_return else {}
+    return {"h4": h4, **middle, "h6": h6}

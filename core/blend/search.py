@@ -1,251 +1,224 @@
-"""The least of a smooth quantity over points of a family that meet wishes: sequential quadratic programming from points
-found beforehand, with exact derivatives. For what no polynomial tells: the gentlest motion, and ranges beside an
-acceleration or points to pass."""
+"""The least of a smooth quantity over the motions of a family that meet constraints: sequential quadratic programming with
+exact derivatives, from the best of a sample of points. For what no polynomial answers: the gentlest motion, and ranges
+that several numbers, an acceleration or points to pass leave."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
-from math import exp, inf, log, nan
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import log
 
 import numpy as np
 
-from core.blend.metering import Meter
-from core.blend.region import Region
-from core.blend.wishes import POINT, Wish, equation
-from core.cancellation import checkpoint
+from core.blend.evaluator import Evaluator, Place
+from core.blend.region import MIXES, Region
+from core.blend.settings import Constraint
+from core.blend.solution_space import equations_of
 
-Gauge = Callable[[np.ndarray, np.ndarray], tuple[float, np.ndarray]]
-"""A value and its derivatives by t, x1, ... from the values of all forms and their derivatives."""
-Rank = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""What is to be small, at many points: t (n,), x (numbers, n)."""
-Place = tuple[float, tuple[float, ...]]
+Quantity = Callable[[np.ndarray], np.ndarray]
+"""A value and its derivatives (rows, n) from all forms of the family at n points."""
+Rows = tuple[np.ndarray, np.ndarray]
 
-STARTS = 3  # of the points drawn the best are refined
+STARTS = 3  # of the sample so many points are refined
 RESTARTS = 4
 LEAST = 1e-12  # no height is made smaller: share of the stroke
-MET = 1e-9
-_HALVINGS = 50
+KEPT = 1e-11  # by how much a height or a limit may be missed
+MET = 1e-9  # by how much a constraint may be missed, as a share of its size
+_OUTSIDE = 1e3  # what counts as the room that is missing where a quantity has no value
+_LOG_MOST = 40.0  # bounds of the logarithms
 
 
 @dataclass(frozen=True)
-class Ground:
-    """What is searched: the points that meet all wishes and keep ``limits`` from falling below 0. The greatest of
-    ``goals`` is made least.
+class Subproblem:
+    """The greatest of ``goals`` is made least over the points where ``zero`` are 0 and heights and ``limits`` not below."""
 
-    bend  which curve has the acceleration that is wished; None: each in turn
-    """
+    evaluator: Evaluator
+    goals: tuple[Quantity, ...]
+    limits: tuple[Quantity, ...]
+    zero: tuple[Quantity, ...]
 
-    meter: Meter
-    wishes: tuple[Wish, ...]
-    goals: tuple[Gauge, ...]
-    limits: tuple[Gauge, ...] = ()
-    bend: int | None = None
+    def descended(self, start: Place) -> tuple[float, Place] | None:
+        """One run. The unknowns y are log t, log x1, ... and what no goal may exceed: speeds and heights are sums of
+        products of powers, so that in logarithms most of the quantities are convex."""
+        from scipy.optimize import minimize
 
-    @cached_property
-    def acceleration(self) -> float:
-        """The acceleration that is wished, 0 where there is none."""
-        return next((w.value for w in self.wishes if w.name == "acceleration"), 0.0)
-
-    @cached_property
-    def heights(self) -> tuple[np.ndarray, np.ndarray]:
-        """Rows of the heights among the forms, and what they must not fall below."""
-        family, place = self.meter.family, self.meter.equations.place_of
-        names = (*family.positive, *family.constant)
-        return np.array([place(n) for n in names]), np.array([LEAST * (n in family.positive) for n in names])
-
-
-def least(ground: Ground, starts: Iterable[Place]) -> tuple[float, Place | None]:
-    """The least value and its place; infinite and None where no start leads to a feasible point."""
-    bends = range(len(ground.meter.family.bends)) if ground.acceleration else (None,)
-    best: tuple[float, Place | None] = (inf, None)
-    for start in starts:
-        for bend in bends:
-            here = replace(ground, bend=bend)
-            value, place = _descended(here, start)
-            if _is_less(value, best[0]):
-                best, ground_of = (value, place), here
-    for _ in range(RESTARTS):
-        if best[1] is None:
-            break
-        value, place = _descended(ground_of, best[1])
-        if not _is_less(value, best[0]):
-            break
-        gained, best = best[0] - value, (value, place)
-        if gained <= 1e-11 * abs(value):
-            break
-    return best
-
-
-def _is_less(value: float, than: float) -> bool:
-    return value < than and (than == inf or than - value > 1e-13 * abs(than))
-
-
-# -- where to begin ---------------------------------------------------------------------------------------
-
-
-def starts(meter: Meter, wishes: Sequence[Wish], rank: Rank, count: int = STARTS) -> list[Place]:
-    """Of points that meet the linear wishes and one of the others the best, each at another t."""
-    bent = [w for w in wishes if not w.linear]
-    groups = Region(meter.family, meter, [equation(w, meter.family, meter.equations) for w in wishes if w.linear]).sample()
-    if not groups:
-        return []
-    t, x = np.concatenate([g[0] for g in groups]), np.concatenate([g[1] for g in groups], axis=1)
-    group = np.repeat(np.arange(len(groups)), [g[0].size for g in groups])
-    if bent:
-        t, x, group = _crossing(meter, bent[0], t, x, group)
-    with np.errstate(all="ignore"):
-        ranks = np.abs(meter.many(bent[1], t, x) - bent[1].value) if len(bent) > 1 else rank(t, x)
-    ranks = np.where(np.isfinite(ranks), ranks, np.inf)
-    chosen: list[int] = []
-    for i in np.argsort(ranks, kind="stable"):
-        if len(chosen) == count or not np.isfinite(ranks[i]):
-            break
-        if group[i] not in group[chosen]:
-            chosen.append(int(i))
-    return [(float(t[i]), tuple(float(v) for v in x[:, i])) for i in chosen]
-
-
-def _crossing(
-    meter: Meter, wish: Wish, t: np.ndarray, x: np.ndarray, group: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points between neighbours at the same t where a wish is met; where there are none, the nearest."""
-    values = meter.many(wish, t, x) - wish.value
-    with np.errstate(invalid="ignore"):
-        i = np.flatnonzero((group[1:] == group[:-1]) & (np.sign(values[1:]) * np.sign(values[:-1]) < 0.0))
-    if not i.size:
-        near = np.argsort(np.abs(values), kind="stable")[:STARTS]
-        return t[near], x[:, near], group[near]
-    low, high = x[:, i], x[:, i + 1]
-    sign = np.sign(values[i])
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        same = np.sign(meter.many(wish, t[i], middle) - wish.value) == sign
-        low, high = np.where(same, middle, low), np.where(same, high, middle)
-    return t[i], low, group[i]
-
-
-# -- the search -------------------------------------------------------------------------------------------
-
-
-def _descended(ground: Ground, start: Place) -> tuple[float, Place | None]:
-    """One run of the method. y: log t, log x1, ... and what no goal may exceed: speeds and heights are sums of products
-    of powers, so that in logarithms most of what is asked is convex."""
-    from scipy.optimize import minimize
-
-    z = np.log(np.maximum([start[0], *start[1]], LEAST))
-    top = _goal(ground, z)
-    if not np.isfinite(top):
-        return inf, None
-    downwards = np.append(np.zeros(z.size), 1.0)
-    with np.errstate(all="ignore"):
+        z = np.log(np.maximum([start[0], *start[1]], LEAST))
+        top = self._greatest_goal(z)
+        if not np.isfinite(top):
+            return None
+        rows = _last_kept(self._rows)
+        constraints = [
+            {"type": kind, "fun": lambda y, i=i: rows(y)[i][:, 0], "jac": lambda y, i=i: rows(y)[i][:, 1:]}
+            for i, kind in enumerate(("ineq", "eq") if self.zero else ("ineq",))
+        ]
         found = minimize(
-            lambda y: (y[-1], downwards),
+            lambda y: (y[-1], np.append(np.zeros(z.size), 1.0)),
             np.append(z, top),
             jac=True,
             method="SLSQP",
-            bounds=[(-40.0, 40.0), *((-40.0, log(v)) for v in ground.meter.equations.tops), (None, None)],
-            constraints=_constraints(ground),
+            bounds=[(-_LOG_MOST, _LOG_MOST), *((-_LOG_MOST, log(v)) for v in self.evaluator.equations.tops), (None, None)],
+            constraints=constraints,
             options={"ftol": 1e-14, "maxiter": 100},
         )
-    z = found.x[:-1]
-    reached = _goal(ground, z)
-    if not (np.isfinite(reached) and _is_met(ground, z)):
-        return inf, None
-    return reached, (exp(z[0]), tuple(exp(v) for v in z[1:]))
+        z = found.x[:-1]
+        above, equal = self._rows(np.append(z, 0.0))
+        reached = self._greatest_goal(z)
+        if not (np.isfinite(reached) and (above[len(self.goals) :, 0] >= -KEPT).all() and (np.abs(equal[:, 0]) <= MET).all()):
+            return None
+        t, *x = np.exp(z)
+        return reached, (float(t), tuple(map(float, x)))
+
+    def _forms(self, z: np.ndarray) -> np.ndarray:
+        """All forms and their derivatives by log t, log x1, ..."""
+        place = np.exp(np.minimum(z, _LOG_MOST))
+        forms = self.evaluator.forms(place[:1], place[1:, None], slopes=True)
+        forms[:, 1:, 0] *= place
+        return forms
+
+    def _greatest_goal(self, z: np.ndarray) -> float:
+        forms = self._forms(z)
+        with np.errstate(all="ignore"):
+            return max(float(goal(forms)[0, 0]) for goal in self.goals)
+
+    def _rows(self, y: np.ndarray) -> Rows:
+        """What must not be below 0: the room between goals and the last of y, heights, limits; and what must be 0. Each a
+        row with its derivatives by y behind the value."""
+        family, forms = self.evaluator.family, self._forms(y[:-1])
+        floor = np.zeros(forms.shape[1])
+        floor[0] = LEAST
+        with np.errstate(all="ignore"):
+            above = [-goal(forms)[:, 0] for goal in self.goals]
+            above += [self.evaluator.form(name, forms)[:, 0] - floor for name in family.positive]
+            above += [self.evaluator.form(name, forms)[:, 0] for name in family.constant]
+            above += [limit(forms)[:, 0] for limit in self.limits]
+            equal = [quantity(forms)[:, 0] for quantity in self.zero]
+        found = np.zeros((len(above), y.size + 1)), np.zeros((len(equal), y.size + 1))
+        for made, rows in zip(found, (above, equal), strict=True):
+            if rows:
+                made[:, :-1] = rows
+        found[0][: len(self.goals), 0] += y[-1]
+        found[0][: len(self.goals), -1] = 1.0
+        for made in found:
+            made[~np.isfinite(made).all(axis=1)] = [-_OUTSIDE, *[0.0] * y.size]
+        return found
 
 
-def _constraints(ground: Ground) -> list[dict[str, object]]:
-    """As the library wants them; values and derivatives are computed together."""
-    kept: dict[bytes, tuple[np.ndarray, ...]] = {}
-
-    def row(i: int) -> Callable[[np.ndarray], np.ndarray]:
-        def of(y: np.ndarray) -> np.ndarray:
-            key = y.tobytes()
-            if key not in kept:
-                kept.clear()
-                values, slopes = _forms(ground, y[:-1])
-                kept[key] = *_above(ground, y, values, slopes), *_equal(ground, values, slopes)
-            return kept[key][i]
-
-        return of
-
-    made: list[dict[str, object]] = [{"type": "ineq", "fun": row(0), "jac": row(1)}]
-    return [*made, {"type": "eq", "fun": row(2), "jac": row(3)}] if ground.wishes else made
-
-
-def _forms(ground: Ground, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All forms and their derivatives by log t, log x1, ..."""
-    checkpoint()
-    place = np.exp(np.minimum(z, 40.0))
-    values, slopes = ground.meter.equations.slopes(float(place[0]), place[1:])
-    return values, slopes * place
+def least(
+    evaluator: Evaluator,
+    constraints: Sequence[Constraint],
+    goals: Sequence[Quantity],
+    limits: Sequence[Quantity] = (),
+) -> tuple[float, Place] | None:
+    """The least of the greatest goal over the points that meet the constraints and keep the limits from falling below 0, and
+    its place; None where no start leads to a feasible point."""
+    subproblems = list(_subproblems(evaluator, constraints, tuple(goals), tuple(limits)))
+    best: tuple[float, Place] | None = None
+    for start in _starts(evaluator, constraints, goals, limits):
+        for subproblem in subproblems:
+            found = subproblem.descended(start)
+            for _ in range(RESTARTS):
+                if found is None or not _is_less(found[0], best):
+                    break
+                best = found
+                found = subproblem.descended(best[1])
+    if best is None:
+        return None
+    place, met = evaluator.solved(constraints, best[1])
+    return (subproblems[0]._greatest_goal(np.log(np.maximum([place[0], *place[1]], LEAST))), place) if met else best
 
 
-def _goal(ground: Ground, z: np.ndarray) -> float:
-    values, slopes = _forms(ground, z)
+def _last_kept(function: Callable[[np.ndarray], Rows]) -> Callable[[np.ndarray], Rows]:
+    """The same function, which remembers its last value: values and derivatives are read one after the other."""
+    kept: dict[bytes, Rows] = {}
+
+    def of(y: np.ndarray) -> Rows:
+        key = y.tobytes()
+        if key not in kept:
+            kept.clear()
+            kept[key] = function(y)
+        return kept[key]
+
+    return of
+
+
+def _is_less(value: float, best: tuple[float, Place] | None) -> bool:
+    return best is None or best[0] - value > 1e-13 * abs(best[0])
+
+
+def _subproblems(
+    evaluator: Evaluator, constraints: Sequence[Constraint], goals: tuple[Quantity, ...], limits: tuple[Quantity, ...]
+) -> Iterator[Subproblem]:
+    """One, or where an acceleration is prescribed one for each of the curves that may have it."""
+    given = [c for c in constraints if c.name == "acceleration"]
+    zero = tuple(_missed(evaluator, c) for c in constraints if c not in given)
+    if not given:
+        yield Subproblem(evaluator, goals, limits, zero)
+        return
+    room = [_room(evaluator, i, given[0].value) for i in range(len(evaluator.family.accelerations))]
+    for reached in room:
+        yield Subproblem(evaluator, goals, (*limits, *(r for r in room if r is not reached)), (*zero, reached))
+
+
+def _missed(evaluator: Evaluator, constraint: Constraint) -> Quantity:
+    def missed(forms: np.ndarray) -> np.ndarray:
+        found = evaluator.setting(constraint, forms).copy()
+        found[0] -= constraint.value
+        return found / constraint.size
+
+    return missed
+
+
+def _room(evaluator: Evaluator, i: int, acceleration: float) -> Quantity:
+    """How far a curve stays below an acceleration: the logarithm of their ratio."""
+
+    def room(forms: np.ndarray) -> np.ndarray:
+        found = -logarithm(evaluator.acceleration(i, forms))
+        found[0] += log(acceleration)
+        return found
+
+    return room
+
+
+def logarithm(quantity: np.ndarray) -> np.ndarray:
+    """Of a quantity with its derivatives."""
+    found = quantity / quantity[0]
+    found[0] = np.log(quantity[0])
+    return found
+
+
+def log_accelerations(evaluator: Evaluator) -> list[Quantity]:
+    """Logarithms of the largest accelerations of the curves."""
+
+    def quantity(i: int) -> Quantity:
+        return lambda forms: logarithm(evaluator.acceleration(i, forms))
+
+    return [quantity(i) for i in range(len(evaluator.family.accelerations))]
+
+
+def sample(evaluator: Evaluator, constraints: Sequence[Constraint]) -> np.ndarray:
+    """Points (1 + numbers, n) that meet the linear constraints, and near some of them those that meet all; the others are
+    nan."""
+    z = Region(evaluator, equations_of(constraints, evaluator.family, evaluator.equations)).sample()
+    if all(c.linear for c in constraints):
+        return z
+    z, met = evaluator.solved_at_all(constraints, z)
+    return np.where(met, z, np.nan)
+
+
+def _starts(
+    evaluator: Evaluator, constraints: Sequence[Constraint], goals: Sequence[Quantity], limits: Sequence[Quantity]
+) -> list[Place]:
+    """Of points that meet the constraints the best, each at another t."""
+    z = sample(evaluator, constraints)
+    forms = evaluator.forms(z[0], z[1:])
     with np.errstate(all="ignore"):
-        return max(float(goal(values, slopes)[0]) for goal in ground.goals)
-
-
-def _above(
-    ground: Ground, y: np.ndarray, values: np.ndarray, slopes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What must not be below 0: the room below the last of y for every goal, heights, limits; derivatives by y."""
-    goals = [goal(values, slopes) for goal in ground.goals]
-    limits = [limit(values, slopes) for limit in ground.limits]
-    if ground.bend is not None:
-        others = (i for i in range(len(ground.meter.family.bends)) if i != ground.bend)
-        limits += [no_more(ground.meter, i, ground.acceleration)(values, slopes) for i in others]
-    rows, floors = ground.heights
-    top = y[-1]
-    made = [top - g[0] for g in goals], values[rows] - floors, [v for v, _ in limits]
-    slopes_of = np.zeros((len(goals) + rows.size + len(limits), y.size))
-    slopes_of[: len(goals), -1] = 1.0
-    for i, (_, slope) in enumerate(goals):
-        slopes_of[i, :-1] = -slope
-    slopes_of[len(goals) : len(goals) + rows.size, :-1] = slopes[rows]
-    for i, (_, slope) in enumerate(limits):
-        slopes_of[len(goals) + rows.size + i, :-1] = slope
-    return _tidy(np.concatenate(made), slopes_of)
-
-
-def _equal(ground: Ground, values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What must be 0."""
-    meter = ground.meter
-    made, slopes_of = np.zeros(len(ground.wishes)), np.zeros((len(ground.wishes), slopes.shape[1] + 1))
-    for i, wish in enumerate(ground.wishes):
-        if wish.name == "acceleration" and ground.bend is not None:
-            value, slope = meter.bend(ground.bend, values, slopes)
-        else:
-            value, slope = meter.of_values(wish, values, slopes)
-        size = 1.0 if wish.name == POINT else wish.value
-        made[i], slopes_of[i, :-1] = (value - wish.value) / size, slope / size
-    return _tidy(made, slopes_of)
-
-
-def no_more(meter: Meter, bend: int, acceleration: float) -> Gauge:
-    """How far a curve stays below an acceleration: logarithm of what it has left."""
-
-    def gauge(values: np.ndarray, slopes: np.ndarray) -> tuple[float, np.ndarray]:
-        value, slope = meter.bend(bend, values, slopes)
-        return (log(acceleration) - log(value) if 0.0 < value < inf else nan), -slope / value
-
-    return gauge
-
-
-def _tidy(values: np.ndarray, slopes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What does not exist is out of bounds and flat."""
-    if np.isfinite(values).all() and np.isfinite(slopes).all():
-        return values, slopes
-    return np.nan_to_num(values, nan=-1e3, posinf=1e3, neginf=-1e3), np.nan_to_num(slopes, nan=0.0, posinf=0.0, neginf=0.0)
-
-
-def _is_met(ground: Ground, z: np.ndarray) -> bool:
-    """Whether a point is feasible, but for rounding."""
-    values, slopes = _forms(ground, z)
-    with np.errstate(all="ignore"):
-        above, _ = _above(ground, np.append(z, 0.0), values, slopes)
-        missed, _ = _equal(ground, values, slopes)
-    return bool((above[len(ground.goals) :] >= -1e-11).all() and (np.abs(missed) <= MET).all())
+        ranks = np.max([goal(forms)[0] for goal in goals], axis=0)
+        ranks += sum(_OUTSIDE * np.maximum(-limit(forms)[0], 0.0) for limit in limits)
+    chosen: dict[int, Place] = {}
+    for i in np.argsort(ranks, kind="stable"):
+        place = float(z[0, i]), tuple(map(float, z[1:, i]))
+        if len(chosen) == STARTS or not np.isfinite(ranks[i]):
+            break
+        if i // MIXES not in chosen and evaluator.is_feasible(place):
+            chosen[i // MIXES] = place
+    return list(chosen.values())

@@ -57,7 +57,7 @@ def words(parser: argparse.ArgumentParser) -> None:
         metavar="Y",
         help="lowest position of the motion (as measured)",
     )
-    parser.add_argument("--keep-all", action="store_true", help="also rows that look like typing errors")
+    parser.add_argument("--keep-all", action="store_true", help="fit wrong rows, too, and rows that contradict each other")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write the motion into a design file")
     parser.add_argument("--json", action="store_true", help="print JSON")
 

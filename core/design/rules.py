@@ -8,6 +8,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, cast
 
+from core.design.counts import count_fault
 from core.design.fields import field_faults, placing_of
 from core.design.linkage import Linkage
 from core.design.linkage_rules import DRIVE_RULES
@@ -116,6 +117,11 @@ def _deep_faults(part: Any, path: str) -> Iterator[Fault]:
                 yield from _deep_faults(item, f"{path}.{field.name}[{i}]")
 
 
+def _segments_are_few(motion: Motion, path: str) -> Iterator[Fault]:
+    if fault := count_fault(f"{path}.segments", len(motion.segments)):
+        yield fault
+
+
 def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
     for i, segment in enumerate(motion.segments):
         at = f"{path}.segments[{i}]"
@@ -153,7 +159,7 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segment_faults, _spans_make_a_turn, _rises_return_to_start),
+        Motion: (_segments_are_few, _segment_faults, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
     }
 )
@@ -187,8 +193,19 @@ def _parts_of(part: Any, path: str) -> Iterator[tuple[str, Any]]:
                 yield from _parts_of(row, at)
 
 
+def _too_many(design: Design) -> Iterator[Fault]:
+    """Lists that are longer than a design may have them."""
+    for name, part in design.tables.items():
+        for field in dataclasses.fields(part):
+            rows = getattr(part, field.name)
+            if isinstance(rows, tuple) and (fault := count_fault(f"{name}.{field.name}", len(rows))):
+                yield fault
+
+
 def faults(design: Design) -> list[Fault]:
     """Every fault of a design, in the order of the file."""
+    if over := list(_too_many(design)):
+        return over
     found = [fault for name, part in design.tables.items() for fault in part_faults(part, name)]
     told = {fault.path for fault in found}
     for rule in DRIVE_RULES if isinstance(design.drive.mechanism, Linkage) else ():

@@ -129,7 +129,7 @@ def _on_guide(design: Design, train: Train, to: complex) -> Changes:
 
 def _on_arm(design: Design, train: Train, to: complex) -> Changes:
     """Arm, side and base radius: the pivot stays, the arm has turned as far as the motion says."""
-    follower = design.drive.follower
+    follower = design.drive.mechanism
     assert isinstance(follower, Oscillating)
     pivot, turned = _at(train, "pivot"), SIDES[follower.side] * float(train.motion.y[0, 0])
     first = (to - pivot) * cmath.exp(-1j * turned)  # in the base position

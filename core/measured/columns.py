@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NoReturn, cast
 
-from core.measured.sheet import Sheet, TableError, number
-from core.measured.words import (
+from core.measured.sheet import RowFault, Sheet, TableError, number
+from core.measured.units import (
     ANGLE,
     ANGLE_UNITS,
     BASES,
@@ -97,7 +97,7 @@ def layout(sheet: Sheet, wish: Wish = NOTHING_SAID, motion_unit: str = "mm", spe
 
 
 def _refuse(sheet: Sheet, text: str) -> NoReturn:
-    raise TableError(sheet.name, [(0, text)])
+    raise TableError(sheet.name, [RowFault(0, text)])
 
 
 def column_name(sheet: Sheet, index: int) -> str:

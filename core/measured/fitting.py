@@ -11,7 +11,7 @@ from core.design import Motion, Point, Segment, Spline
 from core.errors import KindynaError
 from core.laws.ring import jerk_rows
 from core.measured.basis import Basis, basis, derivative, distances, natural
-from core.measured.scatter import LARGE, strays
+from core.measured.outliers import Outliers, outliers
 from core.measured.table import LEAST_ANGLES, Table, distinct
 from core.motion import Angles, Program, program
 
@@ -27,6 +27,10 @@ class FitError(KindynaError):
     """No motion can be made of the table with this measuring error."""
 
 
+class Contradiction(FitError):
+    """Rows contradict each other, and nothing tells which of them are wrong."""
+
+
 @dataclass(frozen=True, eq=False)
 class Fit:
     """A motion fitted to a table.
@@ -34,8 +38,8 @@ class Fit:
     motion      over the whole turn: one spline segment, which needs the table no longer
     error       the measuring error; guessed: it was not stated
     residuals   (n,) measured minus curve, for every row
-    left_out    rows the curve ignores, most likely typing errors
-    suspects    these, and other rows that stand alone more than four errors off the curve
+    outliers    rows that contradict those beside them
+    left_out    rows the curve ignores: those that are wrong, and those that may be
     offset      constant that the table adds to a velocity or acceleration; 0 for a displacement
     smoothing   λ of  mean square residual + λ ∫ (d³s/dθ³)² dθ  [deg^(5 - 2k)] for derivative k
     freedom     how many values the curve was free to choose
@@ -49,8 +53,8 @@ class Fit:
     error: float
     guessed: bool
     residuals: np.ndarray
+    outliers: Outliers
     left_out: tuple[int, ...]
-    suspects: tuple[int, ...]
     offset: float
     smoothing: float
     freedom: float
@@ -93,13 +97,20 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     error     of one value, one standard deviation in the unit of the table; 0: the curve goes through all rows; None:
               estimated by generalised cross-validation (Craven, Wahba 1979), at least the rounding of the last digit
     lowest    lowest position of the motion [mm or deg]; None: as measured, 0 for velocities and accelerations
-    keep_all  also rows that stand far away from their neighbours, which else are left out
+    keep_all  also rows that contradict those beside them, which else are left out
 
-    Raises FitError where the error is none, or swallows the whole motion.
+    Raises FitError where the error is none, or swallows the whole motion; Contradiction where rows contradict each
+    other and nothing tells which of them are wrong, unless all are kept or the error is 0.
     """
     if error is not None and not 0.0 <= error < np.inf:
         raise FitError(f"measuring error {error:g}: allowed: 0 or more {table.unit}")
-    out = _left_out(table, error or 0.0, keep_all or error == 0.0)
+    found = outliers(table, (error or 0.0) * abs(table.size))
+    all_kept = keep_all or error == 0.0
+    if found.undecided and not all_kept:
+        raise Contradiction(
+            f"{contradiction(table, found)}; correct them, state a larger measuring error, or keep all rows"
+        )
+    out = () if all_kept else tuple(sorted(found.wrong + found.possible))
     stated = guess_error(table, out) if error is None else error
     solved = _solved(table, stated, out)
     motion = _motion(table, solved)
@@ -117,8 +128,8 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
         error=stated,
         guessed=error is None,
         residuals=residuals,
+        outliers=found,
         left_out=out,
-        suspects=_suspects(table, residuals, stated, out),
         offset=solved.offset / table.size if table.layout.order else 0.0,
         smoothing=solved.smoothing,
         freedom=solved.freedom,
@@ -128,22 +139,10 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     )
 
 
-def _suspects(table: Table, residuals: np.ndarray, error: float, out: tuple[int, ...]) -> tuple[int, ...]:
-    """Rows off by more than four errors that stand alone: rows beside are not off by as much the same way. Those left
-    out; and where the curve goes through all rows, those far from their neighbours."""
-    if error == 0.0:
-        return tuple(np.flatnonzero(strays(table, 0.0)).tolist())
-    order = np.argsort(table.angles, kind="stable")
-    beside = np.median([np.roll(residuals[order], k) for k in (-2, -1, 1, 2)], axis=0)
-    usual = np.empty_like(residuals)
-    usual[order] = beside
-    alone = (np.abs(residuals) > LARGE * error) & (np.abs(residuals - usual) > LARGE * error)
-    alone[list(out)] = True
-    return tuple(np.flatnonzero(alone).tolist())
-
-
-def _left_out(table: Table, error: float, keep_all: bool) -> tuple[int, ...]:
-    return () if keep_all else tuple(np.flatnonzero(strays(table, error * abs(table.size))).tolist())
+def contradiction(table: Table, found: Outliers) -> str:
+    """The rows that contradict each other where nothing tells which of them are wrong."""
+    rows = [row for stretch in found.undecided for row in stretch]
+    return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
 
 
 def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:

@@ -10,9 +10,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from types import MappingProxyType
+from typing import NamedTuple
 
 from core.errors import KindynaError
-from core.measured.words import unit_of
+from core.measured.units import unit_of
 
 DELIMITERS: Mapping[str, str] = MappingProxyType({"tab": "\t", "semicolon": ";", "comma": ",", "spaces": " "})
 DECIMALS: Mapping[str, str] = MappingProxyType({"point": ".", "comma": ","})
@@ -22,6 +23,7 @@ DIALECTS = (
 )
 """Delimiter and decimal mark, in the order they are tried."""
 
+MOST_RANGES = 12  # of lines, before the rest is counted only
 SAMPLE = 400  # lines that delimiter and columns are told from
 _COMMENT = re.compile(r"\s*(#|%|//)\s?")
 _TOLD = re.compile(r"sep=(.)$")  # a spreadsheet's own word for its delimiter
@@ -32,18 +34,36 @@ _NUMBER = re.compile(rf"[+-]?{_PLAIN}{_EXPONENT}")
 _GROUPED = re.compile(rf"[+-]?\d{{1,3}}(?:([,{_THIN}])\d{{3}})(?:\1\d{{3}})*(?:\.\d+)?")
 
 
+class RowFault(NamedTuple):
+    """What is wrong in a line of the file, 0: in none; rows: in so many, of which it is the first."""
+
+    line: int
+    text: str
+    rows: int = 1
+
+
 class TableError(KindynaError):
-    """A measured table that cannot be read; one line for each wrong row.
+    """A measured table that cannot be read; one line for each fault."""
 
-    faults   (line of the file or 0, what is wrong there)
-    """
-
-    def __init__(self, name: str, faults: Iterable[tuple[int, str]]) -> None:
+    def __init__(self, name: str, faults: Iterable[RowFault]) -> None:
         self.name, self.faults = name, tuple(faults)
         shown = name if name.isprintable() else repr(name)
         super().__init__(
-            "\n".join(f"{shown}, line {n}: {text}" if n else f"{shown}: {text}" for n, text in self.faults)
+            "\n".join(f"{shown}, line {f.line}: {f.text}" if f.line else f"{shown}: {f.text}" for f in self.faults)
         )
+
+
+def line_ranges(lines: Iterable[int]) -> str:
+    """``line 4`` or ``lines 4-9, 12 and 30 more``: lines of the file, in order."""
+    runs: list[list[int]] = []
+    for line in sorted(lines):
+        if runs and line == runs[-1][-1] + 1:
+            runs[-1].append(line)
+        else:
+            runs.append([line])
+    text = ", ".join(str(r[0]) if len(r) == 1 else f"{r[0]}-{r[-1]}" for r in runs[:MOST_RANGES])
+    rest = sum(len(r) for r in runs[MOST_RANGES:])
+    return f"line{'s' if sum(map(len, runs)) > 1 else ''} {text}{f' and {rest} more' if rest else ''}"
 
 
 @dataclass(frozen=True)
@@ -85,15 +105,15 @@ class Sheet:
 def decoded(data: bytes, name: str = "table") -> tuple[str, str]:
     """The text and its encoding: by its byte order mark, else UTF-8, else Korean (CP949), else Latin-1."""
     if data.startswith(b"PK\x03\x04") or data.startswith(b"\xd0\xcf\x11\xe0"):
-        raise TableError(name, [(0, "a workbook, no text; save it as CSV or text")])
+        raise TableError(name, [RowFault(0, "a workbook, no text; save it as CSV or text")])
     for mark, codec in ((codecs.BOM_UTF8, "utf-8"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16")):
         if data.startswith(mark):
             try:
                 return data.decode(codec).removeprefix("\ufeff"), codec.upper()
             except UnicodeDecodeError:
-                raise TableError(name, [(0, f"not the {codec.upper()} text that it says it is")]) from None
+                raise TableError(name, [RowFault(0, f"not the {codec.upper()} text that it says it is")]) from None
     if b"\0" in data:
-        raise TableError(name, [(0, "no text: it holds null bytes; save it as CSV or text")])
+        raise TableError(name, [RowFault(0, "no text: it holds null bytes; save it as CSV or text")])
     for codec in ("utf-8", "cp949"):
         try:
             text = data.decode(codec)
@@ -195,7 +215,7 @@ def read_sheet(data: bytes, name: str, delimiter: str | None = None, decimal: st
     cells = {i: split(lines[i], delimiter) for i in plain}
     first = _first_row(plain, cells, lines, delimiter, decimal)
     if first is None:
-        raise TableError(name, [(0, "no row holds two numbers; wanted: an angle and a value in each")])
+        raise TableError(name, [RowFault(0, "no row holds two numbers; wanted: an angle and a value in each")])
     start = plain.index(first)
     rows = tuple(Row(i + 1, split(_uncommented(lines[i]), delimiter)) for i in plain[start:])
     counts = islice((len(row.cells) for row in rows if _numbers(row.cells, decimal) > 1), SAMPLE)

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.measured.columns import Layout, column_name
-from core.measured.sheet import DECIMALS, DELIMITERS, Row, Sheet, TableError, number
-from core.measured.words import ANGLE_UNITS, TIME_UNITS
+from core.measured.sheet import DECIMALS, DELIMITERS, Row, RowFault, Sheet, TableError, line_ranges, number
+from core.measured.units import ANGLE_UNITS, TIME_UNITS
 
 LEAST_ANGLES = 4  # different cam angles a curve can be laid through
 SAME = 1e-6  # deg: angles this close are one
+FEW = 5  # rows wrong in the same way that are named each
 LARGEST = 1e12  # of any number, so that squares of it stay numbers
 ASTRAY = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
 
@@ -47,13 +48,18 @@ class Table:
         """The unit of the values as the file has them."""
         return self.layout.unit.name
 
+    def named(self, rows: Sequence[int]) -> str:
+        """The lines of these rows, ``lines 4-9, 12``."""
+        return line_ranges(self.lines[list(rows)].tolist())
+
 
 def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Table:
     """The numbers of the two columns that ``how`` names; rows in the order of the file.
 
-    Raises TableError with every wrong row: a cell that is no number, a row too short, an angle astray.
+    Raises TableError with every wrong row: a cell that is no number, a row too short, an angle astray. Where many rows
+    are wrong in the same way, the first stands for all.
     """
-    faults: list[tuple[int, str]] = []
+    faults: dict[object, list[RowFault]] = {}
     lines, places, values, decimals = [], [], [], 0
     for row in sheet.rows:
         wrong = _columns_wrong(sheet, row, max(how.angle_column, how.value_column))
@@ -62,18 +68,18 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
             if wrong
             else [number(row.cells[column], sheet.decimal) for column in (how.angle_column, how.value_column)]
         )
-        words = [wrong] if wrong else list(_cells_wrong(sheet, row, (how.angle_column, how.value_column), pair))
+        words = {"columns": wrong} if wrong else _cells_wrong(sheet, row, (how.angle_column, how.value_column), pair)
         if words:
-            faults.append((row.line, "; ".join(words)))
+            faults.setdefault(tuple(words), []).append(RowFault(row.line, "; ".join(words.values())))
             continue
         lines.append(row.line)
         places.append(pair[0])
         values.append(pair[1])
         decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
     raw = np.array(places)
-    faults += _astray(raw, np.array(lines))
-    if faults:
-        raise TableError(sheet.name, sorted(faults))
+    faults["angles"] = _astray(raw, np.array(lines))
+    if any(faults.values()):
+        raise TableError(sheet.name, sorted(fault for alike in faults.values() for fault in _gathered(alike)))
     seconds = TIME_UNITS.get(how.angle_unit)
     by = ANGLE_UNITS[how.angle_unit] if seconds is None else seconds * 6.0 * (speed_rpm or 1.0)
     turned = raw * by
@@ -81,7 +87,7 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
     if distinct(angles)[0].size < LEAST_ANGLES:
         told = f"{distinct(angles)[0].size} different cam angles; at least {LEAST_ANGLES} are wanted"
-        raise TableError(sheet.name, [(0, told)])
+        raise TableError(sheet.name, [RowFault(0, told)])
     size = how.unit.by_degree(speed_rpm)
     closing = _closing(turned, angles)
     return Table(
@@ -108,13 +114,26 @@ def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:
     return f"{shown} has {count} {'column' if count == 1 else 'columns'}; {max(sheet.columns, last + 1)} are wanted"
 
 
-def _cells_wrong(sheet: Sheet, row: Row, columns: Sequence[int], values: Sequence[float | None]) -> Iterator[str]:
-    """What is wrong with each of these cells; values: the numbers they are taken for."""
+def _cells_wrong(sheet: Sheet, row: Row, columns: Sequence[int], values: Sequence[float | None]) -> dict[str, str]:
+    """Kind of fault and column -> what is wrong with the cell there; values: the numbers they are taken for."""
+    words = {}
     for column, value in zip(columns, values, strict=True):
-        cell = row.cells[column]
-        if value is None or abs(value) > LARGEST:
-            there = column_name(sheet, column)
-            yield f"{_shown(cell)} in {there}: {_wanted(cell, sheet, value)}" if cell else f"nothing stands in {there}"
+        cell, there = row.cells[column], column_name(sheet, column)
+        if not cell:
+            words[f"nothing in {there}"] = f"nothing stands in {there}"
+        elif value is None or abs(value) > LARGEST:
+            wanted = _wanted(cell, sheet, value)
+            words[f"{wanted} in {there}"] = f"{_shown(cell)} in {there}: {wanted}"
+    return words
+
+
+def _gathered(alike: Sequence[RowFault]) -> Sequence[RowFault]:
+    """Faults of the same kind; where they are many, the first, which names the lines of the others."""
+    if len(alike) <= FEW:
+        return alike
+    first, *others = alike
+    text = f"{first.text}; the same in {len(others)} more rows, {line_ranges(f.line for f in others)}"
+    return [RowFault(first.line, text, len(alike))]
 
 
 def _shown(text: str) -> str:
@@ -138,7 +157,7 @@ def _decimals(cell: str, decimal: str) -> int:
     return behind - int(exponent) if exponent.lstrip("+-").isdecimal() else behind
 
 
-def _astray(raw: np.ndarray, lines: np.ndarray) -> list[tuple[int, str]]:
+def _astray(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
     """Single rows that stand out of an order which the rows around them keep; none where the table has no order."""
     steps = np.diff(raw)
     if raw.size < LEAST_ANGLES or not steps.any():
@@ -157,7 +176,7 @@ def _astray(raw: np.ndarray, lines: np.ndarray) -> list[tuple[int, str]]:
     order = "rise" if way > 0.0 else "fall"
     wanted = f"where the angles {order}; wanted: the rows in order, or this angle mended"
     return [
-        (int(lines[i]), f"angle {raw[i]:g} behind {raw[i - 1]:g} and before {raw[i + 1]:g}, {wanted}")
+        RowFault(int(lines[i]), f"angle {raw[i]:g} behind {raw[i - 1]:g} and before {raw[i + 1]:g}, {wanted}")
         for i in sorted(found)
     ]
 

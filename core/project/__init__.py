@@ -11,6 +11,7 @@ import tomli_w
 from core.design import Design
 from core.errors import MISSING, DesignError, Fault
 from core.files import AnyPath, read_text, write
+from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
 from core.project.linkage_writing import linkage_tables, section_text
 from core.project.reading import from_table, motion_from_table
@@ -59,6 +60,7 @@ def _text(table: dict[str, Any]) -> str:
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:
+    require_few_marks(text, _named(source))
     lines = text.split("\n")
     for number, line in enumerate(lines, 1):
         key = line.partition("#")[0].partition("=")[0]
@@ -79,5 +81,8 @@ def _not_toml(source: str, reason: str) -> DesignError:
     line = " ".join(reason.split())
     if len(line) > 200:  # it quotes a key; where it stands comes last
         line = f"{line[:140]}...{line[-50:]}"
-    told = source if source.isprintable() else repr(source)
-    return DesignError([Fault(told, MISSING, f"not TOML: {line}")])
+    return DesignError([Fault(_named(source), MISSING, f"not TOML: {line}")])
+
+
+def _named(source: str) -> str:
+    return source if source.isprintable() else repr(source)

@@ -24,6 +24,7 @@ from core.design import (
     whole_faults,
 )
 from core.errors import DesignError, Fault
+from core.project.counts import require_few_entries
 from core.project.hooks import NO_NUMBER, NO_WORD, converter, keys_of, required_keys
 from core.project.linkage_reading import linkage_from_table
 from core.project.telling import did_you_mean, faults_of, hinted, missing, nearest, spelled, unknown_key
@@ -36,7 +37,9 @@ _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 
 
 def from_table(table: Mapping[str, Any]) -> Design:
-    """The design in the tables of a file. Raises DesignError with all faults."""
+    """The design in the tables of a file. Raises DesignError with all faults; with one alone where there is too much of
+    something."""
+    require_few_entries(table)
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     if next((kind for kind in _KINDS if kind in table), "") == "linkage":
         design, told = linkage_from_table(table, _read)
@@ -59,6 +62,7 @@ def from_table(table: Mapping[str, Any]) -> Design:
 
 def motion_from_table(table: Mapping[str, Any], unit: str) -> Motion:
     """A motion that need not be whole, in ``unit``. Raises DesignError with all other faults."""
+    require_few_entries({"motion": table})
     motion, found = _read({"motion": table}, "motion", Motion, unit)
     missing_yet = whole_faults(motion, "motion") if motion is not None else []
     if blunders := [fault for fault in found if fault not in missing_yet]:

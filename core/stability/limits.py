@@ -20,7 +20,7 @@ def findings(found: Stability) -> list[Finding]:
         values = {"rpm": rpm, "top_rpm": found.top_rpm}
         return [Finding("above-all-speeds", ERROR, FIELD, None, values)]
     growth = found.linear[-1].growth
-    inside = [b for b in found.bands if b.holds(rpm)]
+    inside = [b for b in found.near_bands if b.holds(rpm)]
     if not inside and growth > TOLERANCE:  # beyond the bands looked for
         severity = ERROR if growth >= NOTICEABLE else WARNING
         return [
@@ -30,7 +30,7 @@ def findings(found: Stability) -> list[Finding]:
         band = max(inside, key=lambda b: b.growth)
         severity = ERROR if band.growth >= NOTICEABLE else WARNING
         return [Finding("unstable-speed", severity, FIELD, None, _values(band, rpm))]
-    near = [b for b in found.bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
+    near = [b for b in found.near_bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
     if near:
         band = min(near, key=lambda b: b.distance(rpm))
         return [Finding("near-unstable-speed", NOTE, FIELD, None, _values(band, rpm))]

@@ -12,12 +12,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from core.errors import NoStability
 from core.motion import TURN, Angles, Program
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
 WIDEST = np.deg2rad(30.0)
 TAIL = 1e-13  # of the largest value: what the last Legendre coefficients may be
 ROUNDS = 8  # of halving
+MOST = 4000  # panels that are worked on: run time and memory grow with their number
 GAIN = 0.25  # a half whose tail is no smaller than this part of the whole's is at its rounding
 
 Functions = Callable[[Angles], np.ndarray]
@@ -157,7 +159,9 @@ def fit(functions: Functions, program: Program, rows: int, widest: float = WIDES
 
     functions  values (k, n) at any cam angles; the first ``rows`` of them are kept, the others only ask for panels
                short enough for themselves
+    Raises NoStability where more than ``MOST`` would be needed.
     """
+    _require_few(program.starts.size)
     cells = [cell for i in range(program.starts.size) for cell in _cells(program, i, widest)]
     done: list[tuple[float, float, int, np.ndarray]] = []
     above = np.full(len(cells), np.inf)  # the tail of the panel that a cell is half of
@@ -176,9 +180,19 @@ def fit(functions: Functions, program: Program, rows: int, widest: float = WIDES
         cells = [half for i in np.flatnonzero(~fine) for half in _halves(cells[i])]
         if not cells:
             break
+        _require_few(len(done) + len(cells))
     done.sort(key=lambda cell: cell[0])
     start, end, piece = (np.array([cell[j] for cell in done]) for j in range(3))
     return Panels(start, end - start, piece.astype(int), np.stack([cell[3] for cell in done], axis=1), tail)
+
+
+def _require_few(count: int) -> None:
+    if count > MOST:
+        raise NoStability(
+            f"the motion falls into {count} short panels, more than the {MOST} that the shaft is followed through",
+            "motion.segments",
+            "take fewer segments",
+        )
 
 
 Cell = tuple[float, float, int]

@@ -88,10 +88,16 @@ class Band:
         return max(self.rpm_lo / rpm - 1.0, 1.0 - self.rpm_hi / rpm, 0.0)
 
 
-def bands(coefficients: Coefficients, machine: Machine, found: Tongues, row: int = 0) -> tuple[Band, ...]:
-    """The forbidden bands of one row of tongues, the fastest first."""
+def bands(
+    coefficients: Coefficients, machine: Machine, found: Tongues, row: int = 0, within: float | None = None
+) -> tuple[Band, ...]:
+    """The forbidden bands of one row of tongues, the fastest first; ``within``: only those no farther from the machine's own
+    speed, as a relative distance (``Band.distance``)."""
     edges = found.edges[row]
-    n = np.flatnonzero((edges[:, 1] > edges[:, 0]) & (edges[:, 1] > 0.0))  # nan is not
+    wanted = (edges[:, 1] > edges[:, 0]) & (edges[:, 1] > 0.0)  # nan is not
+    if within is not None:
+        wanted &= (machine.eta <= edges[:, 1] * (1.0 + within)) & (machine.eta >= edges[:, 0] * (1.0 - within))
+    n = np.flatnonzero(wanted)
     if n.size == 0:
         return ()
     worst, rate = peaks(coefficients, edges[n], float(found.q[row]), found.equation, found.damping)

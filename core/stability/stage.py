@@ -22,7 +22,7 @@ from core.stability.equations import APPROXIMATE, EXACT
 from core.stability.means import TIMES, Averages, mean_wind_up
 from core.stability.monodromy import monodromy
 from core.stability.orbit import Orbit
-from core.stability.speeds import RPM, Band, Machine, Stiffness, bands, stiffness_for
+from core.stability.speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.tongues import ERROR, Tongues, harmonic_tongues
 from core.stability.verdicts import (
     PERIODS,
@@ -86,6 +86,12 @@ class Stability:
     def bands(self) -> tuple[Band, ...]:
         """The forbidden bands of speed, the fastest first."""
         return bands(self.coefficients, self.machine, self.exact)
+
+    @cached_property
+    def near_bands(self) -> tuple[Band, ...]:
+        """Those of the bands that hold the machine's own speed or come near it: far fewer than all where the shaft swings
+        often in a turn."""
+        return bands(self.coefficients, self.machine, self.exact, within=CLEAR)
 
     @property
     def top_rpm(self) -> float:

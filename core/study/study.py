@@ -465,6 +465,12 @@ class Study:
             found = dynamics.findings(self.extremes("dynamics", _CONTACT)["contact_force"], self.jam, self.loading)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
+    @property
+    def _undercut(self) -> bool:
+        """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
+        corners = any(join.jumps[:2].any() for join in self.program.joins)
+        return corners or cam.undercut(self._cam_extremes, self.design.drive.cam)
+
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft is None or self.design.shaft.elastic is None:
             return []
@@ -496,7 +502,7 @@ class Study:
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
             proof["roller_tangency"] = cam.tangency(
-                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: cam.undercut(self._cam_extremes, part)
+                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: self._undercut
             )
         if "dynamics" in wanted:
             bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())

@@ -5,13 +5,13 @@ The same design gives the same bytes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from itertools import pairwise
 from math import ceil
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PySide6.QtCore import QPoint
@@ -131,26 +131,70 @@ def _part(packed: np.ndarray, which: int) -> np.ndarray:
     return part
 
 
-def _gif(camera: Camera, film: Film, frames: Iterator[Image.Image], target: BytesIO) -> None:
-    palette = Palette(camera, film)
-    reduced = (palette.reduce(frame) for frame in frames)
-    first = next(reduced)
-    first.save(
-        target, "GIF", save_all=True, append_images=reduced, duration=film.delays, loop=0, optimize=False, disposal=1
+def _turn(camera: Camera, film: Film, go_on: GoOn) -> Image.Image:
+    """The turn as an image of many frames, each drawn when Pillow comes to it: so it is encoded before the next is drawn."""
+    from PIL import Image
+
+    class Turn(Image.Image):
+        n_frames, is_animated = film.frames, True
+
+        def __init__(self) -> None:
+            super().__init__()
+            self._frame = -1
+            self.seek(0)
+
+        def tell(self) -> int:
+            return self._frame
+
+        def seek(self, frame: int) -> None:
+            if frame == film.frames:
+                raise EOFError
+            if frame == self._frame:
+                return
+            if frame > self._frame and not go_on(frame):
+                raise _Stopped
+            taken = camera.take(frame)
+            self._frame, self._size, self._mode, self.im = frame, taken.size, taken.mode, taken.im
+
+    return Turn()
+
+
+class _Watched(BytesIO):
+    """A file that asks before each part is written whether to go on."""
+
+    def __init__(self, go_on: Callable[[], bool]) -> None:
+        super().__init__()
+        self._go_on = go_on
+
+    def write(self, data: Any) -> int:
+        if not self._go_on():
+            raise _Stopped
+        return super().write(data)
+
+
+def _gif(camera: Camera, film: Film, go_on: GoOn) -> bytes:
+    palette, target = Palette(camera, film), _Watched(lambda: go_on(film.frames))
+    frames = (palette.reduce(camera.take(n)) for n in range(film.frames) if _allowed(go_on, n))
+    next(frames).save(
+        target, "GIF", save_all=True, append_images=frames, duration=film.delays, loop=0, optimize=False, disposal=1
     )
+    return target.getvalue()
 
 
-def _webp(camera: Camera, film: Film, frames: Iterator[Image.Image], target: BytesIO) -> None:
-    first = next(frames)
-    first.save(
-        target, "WEBP", save_all=True, append_images=frames, duration=film.delays, loop=0, lossless=True, quality=60,
-        method=2,
-    )  # fmt: skip
+def _webp(camera: Camera, film: Film, go_on: GoOn) -> bytes:
+    target = BytesIO()
+    turn = _turn(camera, film, go_on)
+    turn.save(target, "WEBP", save_all=True, duration=film.delays, loop=0, lossless=True, quality=60, method=2)
+    return target.getvalue()
 
 
-WRITERS: Mapping[str, Callable[[Camera, Film, Iterator[Image.Image], BytesIO], None]] = MappingProxyType(
-    {".gif": _gif, ".webp": _webp}
-)
+def _allowed(go_on: GoOn, number: int) -> bool:
+    if not go_on(number):
+        raise _Stopped
+    return True
+
+
+WRITERS: Mapping[str, Callable[[Camera, Film, GoOn], bytes]] = MappingProxyType({".gif": _gif, ".webp": _webp})
 
 
 def shoot(
@@ -162,16 +206,7 @@ def shoot(
     mechanism.
     """
     camera = Camera(design, film, layers)
-
-    def frames() -> Iterator[Image.Image]:
-        for number in range(film.frames):
-            if go_on is not None and not go_on(number):
-                raise _Stopped
-            yield camera.take(number)
-
-    target = BytesIO()
     try:
-        WRITERS[film.ending](camera, film, frames(), target)
+        return WRITERS[film.ending](camera, film, go_on or (lambda _: True))
     except _Stopped:
         return None
-    return target.getvalue()

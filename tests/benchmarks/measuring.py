@@ -166,17 +166,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     began = time.perf_counter()
     plan = QUICK if asked.quick else FULL
     rows = measured(plan) + in_the_window(plan)
-    from benchmarks import page, ratios, stress, targets
+    from benchmarks import counts, page, ratios, stress, targets
 
     cases = stress.measured(asked.quick)
     table, goals = ratios.markdown(rows), targets.as_csv(targets.told(rows))
-    texts = {"bench.csv": as_csv(rows), "targets.csv": goals, "stress.csv": stress.as_csv(cases), "bench.md": table}
+    bounds = counts.as_csv(list(counts.rows()))
+    texts = {"bench.csv": as_csv(rows), "targets.csv": goals, "counts.csv": bounds, "stress.csv": stress.as_csv(cases), "bench.md": table}
     write_all(asked.out, texts)
     write_all(asked.out, page.painted(rows, cases))
     if asked.readme:
         ratios.into_readme(ROOT / "README.md", table)
     print(table)
     print(goals)
-    print(f"{asked.out}: bench.csv, bench.svg, bench.png, bench.md, targets.csv, stress.csv; {time.perf_counter() - began:.0f} s")
+    print(bounds)
+    made = "bench.csv, bench.svg, bench.png, bench.md, targets.csv, counts.csv, stress.csv"
+    print(f"{asked.out}: {made}; {time.perf_counter() - began:.0f} s")
     return 0
 

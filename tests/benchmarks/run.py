@@ -1,6 +1,6 @@
 """Run time against true error, of every kernel and of what a user could take instead.
 
-    make bench                        out/bench/bench.csv, bench.svg, bench.png, bench.md, targets.csv, stress.csv
+    make bench                        out/bench/bench.csv, bench.svg, bench.png, bench.md, targets.csv, counts.csv, stress.csv
     make bench ARGS=--quick           fewer sizes and settings
     make bench ARGS=--readme          also puts the table into README.md
     make bench-check                  fails where a time by the yardstick of the same run has worsened by more than 30 %

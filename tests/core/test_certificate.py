@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from benchmarks.counts import short_fall
 from counting import calls
 from linkages import chain, four_bar, link, sides
 from mechanisms import PUSHER, levels, with_cam, with_drive, with_follower
@@ -21,7 +22,6 @@ from core.motion import EPS
 from core.project import save
 from core.study import Study
 
-KIM = (Path(__file__).parents[2] / "resources" / "examples" / "kim_1990.toml").read_text(encoding="utf-8")
 RIGID = Design("three links pinned to each other in a triangle, and a dyad on one of them", None, (Drive(None, Linkage(
         (
             link(1, O2=(0, 0), O4=(100, 0), O6=(180, 60)),
@@ -35,15 +35,6 @@ RIGID = Design("three links pinned to each other in a triangle, and a dyad on on
         Driver(2),
         sides(B=1, D=1),
     ), None, LinkageLoads()),))
-
-
-def short_fall(span_deg: float) -> str:
-    """Kim1990's cam whose fall takes that little, and then dwells."""
-    head, fall = KIM.split("[[motion.segments]]")[0], KIM[KIM.index("[follower]") :]
-    rows = (("simple-harmonic", 90.0, 9.0), ("simple-harmonic", span_deg, -9.0), ("dwell", 270.0 - span_deg, None))
-    made = [f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = {span!r}\n' + (f"rise_mm = {rise!r}\n" if rise else "")
-            for law, span, rise in rows]  # fmt: skip
-    return head + "\n".join(made) + "\n" + fall
 
 
 # -- what counts as kept ----------------------------------------------------------------------------------
@@ -117,6 +108,15 @@ def test_the_proof_of_centres_grows_as_the_table_of_centres_does() -> None:
 
 
 # -- the roller on the profile ----------------------------------------------------------------------------
+
+
+def test_a_corner_of_the_pitch_curve_is_sharper_than_any_roller() -> None:
+    design = with_drive(PUSHER, motion=levels(0.0, (180.0, 60.0, "constant-velocity"), (180.0, 0.0, "constant-velocity")))
+    study = Study(with_cam(design, roller_radius_mm=40.0))
+    assert {"jump-velocity"} <= {f.code for f in study.findings(("motion",))}
+    proof = study.certificate(("cam",))["roller_tangency"]
+    assert proof.kept
+    assert 0 < proof.left_out < 30
 
 
 def test_an_undercut_is_a_finding_and_not_a_figure_that_is_wrong() -> None:

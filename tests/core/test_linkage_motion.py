@@ -10,6 +10,7 @@ from mechanisms import LIFT
 
 from core.__main__ import main
 from core.blend import Request, blend
+from core.blend.apply import in_place, into_design, over_the_turn
 from core.design import (
     Design,
     edited,
@@ -25,7 +26,6 @@ from core.design import (
 )
 from core.dividing import add_point, copy_segment, split_segment
 from core.errors import DesignError
-from core.making import in_place, into_design, over_the_turn
 from core.project import load, save
 from core.study import Study
 
@@ -54,7 +54,7 @@ def test_an_edit_makes_the_same_motion_of_a_linkage_as_of_a_cam(name: str) -> No
     assert motion_of(LINKAGE) == motion_of(LIFT)
     linkage, cam = change(LINKAGE), change(LIFT)
     assert motion_of(linkage) == motion_of(cam) != motion_of(LIFT)
-    assert isinstance(linkage, Design)
+    assert linkage.drive.is_linkage
     assert linkage.drive.mechanism == LINKAGE.drive.mechanism  # type: ignore[union-attr]
     assert faults(linkage) == []
 

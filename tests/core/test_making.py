@@ -1,4 +1,4 @@
-"""core.making and the commands ``laws`` and ``blend``: what is printed, what comes into a design, what is refused."""
+"""The commands ``laws`` and ``blend``: what is printed, what comes into a design, what is refused."""
 
 import csv
 import json
@@ -21,10 +21,10 @@ from mechanisms import LIFT, PUSHER, with_drive
 from core import project
 from core.__main__ import main
 from core.blend import GOALS, Request, best, blend
+from core.blend.apply import in_place, into_design, over_the_turn
 from core.design import Design, Motion, Segment, faults, with_assumed
 from core.errors import DesignError
 from core.laws import LAWS, find_law
-from core.making import in_place, into_design, over_the_turn
 from core.motion import program
 
 ROOT = Path(__file__).parents[2]

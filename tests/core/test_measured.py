@@ -23,6 +23,7 @@ from core.measured import (
     NOTHING_SAID,
     Fit,
     FitError,
+    Outliers,
     Table,
     TableError,
     Wish,
@@ -33,12 +34,12 @@ from core.measured import (
     into_design,
     layout,
     notes,
+    outliers,
     read_sheet,
     read_table,
     suspicions,
     value_units,
 )
-from core.measured.scatter import strays
 from core.motion import program
 from core.study import Study
 
@@ -277,7 +278,7 @@ def test_wrong_rows_are_named_by_line_all_at_once(case: str) -> None:
         taken(text)
     assert len(caught.value.faults) == len(wanted), caught.value.faults
     told = str(caught.value).splitlines()
-    for (line, words), (got, _), sentence in zip(wanted, caught.value.faults, told, strict=True):
+    for (line, words), (got, *_), sentence in zip(wanted, caught.value.faults, told, strict=True):
         assert got == line
         assert sentence.startswith(f"t.csv, line {line}: ")
         assert words in sentence
@@ -526,18 +527,19 @@ def test_a_typing_error_is_named_and_left_out() -> None:
     values[[50, 51, 200]] += (1.0, -2.0, 0.09)
     table = taken(written(angles, values))
     found = fit(table, 0.01)
-    assert found.left_out == found.suspects == (50, 51, 200)
+    assert found.left_out == found.outliers.wrong == (50, 51, 200)
     assert found.largest == 51
     assert found.rms == pytest.approx(0.01, rel=1e-6), "of the other rows"
     assert found.residuals[[50, 51, 200]] == pytest.approx([1.0, -2.0, 0.09], abs=0.02)
     assert compared(found, 0) < 0.01
     assert suspicions(found)[0].startswith("line 53 (51 deg): ")
-    assert any(note.startswith("lines 52, 53, 202 are left out of the fit") for note in notes(found))
+    assert any(note.startswith("lines 52-53, 202: wrong, ") for note in notes(found))
     kept = fit(table, 0.01, keep_all=True)
     assert kept.left_out == ()
-    assert 51 in kept.suspects or compared(kept, 0) > 2 * compared(found, 0), "the curve bends to it"
+    assert kept.outliers == found.outliers
+    assert compared(kept, 0) > 2 * compared(found, 0), "the curve bends to it"
     through = fit(table, 0.0)
-    assert (through.left_out, through.suspects) == ((), (50, 51, 200))
+    assert (through.left_out, through.outliers.wrong) == ((), (50, 51, 200))
     assert np.abs(through.residuals).max() < 1e-12
 
 
@@ -547,8 +549,8 @@ def test_a_coarse_table_of_any_law_holds_no_typing_errors(law: str, count: int) 
     angles = 360.0 * (np.arange(count) + 0.3) / count
     motion = levels(0.0, (100.0, 0.0, "dwell"), (35.0, 20.0, law), (80.0, 20.0, "dwell"), (145.0, 0.0, law))
     table = taken(written(angles, moved(angles, 0, motion)))
-    assert not strays(table, 0.0).any()
-    assert not strays(table, 1e-4).any()
+    assert outliers(table, 0.0) == Outliers()
+    assert outliers(table, 1e-4) == Outliers()
 
 
 def test_a_finer_error_takes_more_points_and_a_coarser_one_fewer() -> None:
@@ -741,3 +743,57 @@ def test_wrong_words_are_refused_in_one_line(
 def test_a_file_that_cannot_be_read_is_refused(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["measured", str(tmp_path / name)]) == 2
     assert "cannot be read" in capsys.readouterr().err
+
+
+# -- faults of format, and what a file may hold -----------------------------------------------------------
+
+THROUGHOUT = {
+    "commas": ("1,5;3,25", "angle [deg];lift [mm]", ["--decimal", "point"], "'1,5' in column 1 (angle [deg])"),
+    "a unit in every cell": ("1.5;3.25 mm", "angle [deg];lift [mm]", [], "'3.25 mm' in column 2"),
+    "a column too few": ("1.5", "angle [deg];lift [mm]", [], "'1.5' has 1 column"),
+}
+
+
+@pytest.mark.parametrize("case", THROUGHOUT)
+def test_one_fault_of_format_is_one_line(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    wrong, header, words, first = THROUGHOUT[case]
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join([header, "0;1", *[wrong] * 300, "300;2", "x;2"]))
+    assert main(["measured", str(path), *words]) == 2
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 2, told
+    assert told[0].startswith("t.csv, line 3: ")
+    assert first in told[0]
+    assert told[0].endswith("; the same in 299 more rows, lines 4-302")
+    assert told[1].startswith("t.csv, line 304: 'x' in column 1")
+
+
+def test_times_that_repeat_few_angles_over_many_turns_are_fitted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A column of angles taken for seconds: 25 cam angles, at each of which forty rows differ."""
+    angles = 0.36 * np.arange(1000)
+    path = tmp_path / "t.csv"
+    path.write_bytes(written(angles, moved(angles)).encode("utf-16"))
+    assert main(["measured", str(path), "--angle-unit", "s", "--speed", "60", "--error", "0"]) == 0
+    told = capsys.readouterr()
+    assert "turns, which are laid over one another" in told.out
+    assert told.err == ""
+
+
+CONTROL = "\x9b31m\x1b[2J\x07\u202e"
+
+
+@pytest.mark.parametrize("words", [[], ["--json"], ["--column", "3"], ["--angle-unit", "s"]])
+def test_nothing_of_a_file_is_obeyed_by_the_terminal(
+    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / f"a{CONTROL}.csv"
+    path.write_text(f"angle {CONTROL} [deg];lift {CONTROL} [mm]\n" + rows(";"), encoding="utf-8")
+    main(["measured", str(path), *words])
+    told = capsys.readouterr()
+    assert "\\u009b31m" in told.out + told.err
+    for text in (told.out, told.err):
+        assert not any(c in text for c in CONTROL if not c.isalnum() and c != "[")
+    if words == ["--json"]:
+        assert CONTROL in json.loads(told.out)["table"]["value"]["name"]

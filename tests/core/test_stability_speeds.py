@@ -27,7 +27,7 @@ from core.stability import (
     tongues,
     verdicts,
 )
-from core.stability.speeds import RPM
+from core.stability.speeds import CLEAR, RPM
 from core.study import STAGES, Study, evaluations
 from core.summary import summary
 
@@ -183,6 +183,21 @@ def test_a_damped_chart_has_no_tips_at_zero() -> None:
     assert drawn.outline(9) == []
     (outline,) = drawn.outline(1)
     assert outline[:, 1].min() > 0.0
+
+
+@pytest.mark.parametrize("eta", [1.02, 2.53, 14.03])
+def test_the_bands_near_the_machine_are_those_of_all_that_are(eta: float) -> None:
+    found = of(at_eta(eta))
+    assert found.near_bands == tuple(b for b in found.bands if b.distance(found.machine.rpm(eta)) <= CLEAR)
+
+
+def test_findings_of_a_slow_machine_look_at_the_bands_near_it_alone() -> None:
+    """There may be a hundred: they are computed for whoever asks for them, not at every edit."""
+    study = Study(at_eta(14.03))
+    study.findings(("stability",))
+    assert study.stability is not None
+    assert "near_bands" in vars(study.stability)
+    assert "bands" not in vars(study.stability)
 
 
 def test_a_chart_that_nobody_wants_any_more_stops() -> None:

@@ -103,6 +103,21 @@ def test_a_job_is_given_up_between_its_steps_and_never_within_one(
     assert heard == []
 
 
+def test_what_is_cancelled_says_so_once_it_has_ended(background: tuple[Background, list[tuple[Any, Any]]]) -> None:
+    made, heard = background
+    made.start([("endless", _for_ever), ("never", lambda: 0)])
+    assert not made.wait(0.02)
+    made.cancel()
+    assert made.busy, "until it has come to a checkpoint"
+    wait_for(lambda: not made.busy)
+    ((key, result),) = heard
+    assert key == "endless"
+    assert isinstance(result, Cancelled)
+    made.start([("short", lambda: 1)])
+    assert made.wait(5.0)
+    assert heard[1:] == [("short", 1)]
+
+
 @pytest.mark.parametrize("name", ["history", "steady_at", "chart", "best", "feasible_ranges"])
 def test_what_takes_long_looks_often_whether_it_is_still_wanted(name: str) -> None:
     """Each computation that the window starts beside itself, given up at its third look."""

@@ -15,8 +15,8 @@ from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import PATIENCE_MS, Open, User, settle
 
 from core.blend import BlendError, Range, Request, best, blend, feasible_ranges
+from core.blend.apply import into_design
 from core.design import Design, Motion, Named, Segment, edited, faults
-from core.making import into_design
 from core.project import load
 from core.study import Study
 from kindyna_gui import blend_wizard

@@ -11,7 +11,7 @@ from mechanisms import LIFT
 from PIL import Image
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QWidget
+from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QPushButton, QWidget
 from window_user import User, settle
 
 from core.export import files
@@ -221,6 +221,57 @@ def test_a_cancelled_animation_writes_nothing(user: User, tmp_path: Path, monkey
     assert drawn == [0, 1, 2, 3]
     assert list(tmp_path.iterdir()) == []
     assert "cancelled" in user.window.status.currentMessage()
+
+
+@pytest.mark.parametrize("ending", [".gif", ".webp"])
+def test_an_animation_is_given_up_while_it_is_encoded_too(ending: str) -> None:
+    """Each frame is encoded before the next is drawn, or the writing asks between its parts."""
+    film, looks = Film(ending, 12, 320, 240, 1.0), []
+
+    def go_on(done: int) -> bool:
+        looks.append((done, len(drawn)))
+        return done < 12 and len(looks) < 30
+
+    drawn: list[int] = []
+    taken = Camera.take
+
+    def take(self: Camera, frame: int) -> Image.Image:
+        drawn.append(frame)
+        return taken(self, frame)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Camera, "take", take)
+        made = shoot(LIFT, film, {}, go_on)
+    if ending == ".gif":
+        assert made is None
+        assert looks[-1][0] == 12, "all are drawn, and the writing is given up"
+    else:
+        assert made is not None
+        assert looks == [(n, n) for n in range(12)], "the frame before is encoded when the next is asked about"
+
+
+def test_tables_are_written_beside_the_window_which_stays_alive_and_can_be_cancelled(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(tmp_path / "tables", 200_000))
+    ticks: list[bool] = []
+
+    def tick() -> None:
+        dialog = user.window.findChild(QProgressDialog)
+        if dialog is not None and dialog.isVisible():
+            ticks.append(True)
+            if len(ticks) == 5:
+                QTest.mouseClick(dialog.findChild(QPushButton), Qt.MouseButton.LeftButton)
+
+    timer = QTimer(user.window, interval=10)
+    timer.timeout.connect(tick)
+    timer.start()
+    user.choose(*EXPORT, "Tables...")
+    timer.stop()
+    assert len(ticks) >= 5, "events run while it computes"
+    assert user.window.status.currentMessage() == "The export of the tables was cancelled; nothing is written"
+    assert list(tmp_path.iterdir()) == []
+    assert user.window.findChild(QProgressDialog) is None or not user.window.findChild(QProgressDialog).isVisible()
 
 
 def test_the_progress_can_be_cancelled(user: User) -> None:

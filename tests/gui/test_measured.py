@@ -317,6 +317,38 @@ def test_a_typing_error_is_listed_and_a_click_shows_where(lift: User, imports: I
     assert dialog.answer.fit.stroke != stroke
 
 
+def test_a_wrong_run_is_listed_row_by_row_and_left_out(lift: User, imports: Import) -> None:
+    values = LIFT.copy()
+    values[30:34] = 0.0
+    dialog = imports(table(values=values))
+    assert sorted(cells[0] for cells in found(dialog)[:4]) == ["32", "33", "34", "35"]
+    assert any("Lines 32-35: wrong, " in cells[1] for cells in found(dialog))
+    assert dialog.rows_plot.bad.getData()[0] == pytest.approx([60.0, 62.0, 64.0, 66.0])
+    assert dialog.answer.fit is not None
+    assert dialog.answer.fit.stroke == pytest.approx(150.0, abs=0.2)
+
+
+def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, imports: Import) -> None:
+    """A third of the table stands 4 mm high: either side may be the wrong one."""
+    before = lift.design
+    values = LIFT + np.where((ANGLES > 100.0) & (ANGLES < 220.0), 4.0, 0.0)
+    dialog = imports(table(values=values))
+    enter(lift, dialog.error, "0.05")
+    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.told.text()
+    assert not dialog.put_button.isEnabled()
+    assert not dialog.error.refused
+    marked = dialog.rows_plot.bad.getData()[0]
+    assert any(abs(marked - 101.0) < 4.0)
+    assert any(abs(marked - 219.0) < 4.0)
+    assert dialog.answer.fit is not None
+    dialog.accept()
+    assert lift.design is before
+    click(dialog.keep_all)
+    assert dialog.put_button.isEnabled()
+    click(dialog.put_button)
+    assert lift.steps == ["Import lift.csv"]
+
+
 def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_stays(lift: User, imports: Import) -> None:
     before = lift.design
     dialog = imports(table(values=20.0 * LIFT))

@@ -263,6 +263,18 @@ def test_help_has_pages_that_lead_to_each_other(user: User) -> None:
     pages.close()
 
 
+def test_a_page_of_the_help_is_laid_out_once(user: User) -> None:
+    """Its tables have hundreds of cells, each of which has its room changed."""
+    user.choose("Help", "Tour")
+    assert user.window._help is not None
+    changes: list[int] = []
+    user.window._help.text.document().contentsChanged.connect(lambda: changes.append(1))
+    user.choose("Help", "Laws and conventions")
+    assert "Modified sine" in user.window._help.text.toPlainText()
+    assert len(changes) < 10
+    user.window._help.close()
+
+
 def test_shortcuts_work_from_anywhere(user: User) -> None:
     user.number("follower.rod_mm")
     user.press(Qt.Key.Key_F5)

@@ -38,7 +38,7 @@ def test_table_1(curve: str) -> None:
     row = ELEMENTS[curve]
     assert row.start == (SIGN[v[0]], SIGN[a[0]])
     assert row.end == (SIGN[v[1]], SIGN[a[1]])
-    assert row.way == (1 if curve in RISES else -1)
+    assert row.velocity_sign == (1 if curve in RISES else -1)
     others = {n for n in ELEMENTS if n != curve and admissible((curve, n), row.start)}
     assert others == set(following.split())
 

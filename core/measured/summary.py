@@ -12,14 +12,14 @@ from core.design import Design, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import DesignError, Fault
 from core.measured.columns import column_name
-from core.measured.fitting import EXACT, MOST, Fit
-from core.measured.scatter import LARGE
+from core.measured.fitting import EXACT, MOST, Fit, contradiction
 from core.measured.sheet import Sheet
-from core.report import columns, printable
+from core.report import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
+LARGE = 4.0  # measuring errors
 WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to tell
-MOST_LINES = 12  # of suspects before the rest is counted only
+MOST_LINES = 30  # of wrong rows before the rest is counted only
 
 
 def into_design(design: Design, fit: Fit) -> Design:
@@ -45,8 +45,13 @@ def _of_the_fit(fit: Fit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
     if fit.guessed:
         yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
-    if fit.left_out:
-        yield f"{_lines(fit, fit.left_out)} left out of the fit: far away from the rows beside, most likely typing errors"
+    found, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
+    if found.wrong:
+        yield f"{table.named(found.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
+    if found.possible:
+        yield f"{table.named(found.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
+    if found.undecided:
+        yield f"{contradiction(table, found)}; {left_out}"
     if table.closing is not None:
         last, first = table.closing
         apart = (table.values[last] - table.values[first]) / table.size
@@ -69,18 +74,14 @@ def _of_the_fit(fit: Fit) -> Iterator[str]:
             yield f"over a turn the table gains {gained}, which no cam can; {taken}"
 
 
-def _lines(fit: Fit, rows: tuple[int, ...]) -> str:
-    told = ", ".join(str(fit.table.lines[i]) for i in rows[:MOST_LINES])
-    rest = len(rows) - MOST_LINES
-    word = "line" if len(rows) == 1 else "lines"
-    verb = "is" if len(rows) == 1 else "are"
-    return f"{word} {told}{f' and {rest} more' if rest > 0 else ''} {verb}"
-
-
 def suspicions(fit: Fit) -> list[str]:
-    """A line for each row that is off by more than four measuring errors, the worst first."""
-    rows = sorted(fit.suspects, key=lambda i: -abs(fit.residuals[i]))
-    return [row_line(fit, i) for i in rows]
+    """A line for each wrong row, the worst first."""
+    return [row_line(fit, i) for i in worst_first(fit)]
+
+
+def worst_first(fit: Fit) -> list[int]:
+    """The wrong rows by their residual."""
+    return sorted(fit.outliers.wrong, key=lambda i: -abs(fit.residuals[i]))
 
 
 def row_line(fit: Fit, row: int) -> str:
@@ -98,8 +99,8 @@ def detected(sheet: Sheet, fit: Fit) -> list[tuple[str, str]]:
     return [
         ("rows", f"{len(sheet.rows)}, {headers}, {sheet.encoding}"),
         ("delimiter", f"{sheet.delimiter}, decimal {sheet.decimal}"),
-        ("cam angle", f"{printable(column_name(sheet, layout.angle_column))}, in {layout.angle_unit}"),
-        (layout.quantity, f"{printable(column_name(sheet, layout.value_column))}, in {layout.unit.name}"),
+        ("cam angle", f"{column_name(sheet, layout.angle_column)}, in {layout.angle_unit}"),
+        (layout.quantity, f"{column_name(sheet, layout.value_column)}, in {layout.unit.name}"),
     ]
 
 
@@ -123,9 +124,9 @@ def figures(fit: Fit) -> list[tuple[str, str]]:
 
 def fit_text(sheet: Sheet, fit: Fit) -> str:
     """All of it to read."""
-    lines = [printable(sheet.name), *columns(_padded(detected(sheet, fit)), left=2), ""]
+    lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
-    for heading, told in (("Notes", notes(fit)), ("Suspicious rows", suspicions(fit))):
+    for heading, told in (("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
         if told:
             lines += ["", heading, *(f"  {line}" for line in told[:MOST_LINES])]
             lines += [f"  and {len(told) - MOST_LINES} more"] if len(told) > MOST_LINES else []
@@ -174,7 +175,9 @@ def fit_data(sheet: Sheet, fit: Fit) -> dict[str, Any]:
         },
         "notes": list(notes(fit)),
         "left_out": [int(table.lines[i]) for i in fit.left_out],
-        "suspects": [int(table.lines[i]) for i in fit.suspects],
+        "undecided": [int(table.lines[i]) for stretch in fit.outliers.undecided for i in stretch],
+        "possible": [int(table.lines[i]) for i in fit.outliers.possible],
+        "suspects": [int(table.lines[i]) for i in fit.outliers.wrong],
         "residuals": [
             {"line": int(n), "cam_angle_deg": float(a), "value": float(v / table.size), "residual": float(r)}
             for n, a, v, r in zip(table.lines, table.angles, table.values, fit.residuals, strict=True)

@@ -1,0 +1,79 @@
+"""A blended motion as text and data: its curves as Yang's Fig. 4 has them, and what else moves in a design that takes it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from core.blend import Blended
+from core.design import Motion, Segment, require_motion
+from core.design import Design
+from core.report import columns, digits
+
+
+@dataclass(frozen=True)
+class CurveRow:
+    """One blended curve: from which cam angle over how many degrees, from which level how much higher."""
+
+    curve: str
+    angle: float
+    span: float
+    level: float
+    rise: float
+
+
+def curve_rows(blended: Blended) -> list[CurveRow]:
+    """The curves in order; the motion starts at level 0, or falls to it."""
+    angle, level = blended.request.start, blended.first_level
+    found = []
+    for segment in blended.segments:
+        found.append(CurveRow(segment.curve.law.upper(), angle, segment.span_deg, level, segment.rise))
+        angle, level = angle + segment.span_deg, level + segment.rise
+    return found
+
+
+def curves_data(blended: Blended) -> list[dict[str, Any]]:
+    """The curves in order, with their angles and levels. A motion in degrees has a ``level_deg`` where one in mm has a
+    ``start_mm``: its ``start_deg`` is the cam angle."""
+    unit = blended.request.unit
+    level = {"mm": "start_mm", "deg": "level_deg"}[unit]
+    return [
+        {"curve": r.curve, "start_deg": r.angle, "span_deg": r.span, level: r.level, f"rise_{unit}": r.rise}
+        for r in curve_rows(blended)
+    ]
+
+
+def blend_text(blended: Blended) -> str:
+    """Sequence, spans and the table of starts and ends."""
+    unit = blended.request.unit
+    rows: list[tuple[str, ...]] = [
+        ("curve", f"height {unit}", "span deg", "cam from deg", "cam to deg", f"from {unit}", f"to {unit}")
+    ]
+    for r in curve_rows(blended):
+        numbers = (abs(r.rise), r.span, r.angle, r.angle + r.span, r.level, r.level + r.rise)
+        rows.append((r.curve, *(digits(round(v, 12), 9) for v in numbers)))
+    solution = blended.solution
+    lines = [f"sequence {'-'.join(blended.curves)}", "", *columns(rows), ""]
+    for label, speed in (("rise", solution.speed), ("return", solution.back_speed)):
+        if speed:
+            lines.append(f"peak velocity of the {label} {digits(speed, 9)} {unit}/deg")
+    lines.append(f"peak acceleration {digits(solution.peak_acceleration, 9)} {unit}/deg^2")
+    return "\n".join(lines) + "\n"
+
+
+def changed_beside(before: Motion, after: Motion, blended: Blended) -> tuple[int, Segment] | None:
+    """What moves otherwise beside the blended curves, so that the follower comes back to where it starts: the first such
+    segment and its number, counted from 1; None where the rest stays as it was."""
+    was = {(s.curve, s.rise) for s in before.segments}
+    others = ((n, s) for n, s in enumerate(after.segments, 1) if s.rise and s not in blended.segments)
+    return next(((n, s) for n, s in others if (s.curve, s.rise) not in was), None)
+
+
+def beside_text(before: Design, after: Design, blended: Blended) -> str:
+    """The same in a line, for a design into which the curves came; nothing where the rest stays."""
+    changed = changed_beside(require_motion(before), require_motion(after), blended)
+    if changed is None:
+        return ""
+    n, segment = changed
+    moves = f"{digits(segment.rise, 9)} {blended.request.unit} over {digits(segment.span_deg, 9)} deg"
+    return f"in the design segment {n}, {segment.curve.law}, moves otherwise, to come back: {moves}\n"

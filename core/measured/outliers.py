@@ -1,0 +1,228 @@
+"""Rows of a table that no smooth curve can follow together with the rows beside them, found before any curve is fitted.
+
+Every run of 1 ... 15 rows is tested by what all others predict of it (``deletion``). The run of the largest score
+T - COST m is left out where that exceeds START, and all is computed anew, a too; where none is left, runs whose rows are
+all off by the same are tried, with the score T - 2 COST. Rows inside a run that agree with all others come back. With a
+known, all this is done once more from the beginning.
+
+Last, each place is judged with the others left out: the weights exp(score/2) of all runs, and that of none, exp(START/2),
+sum to the probability of each row to be wrong. From CERTAIN on it is named. A place without such a row is not decided,
+nor are two where a step, all rows being right, explains as much: what stands between them may be a longer wrong run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from math import sqrt
+
+import numpy as np
+
+from core.measured.deletion import (
+    CORE,
+    COST,
+    LONGEST,
+    START,
+    Rows,
+    precision_matrix,
+    quadratic_forms,
+    run_scores,
+    step_row,
+)
+from core.measured.table import Table
+
+CERTAIN, POSSIBLE = 0.99, 0.05  # probability of being wrong, from which a row is named, and may be wrong
+MOST = 0.1  # of the rows; where more contradict, it is not single runs that are wrong
+PASSES = 20
+MARGIN = 24  # rows beyond the ends of a block: more than ten correlation lengths of the prior
+LEAST_CHANGE = 0.2  # least a, in errors per squared row distance: so long the correlation is at most
+
+
+@dataclass(frozen=True)
+class Outliers:
+    """Rows by their place in the table.
+
+    wrong       they contradict the rows beside them
+    possible    at the ends of wrong runs: the others do not tell whether they are wrong too
+    undecided   stretches of rows that contradict each other, where nothing tells which of them are wrong
+    """
+
+    wrong: tuple[int, ...] = ()
+    possible: tuple[int, ...] = ()
+    undecided: tuple[tuple[int, ...], ...] = ()
+
+
+@lru_cache(maxsize=8)
+def outliers(table: Table, error: float) -> Outliers:
+    """The rows that contradict those beside them by more than the error of a value, in the unit of ``table.values``.
+
+    Where the median of |e| shows a larger error than that stated, it counts; so does rounding to the last digit.
+    """
+    order = np.argsort(table.angles, kind="stable")
+    rows = Rows(table.angles[order], table.values[order], 3 - table.layout.order)
+    if not rows.testable:
+        return Outliers()
+    rounding = 10.0**-table.decimals / sqrt(12.0) * abs(table.size)
+    search = _Search(rows, max(error, rounding, rows.scatter()))
+    left_out = search.largest_first()
+    if left_out is not None and left_out.any():  # again, now that a is known
+        left_out = search.largest_first(search.change(left_out))
+    if left_out is None:
+        return Outliers(undecided=(tuple(order.tolist()),))
+    first, last = (int(np.flatnonzero(order == row)[0]) for row in (0, order.size - 1))
+    probability, undecided = search.probabilities(
+        left_out, {first, last} if abs(first - last) in (1, order.size - 1) else set()
+    )
+    return Outliers(
+        wrong=tuple(np.sort(order[probability >= CERTAIN]).tolist()),
+        possible=tuple(np.sort(order[(probability > POSSIBLE) & (probability < CERTAIN)]).tolist()),
+        undecided=tuple(tuple(order[run].tolist()) for run in undecided),
+    )
+
+
+class _Search:
+    """The search for the runs to leave out, for a known error of a value."""
+
+    def __init__(self, rows: Rows, error: float) -> None:
+        self.rows, self.error = rows, error
+        self._blocks: dict[tuple[float, bytes], np.ndarray] = {}
+
+    def change(self, left_out: np.ndarray) -> float:
+        """a of the rows that are left."""
+        least = LEAST_CHANGE * self.error / self.rows.distance ** (self.rows.order - 1)
+        return max(0.5 * self.rows.largest(np.flatnonzero(~left_out), self.error), least)
+
+    def scores(self, kept: np.ndarray, change: float) -> np.ndarray:
+        """Scores (2, n, longest) of the runs of 1 ... rows from each row kept on."""
+        longest, parts = self.rows.longest, []
+        margin = min(MARGIN, (kept.size - 1) // 2)
+        for first in range(0, self.rows.x.size, CORE):
+            start, end = np.searchsorted(kept, (first, first + CORE))
+            number, x = self.rows.around(kept, np.arange(start - margin, end + margin + longest))
+            key = (change, number.tobytes())
+            if key not in self._blocks:
+                precision = precision_matrix(x, self.rows.order, change, self.error)
+                run = margin + np.arange(end - start)[:, None] + np.arange(longest)
+                self._blocks[key] = run_scores(precision, precision @ self.rows.y[number], run)
+            parts.append(self._blocks[key])
+        return np.concatenate(parts, axis=1)
+
+    def largest_first(self, change: float | None = None) -> np.ndarray | None:
+        """Which rows (n,) to leave out; None where there are too many, or no end. change: a; None: of the rows left.
+
+        Runs whose rows are wrong by the same are tried where no others are left.
+        """
+        left_out, moved = np.zeros((2, self.rows.x.size), dtype=bool)
+        for _ in range(PASSES):
+            kept, now = np.flatnonzero(~left_out), change or self.change(left_out)
+            single, shifted = self.scores(kept, now)
+            scores = single if single.max() >= START else shifted
+            best = scores.max(axis=1)
+            if best.max() < START:
+                return left_out
+            least = max(START, 0.25 * best.max())
+            while best.max() >= least:  # the largest, and others that do not depend on it
+                first = int(np.argmax(best))
+                run = kept[np.mod(np.arange(first, first + 1 + int(np.argmax(scores[first]))), kept.size)]
+                left_out[run] = True
+                moved[run] |= scores is shifted
+                best[np.mod(np.arange(first - 3 * LONGEST, first + 3 * LONGEST + 1), kept.size)] = -np.inf
+            for run in stretches(left_out & ~moved):
+                self.restore(left_out, run, now)
+            if left_out.sum() > MOST * left_out.size:
+                return None
+        return None
+
+    def near(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers (m,) of the rows around a run that is left out, others left out but itself not, and their Q (m, m)."""
+        others = left_out.copy()
+        others[run] = False
+        kept = np.flatnonzero(~others)
+        first = int(np.searchsorted(kept, run[0]))
+        before = min(2 * MARGIN, (kept.size - run.size) // 2)
+        number, x = self.rows.around(kept, np.arange(first - before, first + run.size + before))
+        return number, precision_matrix(x, self.rows.order, change, self.error)
+
+    def restore(self, left_out: np.ndarray, run: np.ndarray, change: float) -> None:
+        """Of a run of rows left out, those that agree with all others are kept again."""
+        number, precision = self.near(left_out, run, change)
+        at = np.flatnonzero(np.isin(number, run))
+        covariance = np.linalg.inv(precision[np.ix_(at, at)])
+        missed = covariance @ (precision @ self.rows.y[number])[at]
+        best, kept = 0.0, slice(0)
+        for length in range(1, run.size):
+            part = np.arange(run.size - length + 1)[:, None] + np.arange(length)
+            gain = COST * length - quadratic_forms(covariance, missed, part)[:, -1]
+            if gain.max() > best:
+                first = int(np.argmax(gain))
+                best, kept = float(gain[first]), slice(first, first + length)
+        if best > 0.0:
+            left_out[run[kept]] = False
+            for rest in (run[: kept.start], run[kept.stop :]):
+                if rest.size > 1:
+                    self.restore(left_out, rest, change)
+
+    def probabilities(self, left_out: np.ndarray, ends: set[int]) -> tuple[np.ndarray, list[np.ndarray]]:
+        """The probability of each row (n,) that it is wrong; and the stretches where none is wrong for certain.
+
+        ends    the first and the last row of the file, where they stand side by side
+
+        Each place is judged with the others left out; where that changes what is left out, all are judged again. Two
+        steps may bound a long run of wrong rows, on either side of them; a step between the ends of the file may be
+        a drift of all rows. What stands close to a place that cannot be decided cannot either.
+        """
+        for _ in range(PASSES):
+            change, runs = self.change(left_out), stretches(left_out)
+            places = [self.probability(left_out, run, change) for run in runs]
+            probability = np.max([own for own, _ in places], axis=0, initial=0.0) + np.zeros(left_out.size)
+            if np.array_equal(probability > 0.5, left_out):
+                break
+            left_out = probability > 0.5
+        steps = [step for _, step in places if step is not None]
+        undecided = self.contradicting(left_out, change)
+        for run, (own, step) in zip(runs, places, strict=True):
+            if run.size > LONGEST or own.max() < CERTAIN or (step is not None and (len(steps) > 1 or step in ends)):
+                undecided[run] = True
+                undecided |= own > POSSIBLE
+        close = np.mod(np.flatnonzero(undecided)[:, None] + np.arange(-2 * LONGEST, 2 * LONGEST + 1), left_out.size)
+        for own, _ in places:
+            if (own[close] > POSSIBLE).any():
+                undecided |= own > POSSIBLE
+        return np.where(undecided, 0.0, probability), stretches(undecided)
+
+    def contradicting(self, left_out: np.ndarray, change: float) -> np.ndarray:
+        """The rows (n,) of the run that still contradicts the others most, once all that is to be left out is."""
+        kept, found = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
+        scores = self.scores(kept, change).max(axis=0)
+        if scores.max() >= START:
+            first, last = np.unravel_index(np.argmax(scores), scores.shape)
+            found[kept[np.mod(np.arange(first, first + last + 1), kept.size)]] = True
+        return found
+
+    def probability(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, int | None]:
+        """Of each row (n,) that it belongs to a wrong run at the place of one left out; the row behind a step
+        that explains as much, if any."""
+        number, precision = self.near(left_out, run, change)
+        pull = precision @ self.rows.y[number]
+        tried = np.arange(number.size - self.rows.longest + 1)[:, None] + np.arange(self.rows.longest)
+        scores = run_scores(precision, pull, tried).max(axis=0)
+        top = max(START, float(scores.max()))
+        weights = np.exp(0.5 * (scores - top))
+        weights /= weights.sum() + np.exp(0.5 * (START - top))
+        own = np.zeros(left_out.size)
+        for length in range(1, self.rows.longest + 1):
+            np.add.at(own, number[tried[:, :length]], weights[:, length - 1 : length])
+        first, last = np.unravel_index(np.argmax(scores), scores.shape)
+        step = step_row(precision, pull, tried[first, : last + 1])
+        return own, None if step is None else int(number[step])
+
+
+def stretches(marked: np.ndarray) -> list[np.ndarray]:
+    """The runs of True (n,) around the turn, each as the numbers of its rows in order."""
+    where = np.flatnonzero(marked)
+    if where.size in (0, marked.size):
+        return [where] if where.size else []
+    runs = np.split(where, np.flatnonzero(np.diff(where) > 1) + 1)
+    if len(runs) > 1 and runs[0][0] == 0 and runs[-1][-1] == marked.size - 1:
+        runs[0] = np.concatenate((runs.pop(), runs[0]))
+    return runs

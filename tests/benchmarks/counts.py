@@ -1,0 +1,157 @@
+"""What large and odd designs cost, in counts that no busy machine changes, and in milliseconds: none may run away."""
+
+from __future__ import annotations
+
+import csv
+import io
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from counting import cost
+from linkages import chain
+
+from core import project
+from core.design import Design
+from core.errors import DesignError
+from core.study import Study
+from core.study.stages import clear_caches
+
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
+MIB = 2**20
+Run = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A run made anew each time, and its most calls of functions, bytes held at once, and milliseconds."""
+
+    what: str
+    fresh: Callable[[], Run]
+    calls: int
+    peak: int
+    ms: float
+
+
+@dataclass(frozen=True)
+class Counted:
+    """A case and what it took."""
+
+    case: Case
+    calls: int
+    peak: int
+    ms: float
+
+    @property
+    def met(self) -> bool:
+        return self.calls <= self.case.calls and self.peak <= self.case.peak
+
+    @property
+    def in_time(self) -> bool:
+        return self.ms <= self.case.ms
+
+
+def _around_the_segments(example: str) -> tuple[str, str]:
+    text = (EXAMPLES / f"{example}.toml").read_text(encoding="utf-8")
+    return text.split("[[motion.segments]]")[0], text[text.index("[follower]") :]
+
+
+def _assuming_nothing(text: str) -> str:
+    """Without the list of what is assumed, which names segments."""
+    before, _, rest = text.partition("assumed = [")
+    return before + rest.partition("]\n")[2]
+
+
+def _segment(law: str, span: float, rise: float) -> str:
+    return f'[[motion.segments]]\nlaw = "{law}"\nspan_deg = {span!r}\n' + (f"rise_mm = {rise!r}\n" if rise else "")
+
+
+def short_fall(span: float) -> str:
+    """Kim1990's cam whose fall takes that little [deg], and then dwells."""
+    head, tail = _around_the_segments("kim_1990")
+    rows = (("simple-harmonic", 90.0, 9.0), ("simple-harmonic", span, -9.0), ("dwell", 270.0 - span, 0.0))
+    return head + "".join(_segment(*row) for row in rows) + tail
+
+
+def many_segments(count: int) -> str:
+    """The card picker by so many short segments, up and down by turns."""
+    head, tail = _around_the_segments("card_picker")
+    head = _assuming_nothing(head)
+    laws = ("cycloidal", "3-4-5", "modified-sine", "simple-harmonic")
+    rows = ((laws[i % 4], 360.0 / count, 1e-3 * (-1) ** i) for i in range(count))
+    return head + "".join(_segment(*row) for row in rows) + tail
+
+
+def _checked(text: str) -> Callable[[], Run]:
+    """What ``check`` does."""
+
+    def fresh() -> Run:
+        clear_caches()
+
+        def run() -> object:
+            study = Study(project.loads(text))
+            return study.findings(), study.certificate()
+
+        return run
+
+    return fresh
+
+
+def _certificate(design: Design) -> Callable[[], Run]:
+    """Of a linkage that is solved already."""
+
+    def fresh() -> Run:
+        clear_caches()
+        study = Study(design)
+        _ = study.linkage, study.dynamics
+        return study.certificate
+
+    return fresh
+
+
+def _refused(text: str) -> Callable[[], Run]:
+    def run() -> object:
+        try:
+            return project.loads(text)
+        except DesignError as error:
+            return error
+
+    return lambda: run
+
+
+def cases() -> tuple[Case, ...]:
+    lift = (EXAMPLES / "transfer_lift.toml").read_text(encoding="utf-8")
+    head, _ = _around_the_segments("transfer_lift")
+    unknown = lift + "".join(f"key{i} = {i}\n" for i in range(60_000))
+    return (
+        Case("certificate of 60 links", _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
+        Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB, 3000.0),
+        Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB, 3000.0),
+        Case("check of 3,000 segments", _checked(many_segments(3000)), 2_000_000, 300 * MIB, 2000.0),
+        Case("refusal of 60,000 unknown keys", _refused(unknown), 100_000, 20 * MIB, 1000.0),
+        Case("refusal of 100,000 empty segments", _refused(head + "[[motion.segments]]\n" * 100_000), 300_000, 20 * MIB, 1000.0),
+    )
+
+
+def counted(case: Case) -> Counted:
+    run = case.fresh()
+    began = time.process_time()
+    run()
+    ms = 1e3 * (time.process_time() - began)
+    took = cost(case.fresh)
+    return Counted(case, took.calls, took.peak, ms)
+
+
+def rows() -> Iterator[Counted]:
+    yield from map(counted, cases())
+
+
+def as_csv(found: Sequence[Counted]) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(("what", "allowed_calls", "calls", "allowed_bytes", "bytes", "allowed_ms", "ms", "met"))
+    for row in found:
+        case, met = row.case, "yes" if row.met and row.in_time else "no"
+        writer.writerow((case.what, case.calls, row.calls, case.peak, row.peak, f"{case.ms:g}", f"{row.ms:.3g}", met))
+    return text.getvalue()
