@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -33,6 +34,7 @@ from core.project.writing import FORMAT
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
 _OPTIONAL = ("loads",)
 _KNOWN = ("format", "name", "assumed", "motion", "follower", "cam", "shaft", "loads")
+_POINT = re.compile(r"(\.points)\[\d+\]\.\w+$")  # of a spline: assumed one by one, or all together
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 
 
@@ -119,7 +121,7 @@ def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: st
     for i, path in enumerate(paths):
         if not isinstance(path, str):
             yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
-        elif path not in known and (row or path.partition(".")[0] in sure):
+        elif _POINT.sub(r"\1", path) not in known and (row or path.partition(".")[0] in sure):
             yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
 
 

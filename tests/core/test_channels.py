@@ -5,6 +5,7 @@ import io
 import json
 import math
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import NoSuchStage
 from core.export import files
 from core.findings import ERROR
+from core.project import load
 from core.study import QUANTITIES, Study, names_of
 
 # As the contract names them, in its order; further columns may follow.
@@ -32,7 +34,8 @@ TABLES = {
                    "dynamics.csv": [*DYNAMICS, *SLIDER_FORCES, *BEARING]},
     "translating": {"profile.csv": PROFILE, "kinematics.csv": KINEMATICS, "dynamics.csv": [*DYNAMICS, *BEARING]},
 }  # fmt: skip
-OF_KIND = {"cam-slider": LIFT, "translating": PUSHER}
+ROCKER = load(Path(__file__).parents[2] / "resources" / "examples" / "rocker_cam.toml")
+OF_KIND = {"cam-slider": LIFT, "translating": PUSHER, "oscillating": ROCKER}
 DESIGNS = {"lift": LIFT, "pusher": PUSHER, "c": LAYOUT_DESIGNS["c"], "g": LAYOUT_DESIGNS["g"]}
 
 

@@ -163,7 +163,7 @@ def test_a_motion_driver_need_not_say_its_speed() -> None:
     [
         # kinds
         (SIX, {"drives": [{}]}, {"drives": "stands beside linkage"}),
-        (SIX, {"shaft": {}}, {"shaft": "unknown key"}),
+        (SIX, {"shaft": {}}, {"shaft.rotation": "missing", "shaft.speed_rpm": "missing"}),
         (SIX, {"format": 2, "name": " "}, {"format": "unknown format", "name": "empty"}),
         # the table
         (SIX, {"linkage": 3}, {"linkage": "must be a table"}),
