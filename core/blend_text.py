@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from core.blend import Blended
-from core.design import Motion, Segment, require_motion
-from core.design import Design
+from core.design import Design, Motion, Segment, require_motion
 from core.report import columns, digits
 
 

@@ -194,18 +194,14 @@ def test_a_jammed_guide_is_written_without_forces_and_without_a_word_on_stderr(t
     assert "contact_force_n" not in json.loads(written["out/summary.json"])["extremes"]
 
 
-JAMS_SHORTLY = replace(
-    PUSHER,
-    shaft=replace(PUSHER.shaft, speed_rpm=4729.0),
-    drive=replace(
-        with_follower(PUSHER, offset_mm=0.0, direction_deg=346.588).drive,
+JAMS_SHORTLY = with_drive(
+        replace(with_follower(PUSHER, offset_mm=0.0, direction_deg=346.588), shaft=replace(PUSHER.shaft, speed_rpm=4729.0)),
         motion=levels(0.0, (34.056, -7.86, "freudenstein-1-3"), (49.0, -28.86, "2-3"), (66.805, -2.088, "cycloidal"),
                       (51.8, -38.088, "freudenstein-1-3"), (16.43958, -64.058, "3-4-5"), (32.818, -58.338, "freudenstein-1-3"),
                       (63.088, -38.906, "cycloidal"), (45.99342, 0.0, "cycloidal")),
         cam=replace(PUSHER.drive.cam, base_radius_mm=100.0561, roller_radius_mm=0.61367),
         loads=replace(PUSHER.drive.loads, friction=0.5, follower_mass_kg=0.343, spring_rate_n_per_mm=70.44, preload_n=135.5,
                       gravity_angle_deg=90.0),
-    ),
 )  # fmt: skip
 
 

@@ -43,7 +43,7 @@ from rods import arm_and_rod, metres
 from core.design import Design, si
 from core.errors import NoAssembly, NoCam
 from core.findings import ERROR, WARNING
-from core.followers import LAYOUT_TABLE, built
+from core.followers import LAYOUT_TABLE
 from core.mechanism import solve_mechanism
 from core.mechanism.triangle import area4_of, brackets, opposite_angle
 from core.study import Study
@@ -415,7 +415,7 @@ def test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle() -> None:
     assert base + y[0, 3] == g.slider_arm + g.rod
     still = replace(study.motion, y=y)
     with pytest.raises(NoAssembly, match="dead centre") as caught:
-        solve_mechanism(built(LEVEL.drive.mechanism, study.reach), still)
+        solve_mechanism(study.mechanism, still)
     assert caught.value.cam_angles == ((pytest.approx(135.0), pytest.approx(135.0)),)
 
 

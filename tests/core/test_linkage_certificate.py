@@ -1,14 +1,13 @@
 """The certificate of a linkage: every example, led by any of its links and with the roller anywhere, keeps its bounds."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from linkages import assembly
 
-from core.design import CRANK, Design, Driver, LinkageLoads, LinkMass
+from core.design import CRANK, Design, Driver, LinkageLoads, LinkMass, with_drive
 from core.errors import NoCam, NoPosition
 from core.instant_centres import collinearity
 from core.mechanism import drivers, roller_places, with_driver, with_roller
@@ -29,7 +28,7 @@ def led(name: str, theta: float, driver: Driver) -> Design:
         LinkMass(link=n, mass_kg=float(n), inertia_kg_m2=0.01 * n, centre_x_mm=3.0)
         for n in design.drive.mechanism.by_number if n != 1
     )  # fmt: skip
-    return replace(with_driver(design, driver, here.linkage), loads=LinkageLoads(masses=masses))
+    return with_drive(with_driver(design, driver, here.linkage), loads=LinkageLoads(masses=masses))
 
 
 def beyond(design: Design) -> dict[str, tuple[float, float]]:

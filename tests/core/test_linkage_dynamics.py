@@ -212,7 +212,7 @@ def test_a_driver_that_slides_is_given_a_force() -> None:
     base = slider_crank(40.0, 140.0)
     motion = Motion(130.0, (Segment(180.0, 30.0, Named("cycloidal")), Segment(180.0, -30.0, Named("cycloidal"))), "mm")
     linkage = replace(
-        base.linkage, driver=Driver(4, "motion", 60.0), branch=(replace(base.linkage.branch[0], joint="A"),)
+        base.drive.linkage, driver=Driver(4, "motion", 60.0), branch=(replace(base.drive.linkage.branch[0], joint="A"),)
     )
     design = loaded(Design("pushed", None, (Drive(motion, linkage, None, LinkageLoads()),)), 5)
     study = Study(design, 90)

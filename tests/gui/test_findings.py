@@ -1,6 +1,5 @@
 """Findings, certificate, flywheel, and the count in the status line."""
 
-from dataclasses import replace
 from math import degrees, pi
 
 import pytest
@@ -9,7 +8,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
-from core.design import Motion, Named, Segment
+from core.design import Motion, Named, Segment, with_drive
 from core.study import Study
 from kindyna_gui.certificate_view import PROVES, CertificateView
 from kindyna_gui.findings_view import FindingsView
@@ -266,7 +265,7 @@ def test_a_torque_that_is_only_rounding_has_no_figures(user: User) -> None:
     """A dwell all round needs no flywheel."""
     still = Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),))
     lift = user.design
-    user.session.put(replace(lift, drive=replace(lift.drive, motion=still)), "Stand still")
+    user.session.put(with_drive(lift, motion=still), "Stand still")
     for radius in range(401, 440):  # which of them round is the processor's choice
         assert user.session.edit("cam.base_radius_mm", float(radius), "Change")
         if user.session.study.dynamics.torque.any():
