@@ -17,6 +17,7 @@ with importing():
     from core import __version__
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
+    from core.keeping import keep_freed_memory
 
 MOST_LINES = 100
 
@@ -57,6 +58,7 @@ def main(
 
 
 def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows: Mapping[str, Command]) -> int:
+    keep_freed_memory()
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")

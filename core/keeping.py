@@ -78,8 +78,9 @@ def keep_freed_memory() -> None:
 
     A stage makes some fifty arrays of 30 to 200 kB and drops most of them: by default each of their pages goes back to
     the system and comes anew, zeroed, with the next stage. The lift's linkage and profile at 3600 angles cost 66 page faults
-    and 0.80 ms so, none and 0.69 ms with this (medians, 2 cores, glibc 2.36). Every study calls it, so that nothing happens
-    by mere import. No such knob, no harm: other C libraries do not have it.
+    and 0.80 ms so, none and 0.69 ms with this (medians, 2 cores, glibc 2.36).
+    Every command and every
+    window call it. No such knob, no harm: other C libraries do not have it.
     """
     if not sys.platform.startswith("linux"):
         return

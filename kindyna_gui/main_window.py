@@ -13,6 +13,7 @@ from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPa
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
 from core.errors import KindynaError
+from core.keeping import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs, menus
 from kindyna_gui.centre import Centre
@@ -298,6 +299,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     path: the file to open; None, or the default design: an example that asks for a name when it is saved. Raises
     DesignError, FileError.
     """
+    keep_freed_memory()
     own = None if path is None or path == default_design() else path
     session = Session(load(own or default_design()), own)
     dress(app)

@@ -357,7 +357,7 @@ class Study:
         speed = (design.sense, design.speed_rpm)
         parts: Mapping[str, tuple[Any, ...]] = {
             "motion": (drive.motion, speed),
-            "linkage": (drive.motion, speed, drive.mechanism, self.mechanism),
+            "linkage": (drive.motion, speed, drive.mechanism, drive.cam),
             "cam": (drive.motion, drive.mechanism, drive.cam, design.sense),
             "dynamics": (drive, speed),
             "stability": (drive, speed, design.shaft),
@@ -517,10 +517,9 @@ class Study:
         """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
         a triple whose bound would say nothing is left out where it is so."""
         step = max(1, self.theta.size // _POSITIONS)
-        there = self.at(Angles(self.theta[::step], self.angles.piece[::step]))
-        train = unit_speed_train(self.mechanism.linkage, there.drive.y[0], self.course)
+        train = unit_speed_train(self.mechanism.linkage, self.drive.y[0, ::step], self.course)
         found = moving_collinearity(train, self.course.plan.size)
-        bound = 16.0 * EPS * there.linkage.condition * found.doubt
+        bound = 16.0 * EPS * self.linkage.condition[::step] * found.doubt
         well = bound <= _SAYS_NOTHING
         worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
         return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")

@@ -2,7 +2,6 @@
 mechanical advantage by triangles and forces, Newton's residual in the certificate."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ from assembled import SIZE, cases, coordinates
 from linkages import INSIDE_OUT, KINDS, SLIDING_GROUP, four_bar, in_digits, link, slider_crank
 from references import EPS, MP
 
-from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider
+from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider, with_drive
 from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import course_of, unit_speed_train
 from core.mechanism.rounding import doubts
@@ -90,9 +89,9 @@ def test_the_transmission_angle_is_that_of_the_triangle(lengths: tuple[float, fl
 def test_the_mechanical_advantage_is_that_of_the_forces(link: int) -> None:
     """A torque of 1 on a link is held by its share of 1 at the driver: forces know nothing of centres."""
     base = four_bar(100.0, 30.0, 90.0, 70.0)
-    loaded = replace(base, loads=LinkageLoads(forces=(LinkForce(link=link, point="B", torque_nm=1.0),), gravity_m_s2=0.0))
+    loaded = with_drive(base, loads=LinkageLoads(forces=(LinkForce(link=link, point="B", torque_nm=1.0),), gravity_m_s2=0.0))
     made = study(loaded, 24)
-    torque = made.dynamics.torque
+    torque = made.dynamics.driver
     advantage = mechanical_advantage(made.centres, f"link{link}", "link2")
     assert np.abs(torque + 1.0 / advantage).max() < 1e-12
 
@@ -157,8 +156,8 @@ def test_guides_that_turn_parallel_are_a_dead_centre_with_its_angle(on_crank: fl
 
 
 def test_a_slider_cranks_grashof_is_whether_its_crank_goes_round() -> None:
-    assert [r.free for r in course_of(slider_crank(40.0, 140.0, 12.0).linkage).ranges] == [True]
-    assert not any(r.free for r in course_of(slider_crank(60.0, 45.0).linkage).ranges)
+    assert [r.free for r in course_of(slider_crank(40.0, 140.0, 12.0).drive.linkage).ranges] == [True]
+    assert not any(r.free for r in course_of(slider_crank(60.0, 45.0).drive.linkage).ranges)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "watt_six_bar", "stephenson_six_bar", "lecture_six_bar", "inverted_slider_crank"])
