@@ -5,12 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
-from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Request, candidates
-
-if TYPE_CHECKING:
-    from core.blend.request import Candidate
+from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Candidate, Request, candidates
 
 POINT = "point"
 AUTOMATIC = ""
@@ -120,16 +116,8 @@ def has_both(motion_type: str) -> bool:
 
 def names_of(candidate: Candidate) -> frozenset[str]:
     """The settings that mean something for a sequence; none where nothing of it is free."""
-    if not candidate.freedom:
-        return frozenset()
-    rise, back = candidate.sequence.rise, candidate.sequence.back
-    names = {"acceleration", POINT, *(("peak",) if rise and back else ())}
-    for curves, (first, middle, last), speed in ((rise, ("h1", "h2", "h3"), "vcv"), (back, ("h4", "h5", "h6"), "vcv2")):
-        if len(curves) > 1:
-            names |= {first, last, speed}
-        if len(curves) > 2:
-            names |= {middle, "length"}
-    return frozenset(OF_A_RETURN.get(name, name) if not rise else name for name in names)
+    names = candidate.names if candidate.freedom else frozenset()
+    return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
 
 
 def open_candidates(asked: Asked) -> list[Candidate]:

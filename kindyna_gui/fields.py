@@ -13,6 +13,7 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
 from core.design import Design, Entry, Info, Unit, get, is_assumed
+from core.errors import DesignError
 from kindyna_gui.field_parts import Mark, NameLabel
 from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -181,7 +182,7 @@ class Field(QObject):
         of its name may outlast it."""
         try:
             self.spec.read(self.session.typed)
-        except KeyError:
+        except (KeyError, DesignError):
             return True
         return False
 

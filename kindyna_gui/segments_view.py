@@ -280,8 +280,11 @@ class SegmentsView(View):
             self.choose(row + action.after, self.table.currentIndex().column())
 
     def focus_field(self, path: str) -> bool:
-        """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
+        """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.
+        False where there is none."""
         self.pull()
+        if self.in_trouble:  # there is no motion, as the view says
+            return False
         if self.head.focus_field(path):
             if path.startswith("motion.stroke") and not self.head.moves:
                 self.told.emit(STILL_STROKE)

@@ -91,16 +91,16 @@ class Answers:
         steps = self._steps[id(dialog)] = self._steps.get(id(dialog), 0) + 1
         if steps == 1:
             self._note(f"  dialog: {type(dialog).__name__} {dialog.windowTitle()!r} {said(dialog)!r}")
-        if steps > PATIENCE:
+        if isinstance(dialog, QProgressDialog):  # it goes by itself
+            if self.rng.random() < 0.03:
+                self._note("  progress: cancelled")
+                dialog.cancel()
+        elif steps > PATIENCE:
             self._faults.append(f"cannot leave {type(dialog).__name__} {dialog.windowTitle()!r}")
             del self._steps[id(dialog)]
             dialog.close()
         elif isinstance(dialog, QFileDialog):
             self._in_file_dialog(dialog, steps)
-        elif isinstance(dialog, QProgressDialog):
-            if self.rng.random() < 0.05:
-                self._note("  progress: cancelled")
-                dialog.cancel()
         elif isinstance(dialog, QMessageBox):
             self._press(dialog)
         elif steps <= STEPS and self.rng.random() < 0.9:

@@ -6,10 +6,9 @@ from core.blend.curves import (
     ELEMENTS,
     MOTION_TYPES,
     Sequence,
-    admissible,
     sequences,
 )
-from core.blend.feasible import Opening, feasible_range, feasible_ranges, openings
+from core.blend.feasible import Opening, feasible_ranges, openings
 from core.blend.request import Blended, BlendError, Candidate, Request, candidates
 from core.blend.settings import MAY_VANISH, SETTINGS, Range
 
@@ -27,11 +26,9 @@ __all__ = [
     "Range",
     "Request",
     "Sequence",
-    "admissible",
     "best",
     "blend",
     "candidates",
-    "feasible_range",
     "feasible_ranges",
     "openings",
     "sequences",

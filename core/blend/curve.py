@@ -10,7 +10,7 @@ from math import inf
 
 import numpy as np
 
-from core.blend.equations import Equations, Row
+from core.blend.equations import Equations, Row, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Place
 from core.blend.family import Family
 from core.blend.polynomials import (
@@ -24,7 +24,6 @@ from core.blend.polynomials import (
     whole,
 )
 from core.blend.settings import Constraint, ratio
-from core.blend.solution_space import SolutionSpace
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
 SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them

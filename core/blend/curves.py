@@ -123,13 +123,3 @@ def _sequences(motion_type: str, constant: str) -> tuple[Sequence, ...]:
     rises = _strokes(row.rise, 1, constant in ("rise", "both"))
     backs = _strokes(row.back, -1, constant in ("return", "both"))
     return tuple(sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
-
-
-def admissible(curves: tuple[str, ...], start: State) -> bool:
-    """Whether each curve may follow the one before (Yang Table 1), from the state at the start."""
-    state = start
-    for name in curves:
-        if ELEMENTS[name].start != state:
-            return False
-        state = ELEMENTS[name].end
-    return True

@@ -1,20 +1,24 @@
-"""Heights and speeds of a family as sums of terms c t^e x_j: polynomials in one number t, linear in all others."""
+"""Heights and speeds of a family as sums of terms c t^e x_j: polynomials in one number t, linear in all others; and the
+points (t, x1, ...) where such are 0: polynomials in t, or at the values of t that they pin."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 
 import numpy as np
 
-from core.blend.polynomials import Polynomial, shortened, whole
+from core.blend.polynomials import ONE, UNIT, ZERO, Polynomial, at, roots, rounded, shortened, size_at, vanishes, whole
 
 POWERS = (-2, -1, 0, 1, 2)
 Form = np.ndarray
 """Coefficients of t^e x_j, e in ``POWERS``, x_0 = 1: (powers, 1 + numbers)."""
 Row = tuple[Polynomial, ...]
 """An equation p0(t) + p1(t) x1 + ... = 0."""
+VANISHING = 1e-9  # what is left of an equation, as a share of its terms, where it is met
+SINGULAR = 1e-11  # a pivot of equations of size 1 that counts as 0
 
 
 def term(numbers: int, j: int = 0, e: int = 0) -> Form:
@@ -90,3 +94,128 @@ class Equations:
                 return values
             by_t = np.einsum("fej,en,jn->fn", self._tensor, self._powers[:, None] * powers / t, with_one)[:, None]
         return np.concatenate((values, by_t, columns[:, 1:]), axis=1)
+
+
+# -- where forms are 0 ------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SolutionSpace:
+    """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...)/below, polynomials in t, or numbers where
+    the equations pin t.
+
+    t     its value where the equations pin it, None where it is free
+    free  the j of the x_j that stay free: y1, y2, ...
+    """
+
+    equations: Equations
+    t: float | None
+    free: tuple[int, ...]
+    x: tuple[Row, ...]
+    below: Polynomial
+
+    @property
+    def freedom(self) -> int:
+        """How many numbers are free in it."""
+        return len(self.free) + (self.t is None)
+
+    @property
+    def only(self) -> tuple[float, ...]:
+        """The x_j where nothing is free."""
+        *rows, below = rounded([*(r[0] for r in self.x), self.below])
+        return tuple([row[0] / below[0] if row else 0.0 for row in rows])
+
+    def leading(self, first: int = 0) -> tuple[list[Row], float]:
+        """The x_j as polynomials in one number p by 1 and the other free numbers, and the upper end of p: it is t where that
+        is free, else y_first."""
+        if self.t is None:
+            return list(self.x), self.equations.top
+        others = [i for i in range(len(self.free)) if i != first]
+        rows = [(r[0] + r[1 + first].shifted(1), *(r[1 + i] for i in others)) for r in self.x]
+        return rows, self.equations.tops[self.free[first] - 1]
+
+
+def solution_spaces(equations: Equations, rows: Iterable[Row]) -> list[SolutionSpace]:
+    """All points that meet the equations."""
+    rows = [_lowered(row) for row in rows]
+    pivots, below, rest = _eliminated(rows, len(equations.numbers))
+    pins = [row[0] for row in rest if row[0]]
+    if pins:
+        first, *others = sorted(pins, key=len)
+        shown = [rounded([p])[0] for p in others]
+        values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
+        return [space for t in values for space in _at_one_t(equations, rows, t)]
+    found = [_over_t(equations, pivots, below)]
+    for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
+        found += [s for s in _at_one_t(equations, rows, t) if len(s.free) > len(found[0].free)]
+    return found
+
+
+def _lowered(row: Row) -> Row:
+    """Without a common power of t."""
+    lowest = min([p.lowest_power for p in row if p], default=0)
+    return tuple([p.shifted(-lowest) for p in row]) if lowest else row
+
+
+def _eliminated(rows: list[Row], k: int) -> tuple[dict[int, Row], Polynomial, list[Row]]:
+    """Rows that each give one x_j, which stands in no other row, all with the same factor; that factor; and the rows in
+    which no x is left. Bareiss' elimination: every division comes out even, so that no factor is left over."""
+    waiting, columns = list(rows), set(range(1, k + 1))
+    done: dict[int, Row] = {}
+    factor = ONE
+    while choices := [(_cost(row[j]), i, j) for i, row in enumerate(waiting) for j in columns if row[j]]:
+        _, i, j = min(choices)
+        pivot, last = waiting.pop(i), factor
+        factor = pivot[j]
+        columns.remove(j)
+        waiting = [_without(row, pivot, j, last) for row in waiting]
+        done = {**{n: _without(row, pivot, j, last) for n, row in done.items()}, j: pivot}
+    return done, factor, waiting
+
+
+def _cost(pivot: Polynomial) -> tuple[int, int]:
+    """A pivot of one term keeps the degrees low."""
+    return len(pivot) - pivot.coefficients.count(0), len(pivot)
+
+
+def _without(row: Row, pivot: Row, j: int, last: Polynomial) -> Row:
+    return tuple([(pivot[j] * a - row[j] * b) // last for a, b in zip(row, pivot, strict=True)])
+
+
+def _over_t(equations: Equations, pivots: dict[int, Row], below: Polynomial) -> SolutionSpace:
+    columns = range(1, len(equations.numbers) + 1)
+    free = tuple([j for j in columns if j not in pivots])
+    alone = {j: (ZERO, *(below if n == j else ZERO for n in free)) for j in free}
+    rows = [alone[j] if j in alone else tuple([-1 * pivots[j][n] for n in (0, *free)]) for j in columns]
+    tidied = _lowered(tuple(shortened((below, *(p for row in rows for p in row)))))
+    width = len(free) + 1
+    return SolutionSpace(equations, None, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0])
+
+
+def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionSpace]:
+    """The rows at one t, eliminated with the greatest pivot; none where they contradict each other."""
+    k = len(equations.numbers)
+    polynomials = [rounded(row) for row in rows]
+    sizes = [max(size_at(p, t) for p in row) or 1.0 for row in polynomials]
+    waiting = [[at(p, t) / size for p in row] for row, size in zip(polynomials, sizes, strict=True)]
+    solved: dict[int, list[float]] = {}
+    while waiting:
+        size, i, j = max(((abs(r[j]), i, j) for i, r in enumerate(waiting) for j in range(1, k + 1)), default=(0.0, 0, 0))
+        if size <= SINGULAR:
+            break
+        row = waiting.pop(i)
+        pivot = [v / row[j] for v in row]
+        waiting = [[a - r[j] * b for a, b in zip(r, pivot, strict=True)] for r in waiting]
+        solved = {n: [a - r[j] * b for a, b in zip(r, pivot, strict=True)] for n, r in solved.items()}
+        solved[j] = pivot
+    return [] if any(abs(r[0]) > VANISHING for r in waiting) else [_of_numbers(equations, t, solved)]
+
+
+def _of_numbers(equations: Equations, t: float, solved: dict[int, list[float]]) -> SolutionSpace:
+    """x_j = -solved[j][0] - solved[j][free] y."""
+    columns = range(1, len(equations.numbers) + 1)
+    free = tuple([j for j in columns if j not in solved])
+    alone = {j: (0.0, *[float(n == j) for n in free]) for j in free}
+    numbers = [alone[j] if j in alone else tuple([-solved[j][n] for n in (0, *free)]) for j in columns]
+    x = tuple([tuple([Polynomial([whole(c)]) for c in row]) for row in numbers])
+    return SolutionSpace(equations, t, free, x, Polynomial([UNIT]))

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import Family, Task
 from core.blend.request import BlendError, Candidate, Request, candidates
-from core.blend.settings import POINT, SETTINGS, Constraint, Range, hull, merged
+from core.blend.settings import POINT, SETTINGS, Constraint, Range, merged
 from core.cancellation import checkpoint
 
 _DRAWN, _KEPT = 4000, 8  # points of which so many feasible ones are kept
@@ -39,12 +39,6 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Ran
     return ranges_by(request, complete or able, others, mine)
 
 
-def feasible_range(request: Request, setting: str, at: float = 0.0) -> tuple[float, float] | None:
-    """The ends of all of these; None where there are none."""
-    found = feasible_ranges(request, setting, at)
-    return hull(found) if found else None
-
-
 def ranges_by(request: Request, rows: Iterable[Candidate], others: Sequence[Constraint], mine: Constraint) -> list[Range]:
     """What a setting may be beside other constraints by any of the candidates."""
     found = []
@@ -65,15 +59,9 @@ def _shown(found: Range, request: Request, candidate: Candidate) -> Range:
 # -- which settings are new -------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Opening:
-    """A sequence that a request may become: how many settings it still takes, and which of them say something new.
+class Opening(NamedTuple):
+    """How many settings a sequence still takes, and which say something new."""
 
-    mirrored: with the return as the rise run backwards
-    """
-
-    sequence: str
-    mirrored: bool
     missing: int
     settings: tuple[str, ...]
 
@@ -88,8 +76,7 @@ def openings(request: Request) -> list[Opening]:
     for candidate in candidates(request):
         if candidate.takes(given) and not dependent(request, candidate, given):
             missing = candidate.freedom - len(given)
-            new = new_settings(request, candidate, given) if missing else ()
-            found.append(Opening(str(candidate.sequence), candidate.family.mirrored, missing, new))
+            found.append(Opening(missing, new_settings(request, candidate, given) if missing else ()))
     return found
 
 

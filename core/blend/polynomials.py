@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from functools import reduce
 from itertools import zip_longest
-from math import inf, ldexp, sqrt
+from math import inf, ldexp
 from operator import or_
 
 Floats = tuple[float, ...]
@@ -125,9 +125,13 @@ def at(p: Floats, x: float) -> float:
     return value
 
 
+def size_at(p: Floats, x: float) -> float:
+    """Sum of the terms' sizes (x >= 0): what the rounding of the value is to be compared with."""
+    return at(tuple([abs(c) for c in p]), x)
+
+
 def vanishes(p: Floats, x: float, share: float) -> bool:
-    """Whether the value is no more than a share of the sum of its terms' sizes (x >= 0)."""
-    return abs(at(p, x)) <= share * at(tuple([abs(c) for c in p]), x)
+    return abs(at(p, x)) <= share * size_at(p, x)
 
 
 def quotient_at(p: Floats, q: Floats, x: float) -> float:
@@ -180,8 +184,6 @@ def _within(p: Floats, a: float, b: float) -> list[float]:
     if len(p) == 2:
         x = -p[0] / p[1]
         return [x] if a <= x <= b else []
-    if len(p) == 3:
-        return [x for x in _of_quadratic(*p) if a <= x <= b]
     slope = tuple([i * c for i, c in enumerate(p) if i])
     nodes = [a, *(x for x in _within(slope, a, b) if a < x < b), b]
     values = [at(p, x) for x in nodes]
@@ -191,17 +193,6 @@ def _within(p: Floats, a: float, b: float) -> list[float]:
             found.add(x)
         if i + 1 < len(nodes) and value * values[i + 1] < 0.0:
             found.add(_bracketed(p, slope, x, nodes[i + 1], value))
-    return sorted(found)
-
-
-def _of_quadratic(c: float, b: float, a: float) -> list[float]:
-    """a x² + b x + c = 0: the root that is greater in size, the other from their product."""
-    square = b * b - 4.0 * a * c
-    least = TOUCHED * b * b
-    if square < -least or a == 0.0:
-        return [] if a else [-c / b]
-    q = -0.5 * (b + (sqrt(max(square, 0.0)) if b >= 0.0 else -sqrt(max(square, 0.0))))
-    found = {q / a, *([c / q] if q else []), *([-0.5 * b / a] if square <= least else [])}
     return sorted(found)
 
 

@@ -11,13 +11,12 @@ from math import inf
 
 import numpy as np
 
-from core.blend.curve import Curve, Extreme, Stretch, between
-from core.blend.equations import Row
+from core.blend.curve import SAME, Curve, Extreme, Stretch, between
+from core.blend.equations import Row, solution_spaces
 from core.blend.evaluator import Evaluator
-from core.blend.settings import Range, merged, tied
-from core.blend.solution_space import solution_spaces
+from core.blend.settings import Constraint, Range, merged, tied
 
-NEAR = 1e-6  # how near to each other corners at an extreme are one face's
+NEAR = 1e-6  # a height of a face, as a share of the stroke, that is above 0
 SAMPLES = 24  # values of t of a sample of points
 MIXES = 24  # points for each of these
 
@@ -94,17 +93,19 @@ class Region:
     def _range(self, name: str, part: Part) -> Range:
         found = [(c, e) for c, s in part.corners for e in c.extremes(name, s)]
         low, high = min(e.value for _, e in found), max(e.value for _, e in found)
-        return Range(low, high, self._is_open(found, low), self._is_open(found, high))
+        return Range(low, high, *(self._is_open(name, part, found, value) for value in (low, high)))
 
-    def _is_open(self, found: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
-        """Whether an extreme lies only where a height is 0 that must be above: on one corner, or between several."""
-        there = [(c, e) for c, e in found if tied(e.value, value)]
+    def _is_open(self, name: str, part: Part, found: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
+        """Whether a setting has an extreme value only where a height is 0 that must be above: on one corner, or on the face
+        between all corners of the same t that have it."""
+        there = [(c, e) for c, e in found if tied(1.0 + e.value, 1.0 + value)]
         if not all(e.open for _, e in there) or value == inf:
             return value == inf
-        places = [c.place(e.p) for c, e in there if 0.0 < e.p < c.top]
-        for t, _ in places:
-            face = [x for other, x in places if abs(other - t) <= NEAR * t]
-            if self._is_feasible(t, face, NEAR):
+        for t in {c.place(e.p)[0] for c, e in there if 0.0 < e.p < c.top}:
+            corners = part.at(t)
+            values = self._evaluator.values(Constraint(name, value), np.full(len(corners), t), corners.T)
+            face = corners[np.abs(values - value) <= SAME * max(1.0, abs(value))]
+            if len(face) and self._is_feasible(t, face, NEAR):
                 return False
         return True
 

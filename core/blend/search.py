@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import log
 
 import numpy as np
 
 from core.blend.evaluator import Evaluator, Place
 from core.blend.region import MIXES, Region
-from core.blend.settings import Constraint
-from core.blend.solution_space import equations_of
+from core.blend.settings import Constraint, equations_of
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """A value and its derivatives (rows, n) from all forms of the family at n points."""
@@ -46,9 +46,9 @@ class Subproblem:
         top = self._greatest_goal(z)
         if not np.isfinite(top):
             return None
-        rows = _last_kept(self._rows)
+        rows = lru_cache(1)(lambda y: self._rows(np.frombuffer(y)))  # values and derivatives are read one after the other
         constraints = [
-            {"type": kind, "fun": lambda y, i=i: rows(y)[i][:, 0], "jac": lambda y, i=i: rows(y)[i][:, 1:]}
+            {"type": kind, "fun": lambda y, i=i: rows(y.tobytes())[i][:, 0], "jac": lambda y, i=i: rows(y.tobytes())[i][:, 1:]}
             for i, kind in enumerate(("ineq", "eq") if self.zero else ("ineq",))
         ]
         found = minimize(
@@ -125,20 +125,6 @@ def least(
         return None
     place, met = evaluator.solved(constraints, best[1])
     return (subproblems[0]._greatest_goal(np.log(np.maximum([place[0], *place[1]], LEAST))), place) if met else best
-
-
-def _last_kept(function: Callable[[np.ndarray], Rows]) -> Callable[[np.ndarray], Rows]:
-    """The same function, which remembers its last value: values and derivatives are read one after the other."""
-    kept: dict[bytes, Rows] = {}
-
-    def of(y: np.ndarray) -> Rows:
-        key = y.tobytes()
-        if key not in kept:
-            kept.clear()
-            kept[key] = function(y)
-        return kept[key]
-
-    return of
 
 
 def _is_less(value: float, best: tuple[float, Place] | None) -> bool:

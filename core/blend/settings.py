@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import NamedTuple
 
+from core.blend.equations import Equations, Row
 from core.blend.family import Family, Task
+from core.blend.polynomials import UNIT, whole
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
@@ -65,6 +67,17 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
     if name == "peak":
         return "up", "W"
     return _SPEEDS.get(name, name), ""
+
+
+def equations_of(constraints: Iterable[Constraint], family: Family, equations: Equations) -> list[Row]:
+    """The linear constraints as equations, without any rounding: form - value · other form = 0."""
+    found = []
+    for constraint in constraints:
+        if constraint.linear:
+            above, below = (equations.exact(name) for name in ratio(constraint.name, family))
+            value = whole(constraint.value)
+            found.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
+    return found
 
 
 # -- ranges -----------------------------------------------------------------------------------------------

@@ -10,16 +10,14 @@ from math import inf
 
 import numpy as np
 
-from core.blend.arcs import acceleration_tracks
 from core.blend.curve import OPEN, Curve, Extreme
-from core.blend.equations import Row
+from core.blend.equations import Row, solution_spaces
 from core.blend.evaluator import Evaluator, Place, column
 from core.blend.family import Family, Solution, Task
 from core.blend.region import Region
 from core.blend.search import Quantity, least, log_accelerations, logarithm, sample
-from core.blend.settings import HEIGHTS, POINT, Constraint, Range, in_units, merged, tied, unit_of
-from core.blend.solution_space import equations_of, solution_spaces
-from core.blend.tracks import Track
+from core.blend.settings import HEIGHTS, POINT, Constraint, Range, equations_of, in_units, merged, tied, unit_of
+from core.blend.tracks import Track, acceleration_tracks
 
 _SHARP = 1e-4  # an extreme that moves by more of its value has become another one
 _ENDLESS = 1e6  # a speed or an acceleration of so many strokes per span has no upper end
@@ -50,8 +48,9 @@ class Problem:
 
     def solutions(self) -> list[Solution]:
         """Every solution where there are as many constraints as free numbers, the gentlest first, of equally gentle ones
-        that of the least t; none where the constraints leave something free."""
-        found = [self.solution_at(place) for place in sorted(self._places())]
+        that of the least t, x1, ...; none where the constraints leave something free."""
+        places = sorted(self._places(), key=lambda place: [float(f"{v:.12g}") for v in (place[0], *place[1])])
+        found = [self.solution_at(place) for place in places]
         return sorted(found, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(found) > 1 else found
 
     def solution_at(self, place: Place) -> Solution:

@@ -1,17 +1,22 @@
-"""Feasible points along one number, and what a smooth function has there: all its roots and extremes, from its Chebyshev
-series, cut where it is not resolved (Trefethen, Approximation Theory and Approximation Practice, ch. 18)."""
+"""Feasible points along one number: along a curve, or where an acceleration is prescribed beside linear constraints; and
+all roots and extremes of a smooth function there, from its Chebyshev series, cut where it is not resolved (Trefethen,
+Approximation Theory and Approximation Practice, ch. 18)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import inf
+from itertools import combinations, pairwise
+from math import inf, pi
 
 import numpy as np
-from numpy.polynomial import chebyshev
+from numpy.polynomial import Chebyshev
 
-from core.blend.curve import Curve, Stretch
-from core.blend.evaluator import Place
+from core.blend.curve import Curve, Stretch, at_t, form_row, polynomials_at
+from core.blend.equations import Equations, Row, SolutionSpace, solution_spaces
+from core.blend.evaluator import Evaluator, Place
+from core.blend.family import PeakAcceleration
+from core.blend.polynomials import ZERO, Floats, Polynomial, roots, rounded, whole
 from core.blend.settings import Range
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -21,6 +26,8 @@ TERMS = 24
 DEPTH = 26  # how often a stretch may be halved
 RESOLVED = 1e-13  # the last terms, as a share of the function's size
 REAL = 1e-3  # how far beside the real numbers a root may lie: the caller, who knows the equations, decides
+_SAME = 1e-9  # by how much more another curve may have a prescribed acceleration
+_REACHED = 1e-6  # how well the middle of an arc must have it
 _INSIDE = 1e-12  # how far from its ends a track is evaluated, as a share of its width
 
 _ANGLES = np.pi * (np.arange(TERMS) + 0.5) / TERMS
@@ -51,7 +58,7 @@ class Track:
     def where(self, function: Function, value: float) -> Iterator[Place]:
         """Places where a function may have a value."""
         for series in _resolved(lambda z: function(*self.places(z)), self.low, self.high):
-            t, x = self.places(series.where(value))
+            t, x = self.places(_roots(series - value))
             yield from ((float(a), tuple(float(v) for v in b)) for a, b in zip(t, x.T, strict=True))
 
     def ranges(self, function: Function) -> Iterator[Range]:
@@ -59,7 +66,7 @@ class Track:
         series = _resolved(lambda z: function(*self.places(z)), self.low, self.high)
         width = self.high - self.low
         ends = np.array([self.low + _INSIDE * width, self.high - _INSIDE * width])
-        places = np.concatenate([ends, *(s.turns() for s in series), *([s.low, s.high] for s in series[1:-1])])
+        places = np.concatenate([ends, *(_roots(s.deriv()) for s in series), *(s.domain for s in series[1:-1])])
         values = function(*self.places(places))
         open_ = np.array([self.low_open, self.high_open, *[False] * (places.size - 2)])
         good = np.isfinite(values)
@@ -73,38 +80,19 @@ class Track:
 # -- Chebyshev series -------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Series:
-    """A function from low to high by its Chebyshev coefficients."""
-
-    low: float
-    high: float
-    coefficients: np.ndarray
-
-    def where(self, value: float) -> np.ndarray:
-        """Places where the function may have a value."""
-        c = self.coefficients.copy()
-        c[0] -= value
-        if abs(c[0]) > 1.001 * np.abs(c[1:]).sum() or np.abs(c).max() <= RESOLVED:
-            return np.empty(0)  # too high or too low, or the same everywhere
-        return self._places(c)
-
-    def turns(self) -> np.ndarray:
-        """Places of its extremes, the ends left out."""
-        return self._places(chebyshev.chebder(self.coefficients))
-
-    def _places(self, c: np.ndarray) -> np.ndarray:
-        """The roots of a series over the same stretch."""
-        size = np.abs(c).max(initial=0.0)
-        kept = np.flatnonzero(np.abs(c) > 1e-15 * size)
-        if size == 0.0 or not kept.size or kept[-1] == 0:
-            return np.empty(0)
-        u = np.atleast_1d(chebyshev.chebroots(c[: kept[-1] + 1]))
-        real = u.real[(np.abs(u.imag) <= REAL) & (np.abs(u.real) <= 1.0 + REAL)]
-        return 0.5 * (self.low + self.high) + 0.5 * (self.high - self.low) * np.clip(real, -1.0, 1.0)
+def _roots(series: Chebyshev) -> np.ndarray:
+    """Places where a series may be 0."""
+    low, high = series.domain
+    kept = series.trim(1e-15 * np.abs(series.coef).max())
+    first, *others = np.abs(kept.coef)
+    if first > 1.001 * sum(others) or max(first, *others) <= RESOLVED or not others:
+        return np.empty(0)  # above or below 0, or the same everywhere
+    z, half = kept.roots(), 0.5 * (high - low)
+    near = (np.abs(z.imag) <= REAL * half) & (np.abs(z.real - low - half) <= (1.0 + REAL) * half)
+    return np.clip(z.real[near], low, high)
 
 
-def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> list[Series]:
+def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> list[Chebyshev]:
     """A function of values about 1 as series side by side; nothing where it is nan."""
     waiting, found = [(low, high, DEPTH)], []
     while waiting:
@@ -113,9 +101,139 @@ def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: fl
         halved = []
         for (a, b, depth), c in zip(waiting, rows, strict=True):
             if np.isfinite(c).all() and (depth == 0 or np.abs(c[-3:]).max() <= RESOLVED * max(1.0, np.abs(c).max())):
-                found.append(Series(a, b, c))
+                found.append(Chebyshev(c, (a, b)))
             elif depth:
                 middle = 0.5 * (a + b)
                 halved += [(a, middle, depth - 1), (middle, b, depth - 1)]
         waiting = halved
-    return sorted(found, key=lambda s: s.low)
+    return sorted(found, key=lambda series: series.domain[0])
+
+
+# -- where an acceleration is prescribed ------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Points over two numbers p, 0 < p < top, and y: x_j = (x[j-1][0](p) + x[j-1][1](p) y)/below(p).
+
+    t  its value; None where p is t
+    """
+
+    equations: Equations
+    t: float | None
+    x: tuple[tuple[Polynomial, Polynomial], ...]
+    below: Polynomial
+    top: float
+
+    @classmethod
+    def of(cls, space: SolutionSpace, first: int) -> Sheet:
+        """A solution space of two free numbers; where t is pinned, p is its first or its second."""
+        rows, top = space.leading(first)
+        return cls(space.equations, space.t, tuple((r[0], r[1]) for r in rows), space.below, top)
+
+    def over(self, row: Row) -> tuple[Polynomial, Polynomial]:
+        """A row by 1, x1, ... as polynomials in p by 1 and y; all rows times the same one."""
+        made = [row[0] * self.below, ZERO]
+        for p, numerators in zip(row[1:], self.x, strict=True):
+            made = [m + p * n for m, n in zip(made, numerators, strict=True)]
+        return made[0], made[1]
+
+    def form(self, name: str) -> tuple[Polynomial, Polynomial]:
+        """The same of a form."""
+        return self.over(form_row(self.equations, name, self.t))
+
+    def quadratic(self, row: PeakAcceleration, value: float) -> tuple[Polynomial, Polynomial, Polynomial]:
+        """factor S² - value h = 0 by y², y and 1."""
+        (s0, s1), (h0, h1), (under, _) = (self.form(name) for name in (row.speed, row.height, ""))
+        factor, share = whole(row.factor), whole(value)
+        return (
+            factor * (s1 * s1),
+            2 * factor * (s0 * s1) - share * (h1 * under),
+            factor * (s0 * s0) - share * (h0 * under),
+        )
+
+
+@dataclass(frozen=True)
+class Arc:
+    """One root y of a quadratic between two values of p; z runs from 0 to 1, smooth even where the two roots meet."""
+
+    t: float | None
+    x: list[Floats]
+    quadratic: list[Floats]
+    root: int
+    low: float
+    high: float
+
+    def places(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """t (n,) and x (numbers, n)."""
+        a, b = (1.0 if v == inf else v / (1.0 + v) for v in (self.low, self.high))
+        share = a + (b - a) * np.sin(0.5 * pi * z) ** 2
+        with np.errstate(all="ignore"):
+            p = share / (1.0 - share)
+            *rows, below = polynomials_at(self.x, p)
+            y = self._y(*polynomials_at(self.quadratic, p))
+            x = (np.array(rows[::2]) + np.array(rows[1::2]) * y) / below
+        return (p if self.t is None else np.full_like(p, self.t)), x
+
+    def _y(self, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+        """A root of a y² + b y + c = 0; the one there is where a is 0 all along."""
+        if not self.quadratic[0]:
+            return -c / b
+        square = np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0))
+        q = -0.5 * (b + np.where(b >= 0.0, square, -square))
+        return np.where((b >= 0.0) == (self.root < 0), q / a, c / q)
+
+
+def acceleration_tracks(evaluator: Evaluator, rows: Sequence[Row], acceleration: float) -> list[Track]:
+    """All feasible points that meet equations, which leave two numbers free, and have that largest acceleration."""
+    found = []
+    for space in solution_spaces(evaluator.equations, rows):
+        if space.freedom == 2:
+            for row in evaluator.family.accelerations:
+                found += [Track(arc.places, 0.0, 1.0) for arc in _arcs(evaluator, space, row, acceleration)]
+    return found
+
+
+def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float) -> Iterator[Arc]:
+    for first in range(len(space.free)):  # y may be a number on which the acceleration does not depend
+        sheet = Sheet.of(space, first)
+        a, b, c = sheet.quadratic(row, value)
+        if a or b:
+            break
+    cuts = {*roots(b * b - 4 * (a * c)), *roots(a), *([] if a else roots(b)), *_kinks(evaluator, sheet, (a, b, c))}
+    x, quadratic = rounded([*(p for r in sheet.x for p in r), sheet.below]), rounded([a, b, c])
+    for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < sheet.top), sheet.top]):
+        for root in (1, -1) if a else (1,):
+            arc = Arc(sheet.t, x, quadratic, root, low, high)
+            if _is_met(evaluator, arc, row, value):
+                yield arc
+
+
+def _kinks(
+    evaluator: Evaluator, sheet: Sheet, quadratic: tuple[Polynomial, Polynomial, Polynomial]
+) -> Iterator[float]:
+    """Values of p where two curves have the same acceleration, or a constant velocity ends: k0 + k1 y = 0 there."""
+    a, b, c = quadratic
+    rows = [sheet.over(_equal(sheet, one, two)) for one, two in combinations(evaluator.family.accelerations, 2)]
+    for k0, k1 in (*rows, *(sheet.form(name) for name in evaluator.family.constant)):
+        yield from roots(a * k0 * k0 - b * k0 * k1 + c * k1 * k1 if k1 else k0)
+
+
+def _equal(sheet: Sheet, one: PeakAcceleration, two: PeakAcceleration) -> Row:
+    """Where two curves have the same acceleration, factor S²/h with R = t W: linear in the heights."""
+    a, b = (form_row(sheet.equations, row.height, None) for row in (one, two))
+    if (one.speed, two.speed) == ("W", "R"):
+        a = tuple([p.shifted(2) for p in a])
+    row = tuple([whole(two.factor) * p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
+    return row if sheet.t is None else at_t(row, sheet.t)
+
+
+def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float) -> bool:
+    """Whether the middle of an arc is feasible and no other curve has a larger acceleration."""
+    t, x = arc.places(np.array([0.5]))
+    if not (np.isfinite(x).all() and evaluator.is_feasible((float(t[0]), tuple(map(float, x[:, 0]))))):
+        return False
+    forms = evaluator.forms(t, x)
+    accelerations = [float(evaluator.acceleration(i, forms)[0, 0]) for i in range(len(evaluator.family.accelerations))]
+    here = accelerations[evaluator.family.accelerations.index(row)]
+    return abs(here / value - 1.0) <= _REACHED and max(accelerations) <= value * (1.0 + _SAME)

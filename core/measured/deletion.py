@@ -72,6 +72,19 @@ def quadratic_forms(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) ->
     return np.cumsum(np.linalg.solve(factor, pull[run][:, :, None])[:, :, 0] ** 2, axis=1)
 
 
+def leave_out(
+    precision: np.ndarray, values: np.ndarray, part: np.ndarray, kept: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Q and Q y of the rows kept (m,) once a part (k,) of the rows is left out, and its T."""
+    pull = precision @ values
+    weights = np.linalg.solve(
+        precision[np.ix_(part, part)], np.column_stack((precision[np.ix_(part, kept)], pull[part]))
+    )
+    across = precision[np.ix_(kept, part)]
+    rest = precision[np.ix_(kept, kept)] - across @ weights[:, :-1]
+    return rest, pull[kept] - across @ weights[:, -1], float(pull[part] @ weights[:, -1])
+
+
 def run_scores(precision: np.ndarray, pull: np.ndarray, run: np.ndarray) -> np.ndarray:
     """Scores (2, r, m) of the first 1 ... m rows of each run (r, m): each row wrong by itself, all by the same."""
     length = np.arange(run.shape[1])

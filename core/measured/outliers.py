@@ -3,7 +3,7 @@
 Every run of 1 ... 15 rows is tested by what all others predict of it (``deletion``). The run of the largest score
 T - COST m is left out where that exceeds START, and all is computed anew, a too; where none is left, runs whose rows are
 all off by the same are tried, with the score T - 2 COST. Rows inside a run that agree with all others come back. With a
-known, all this is done once more from the beginning.
+known, all this is done once more from the beginning, and a run is divided in two where these explain more.
 
 Last, each place is judged with the others left out: the weights exp(score/2) of all runs, and that of none, exp(START/2),
 sum to the probability of each row to be wrong. From CERTAIN on it is named. A place without such a row is not decided,
@@ -24,6 +24,7 @@ from core.measured.deletion import (
     LONGEST,
     START,
     Rows,
+    leave_out,
     precision_matrix,
     quadratic_forms,
     run_scores,
@@ -69,6 +70,7 @@ def outliers(table: Table, error: float) -> Outliers:
         left_out = search.largest_first(search.change(left_out))
     if left_out is None:
         return Outliers(undecided=(tuple(order.tolist()),))
+    search.divide(left_out)
     first, last = (int(np.flatnonzero(order == row)[0]) for row in (0, order.size - 1))
     probability, undecided = search.probabilities(
         left_out, {first, last} if abs(first - last) in (1, order.size - 1) else set()
@@ -161,6 +163,31 @@ class _Search:
             for rest in (run[: kept.start], run[kept.stop :]):
                 if rest.size > 1:
                     self.restore(left_out, rest, change)
+
+    def divide(self, left_out: np.ndarray) -> None:
+        """Each run left out gives way to a part of it at one end and another run, where both together score more: one
+        that spans two wrong places explains both, though the rows between may be right."""
+        change = self.change(left_out)
+        for run in stretches(left_out):
+            number, precision = self.near(left_out, run, change)
+            at = np.flatnonzero(np.isin(number, run))
+            best = float(run_scores(precision, precision @ self.rows.y[number], at[None]).max())
+            others = left_out.copy()
+            others[run] = False
+            found = run
+            for part in (at[end] for k in range(1, at.size) for end in (slice(k), slice(k, None))):
+                kept = np.delete(np.arange(number.size), part)
+                rest, pull, explained = leave_out(precision, self.rows.y[number], part, kept)
+                first = int(np.searchsorted(kept, at[0]))
+                starts = np.arange(max(first - LONGEST, 0), first + at.size)
+                tried = starts[:, None] + np.arange(min(self.rows.longest, kept.size - starts[-1]))
+                scores = run_scores(rest, pull, tried).max(axis=0)
+                score = explained - COST * part.size + float(scores.max()) - START
+                if score > best:
+                    row, last = np.unravel_index(np.argmax(scores), scores.shape)
+                    best, found = score, number[np.append(part, kept[tried[row, : last + 1]])]
+            left_out[:] = others
+            left_out[found] = True
 
     def probabilities(self, left_out: np.ndarray, ends: set[int]) -> tuple[np.ndarray, list[np.ndarray]]:
         """The probability of each row (n,) that it is wrong; and the stretches where none is wrong for certain.

@@ -18,7 +18,7 @@ from core.motion import EPS
 from core.stability.coefficients import Coefficients
 from core.stability.equations import EXACT
 from core.stability.lanes import Lanes
-from core.stability.monodromy import determinant, monodromy, size
+from core.stability.monodromy import determinant, monodromy, size, zeros_at_standstill
 from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
 STEPS = 40
@@ -28,6 +28,7 @@ CLEARLY = 0.1  # of the imaginary part of complex roots: a step no larger proves
 ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that is left
 NARROW = 0.2  # half width over ζη, below which damping has surely closed a tongue; at 1 it closes it for small Q
 ROUNDING = 4.0  # times eps
+UNKNOWN = 0.05  # a tenth of what tongues stand apart: an edge that harmonics leave less certain is unknown to them
 ASTRAY = 1e-6  # an edge that is off by more has not been found
 ONWARDS, FARTHEST_ORDER = 2, 160
 BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
@@ -79,6 +80,7 @@ def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) ->
         at = np.flatnonzero(edges[:, side] > 0.0)
         lanes = replace(tasks.only(at), eta=edges[at, side])
         edges[at, side], wrong[at, side] = _newton(coefficients, lanes, 2.0 * side - 1.0, found.equation, damping)
+    _doubt_zeros(coefficients, found, edges, wrong)
     closed = np.isnan(edges).any(axis=1)
     edges[closed] = wrong[closed] = np.nan
     shape = (rows, count, 2)
@@ -89,6 +91,18 @@ def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) ->
         damping=damping,
         method=BY_MONODROMY,
     )
+
+
+def _doubt_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
+    """An edge stands at 0 where its η² is negative, as the harmonics say. Where these say nothing (``UNKNOWN``) and zeros of
+    the solution do not prove it either, it is as wrong as they are: into ``wrong`` (rows count, 2)."""
+    rows, count = found.error.shape
+    numbers = np.tile(np.arange(1, count + 1), rows)
+    unsure = (edges == 0.0) & (found.error.reshape(-1, 1) > UNKNOWN)
+    for row in np.unique(np.flatnonzero(unsure.any(axis=1)) // count):
+        proven = numbers + 2 <= zeros_at_standstill(coefficients, float(found.q[row]), found.equation)
+        unsure[row * count : (row + 1) * count] &= ~proven[:count, None]
+    wrong[unsure] = np.repeat(found.error.reshape(-1, 1), 2, axis=1)[unsure]
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,22 +45,6 @@ class Monodromy:
         return np.trace(self.matrix, axis1=1, axis2=2)
 
     @property
-    def _products(self) -> np.ndarray:
-        """What the determinant is the difference of (L,), 1 at least."""
-        m = np.abs(self.matrix)
-        return np.maximum(1.0, m[:, 0, 0] * m[:, 1, 1] + m[:, 0, 1] * m[:, 1, 0])
-
-    @property
-    def liouville(self) -> np.ndarray:
-        """|det - exp(...)| (L,), which exact arithmetic would make zero, relative to the products that det is taken from:
-        where a turn grows a millionfold little is left of their difference."""
-        return np.abs(determinant(self.matrix) - self.det) / self._products
-
-    def liouville_error(self, eta: np.ndarray) -> np.ndarray:
-        """What rounding may make of ``liouville`` (L,): each of four entries is wrong by ``error`` and times another one."""
-        return 4.0 * self.error * np.maximum(1.0, size(self.matrix, eta)) / self._products
-
-    @property
     def growth(self) -> np.ndarray:
         """Natural logarithm (L,) of the largest |multiplier|: growth per turn, negative where it decays."""
         return growth(self.trace, self.det)
@@ -123,6 +107,17 @@ def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -
 
 def _one_turn(coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float) -> Monodromy:
     panels = coefficients.panels
+    maps, slopes, lost = _each_panel(coefficients, eta, q, equation, damping)
+    matrix, slope = _product(maps, slopes)
+    error = 8.0 * EPS * panels.count**0.5 * size(matrix, eta) + 0.5 * panels.tail * eta * size(slope, eta)
+    return Monodromy(matrix, slope, np.exp(-lost), error)
+
+
+def _each_panel(
+    coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Maps (L, m, 2, 2) of the panels, their derivatives by η, and 4π ζ_d η ∫ dy/D of the turn (L,)."""
+    panels = coefficients.panels
     at_rest = still(panels)
     live = np.flatnonzero(~at_rest)
     width = panels.width / TURN
@@ -136,9 +131,42 @@ def _one_turn(coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equati
         maps[:, live], slopes[:, live] = _panel_maps(width[live], p0, p0_slope, p1, p1_slope)
         if p1 is not None:
             lost = lost + (p1 * panels.weights[live]).sum(axis=(1, 2))
-    matrix, slope = _product(maps, slopes)
-    error = 8.0 * EPS * panels.count**0.5 * size(matrix, eta) + 0.5 * panels.tail * eta * size(slope, eta)
-    return Monodromy(matrix, slope, np.exp(-lost), error)
+    return maps, slopes, lost
+
+
+def liouville(
+    coefficients: Coefficients, eta: np.ndarray, q: float, equation: str = EXACT, damping: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
+    """|Π det M_i / exp(-4π ζ_d η ∫ dy/D) - 1| of the maps M_i of the panels, which exact arithmetic would make zero, and
+    what rounding may make of it, both (L,).
+
+    Panel by panel, for no panel grows much. The determinant of the whole turn is the small difference of two products: where
+    a turn grows by e^20 no digit of it is left, however right the matrix is.
+    """
+    rows = np.full(eta.shape, q)
+    narrow = _narrowed(coefficients, float(eta.max(initial=0.0)), q, equation)
+    maps, _, lost = _each_panel(narrow, eta, rows, equation, damping)
+    m = np.abs(maps)
+    products = (m[..., 0, 0] * m[..., 1, 1] + m[..., 0, 1] * m[..., 1, 0]).sum(axis=1)
+    whole = determinant(maps.reshape(-1, 2, 2)).reshape(maps.shape[:2]).prod(axis=1)
+    return np.abs(whole * np.exp(lost) - 1.0), 16.0 * EPS * products
+
+
+def zeros_at_standstill(coefficients: Coefficients, q: float, equation: str = EXACT) -> int:
+    """How often the solution ζ(0) = 1, ζ'(0) = 0 changes sign in a turn at η = 0.
+
+    By Sturm's oscillation theorem the edges of tongue n have n zeros in a turn, and zeros become more as η² rises: where
+    there are n + 2 at η = 0 already, both edges of that tongue stand at η² < 0. No panel holds more than one zero, for it
+    holds no more than ``PHASE`` < π of its fastest wave.
+    """
+    narrow = _narrowed(coefficients, 0.0, q, equation)
+    maps = _each_panel(narrow, np.zeros(1), np.array([q]), equation, 0.0)[0][0]
+    state, count = np.array([1.0, 0.0]), 0
+    for step in maps:
+        ahead = step @ state
+        count += bool(ahead[0] * state[0] < 0.0)
+        state = ahead / np.abs(ahead).max()
+    return count
 
 
 def _terms(

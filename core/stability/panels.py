@@ -18,9 +18,10 @@ from core.motion import TURN, Angles, Program
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
 WIDEST = np.deg2rad(30.0)
 TAIL = 1e-13  # of the largest value: what the last Legendre coefficients may be
-ROUNDS = 8  # of halving
+ROUNDS = 14  # of halving
 MOST = 4000  # panels that are worked on: run time and memory grow with their number
-GAIN = 0.25  # a half whose tail is no smaller than this part of the whole's is at its rounding
+GAIN = 0.25  # a half whose tail is no smaller than this part of the whole's is at its rounding ...
+NOISE = 1e-6  # ... where that is so small: before a narrow peak is resolved, halving gains nothing either
 
 Functions = Callable[[Angles], np.ndarray]
 
@@ -173,7 +174,7 @@ def fit(functions: Functions, program: Program, rows: int, widest: float = WIDES
             scale = np.abs(values).max(axis=(1, 2))
             scale[scale == 0.0] = 1.0
         worst = (tails / scale[:, None]).max(axis=0)
-        fine = (worst <= TAIL) | (worst > GAIN * above) | (number == ROUNDS)
+        fine = (worst <= TAIL) | ((worst > GAIN * above) & (worst <= NOISE)) | (number == ROUNDS)
         done += [(*cells[i], values[:rows, i]) for i in np.flatnonzero(fine)]
         tail = max(tail, float(worst[fine].max(initial=0.0)))
         above = np.repeat(worst[~fine], 2)

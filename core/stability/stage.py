@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -17,10 +17,10 @@ from core.motion import Program
 from core.stability.chart import ETA_MAX, count_up_to
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact, TrainAndShapeAt, contact
-from core.stability.edges import refined, tongues
+from core.stability.edges import UNKNOWN, refined, tongues
 from core.stability.equations import APPROXIMATE, EXACT
 from core.stability.means import TIMES, Averages, mean_wind_up
-from core.stability.monodromy import monodromy
+from core.stability.monodromy import liouville
 from core.stability.orbit import Orbit
 from core.stability.speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.tongues import ERROR, Tongues, harmonic_tongues
@@ -176,18 +176,19 @@ class Stability:
         except NoStability:
             return {}
         again = refined(self.coefficients, found)
-        room = np.maximum(found.error + again.error, LEAST_BOUND)
-        apart = np.abs(found.edges - again.edges).max(axis=2)
-        worst = int((apart / room).argmax())
-        turn = monodromy(
-            self.coefficients, again.edges.ravel(), np.array([self.machine.q]), EXACT, self.machine.damping
-        )
-        slack = 16.0 * turn.liouville_error(again.edges.ravel())
-        late = int((turn.liouville / np.maximum(slack, LEAST_BOUND)).argmax())
+        known = found.error[0] <= UNKNOWN
+        room = np.maximum(found.error + again.error, LEAST_BOUND)[0]
+        apart = np.abs(found.edges - again.edges).max(axis=2)[0]
+        worst = int((np.where(known, apart, 0.0) / room).argmax())
+        residual = Residual(float(apart[worst]), float(room[worst])) if known.any() else Residual(0.0, 0.0)
+        zero, slack = liouville(self.coefficients, again.edges.ravel(), self.machine.q, EXACT, self.machine.damping)
+        late = int((zero / np.maximum(slack, LEAST_BOUND)).argmax())
         return {
-            "tongue_residual": Residual(float(apart.flat[worst]), float(room.flat[worst])),
+            "tongue_residual": replace(
+                residual, left_out=int(np.count_nonzero(~known)), cases=f"{known.size} tongues (too few harmonics)"
+            ),
             "tongue_error": Residual(float(np.nanmax(self.exact.error, initial=0.0)), 1e-8),
-            "liouville": Residual(float(turn.liouville[late]), float(slack[late])),
+            "liouville": Residual(float(zero[late]), float(slack[late])),
         }
 
     @property

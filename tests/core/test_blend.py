@@ -7,7 +7,7 @@ import pytest
 from blend_cases import ALL, SYMMETRIC, as_motion, request
 from blends import FREEDOM, SEQUENCES, Motion, check_joins, free_motion
 
-from core.blend import BlendError, admissible, blend, sequences
+from core.blend import BlendError, blend, sequences
 
 # -- sequences --------------------------------------------------------------------------------------------
 
@@ -16,13 +16,6 @@ from core.blend import BlendError, admissible, blend, sequences
 @pytest.mark.parametrize("constant", ["none", "rise", "return", "both"])
 def test_the_tables_admit_exactly_these_sequences(kind: str, constant: str) -> None:
     assert sorted(map(str, sequences(kind, constant))) == sorted(SEQUENCES.get((kind, constant), []))
-
-
-def test_a_curve_follows_only_where_its_start_is_the_state_reached() -> None:
-    assert admissible(("C1", "CV1", "H2", "P2"), (0, 0))
-    assert not admissible(("C1", "CV1", "H2", "C4"), (0, 0))
-    assert not admissible(("H1", "C2"), (0, 0)), "a harmonic starts with acceleration"
-    assert not admissible(("C2", "C1"), (0, 0))
 
 
 @pytest.mark.parametrize(("kind", "constant", "name"), ALL)

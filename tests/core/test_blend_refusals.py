@@ -6,10 +6,17 @@ from typing import Any
 import pytest
 from blend_cases import request, solves
 
-from core.blend import BlendError, Request, blend, feasible_range, feasible_ranges
+from core.blend import BlendError, Request, blend, feasible_ranges
 
 KAPPA, A, PI = math.sqrt(216 / 41), math.pi / 2 - 1, math.pi
 H, SPAN = 20.0, 300.0
+
+
+
+def hull(wish: Request, name: str) -> tuple[float, float]:
+    """The ends of all that a setting may be."""
+    ranges = feasible_ranges(wish, name)
+    return ranges[0].low, ranges[-1].high
 
 
 # -- one setting that says nothing new --------------------------------------------------------------------
@@ -69,17 +76,17 @@ def test_ranges_of_drd(settings_: dict[str, float], name: str, low: float, high:
 def test_ranges_of_the_card_picker_sequence(h1: float) -> None:
     wish = request("DRRD", "rise", {"h1": h1, "vcv": 9.9}, sequence="C1-CV1-H2-P2")
     top = (H + h1 + A * (H - h1) + KAPPA * math.sqrt(H * (H - h1))) / SPAN
-    assert feasible_range(wish, "vcv") == pytest.approx(((H + h1) / SPAN, top), rel=1e-9)
+    assert hull(wish, "vcv") == pytest.approx(((H + h1) / SPAN, top), rel=1e-9)
     with pytest.raises(BlendError, match=r"^vcv = 9\.9 mm/deg is not feasible beside h1 = .*; feasible: ") as caught:
         blend(wish)
-    assert caught.value.allowed == feasible_range(wish, "vcv")
+    assert caught.value.allowed == hull(wish, "vcv")
 
 
 def test_ranges_where_the_settings_are_still_to_come() -> None:
     """With more freedom than settings a range is what anything leaves."""
-    assert feasible_range(request("DRD", "rise", {}), "vcv") == pytest.approx((H / SPAN, 2 * H / SPAN), rel=1e-12)
-    assert feasible_range(request("DRD", "rise", {}), "h1") == pytest.approx((0.0, H), abs=1e-9)
-    assert feasible_range(request("DRRD", "rise", {}), "peak") == pytest.approx((30.0, 330.0), rel=1e-2)
+    assert hull(request("DRD", "rise", {}), "vcv") == pytest.approx((H / SPAN, 2 * H / SPAN), rel=1e-12)
+    assert hull(request("DRD", "rise", {}), "h1") == pytest.approx((0.0, H), abs=1e-9)
+    assert hull(request("DRRD", "rise", {}), "peak") == pytest.approx((30.0, 330.0), rel=1e-2)
 
 
 def test_the_end_of_a_range_that_is_told_can_be_typed() -> None:
@@ -190,3 +197,22 @@ def test_the_greater_of_two_accelerations_is_not_determined_by_the_less() -> Non
     assert most == math.inf
     assert solves(wish, "acceleration", least * (1 + 1e-6))
     assert not solves(wish, "acceleration", least * (1 - 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("kind", "constant", "name", "setting"),
+    [("DRRD", "rise", "C1-CV1-H2-H3-C4", "length"), ("DRRD", "return", "C1-H2-H3-CV2-C4", "h5"), ("RRR", "rise", "H1-CV1-H2-H3-H4", "h2")],
+)
+def test_a_constant_velocity_may_vanish_whatever_is_still_to_come(kind: str, constant: str, name: str, setting: str) -> None:
+    """Some motion of the sequence has none: the range starts at 0, which is reached, and nowhere else."""
+    (found,) = feasible_ranges(request(kind, constant, {}, sequence=name, return_stroke=12.0), setting)
+    assert (found.low, found.low_open) == (0.0, False)
+
+
+@pytest.mark.parametrize("level", [7.0, 12.6])
+def test_an_acceleration_beside_a_point_has_a_least_value(level: float) -> None:
+    wish = request("DRD-return", "return", {}, points=((165.0, level),))
+    (found,) = feasible_ranges(wish, "acceleration")
+    assert (found.low_open, found.high) == (False, math.inf)
+    assert solves(wish, "acceleration", found.low * (1 + 1e-6))
+    assert not solves(wish, "acceleration", found.low * (1 - 1e-6))

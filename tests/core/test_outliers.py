@@ -81,6 +81,13 @@ def test_every_wrong_run_of_a_thousand_tables_is_named_and_no_right_row_is() -> 
     assert refused <= MOST_REFUSED * MANY
 
 
+@pytest.mark.parametrize("seed", [67, 1472])
+def test_right_rows_between_two_wrong_places_are_not_named(seed: int) -> None:
+    """Thirteen rows between spikes, nine between a held value and a zero: one run of 15 would explain both places."""
+    table = wrong_table(seed)
+    assert faults(table, outliers(read(table.text(table.values)), table.error)) == []
+
+
 def test_two_zeros_side_by_side_are_named_and_the_stroke_is_right(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

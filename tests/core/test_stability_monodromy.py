@@ -6,13 +6,17 @@ from functools import cache
 import mpmath
 import numpy as np
 import pytest
+from benchmarks.counts import short_fall
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, coefficients
 
+from core.project import loads
 from core.stability import APPROXIMATE, EXACT, monodromy
 from core.stability.coefficients import INERTIA
-from core.stability.monodromy import determinant, growth
+from core.stability.monodromy import determinant, growth, liouville, zeros_at_standstill
+from core.study import Study
 
 POINTS = ((0.85, 0.1, 0.0), (2.0, 0.05, 0.01), (5.3, 0.4, 0.0), (0.3, 1.0, 0.05))
 
@@ -88,7 +92,10 @@ def test_the_determinant_is_liouvilles(name: str) -> None:
         wanted = np.exp(-4.0 * np.pi * damping * eta.ravel() * np.array(inverse))
         assert np.abs(turn.det - wanted).max() < 1e-14
         assert np.abs(determinant(turn.matrix) - wanted).max() < 1e-13
-        assert (turn.liouville <= 4.0 * turn.error * np.maximum(1.0, np.abs(turn.matrix).max(axis=(1, 2)))).all()
+        for each in np.unique(q):
+            zero, bound = liouville(found, eta[0], each, EXACT, damping)
+            assert (zero <= bound).all()
+            assert bound.max() < 1e-11
 
 
 @pytest.mark.parametrize("name", ["kim", "fixed", "layout c"])
@@ -140,3 +147,36 @@ def test_time_run_backwards_has_the_same_trace(name: str, eta: float, q: float) 
     )
     one, other = (monodromy(f, np.array([eta]), np.array([q])) for f in (found, back))
     assert abs(one.trace - other.trace)[0] <= 4.0 * (one.error + other.error)[0]
+
+
+@pytest.mark.parametrize("q", [0.05, 20.0, 300.0])
+def test_zeros_at_standstill_are_those_of_another_integrator(q: float) -> None:
+    """ζ'' + 4π² Q ψ ζ = 0 through one turn, ψ = 3 (cos 2θ - cos 4θ) on its first half."""
+
+    def rate(y: float, state: np.ndarray) -> list[float]:
+        theta = 2.0 * np.pi * y
+        psi = 3.0 * (np.cos(2.0 * theta) - np.cos(4.0 * theta)) if y < 0.5 else 0.0
+        return [state[1], -4.0 * np.pi**2 * q * psi * state[0]]
+
+    first = solve_ivp(rate, (0.0, 0.5), [1.0, 0.0], rtol=1e-10, atol=1e-12, max_step=1e-3)
+    value, slope = first.y[:, -1]
+    zeros = int((np.diff(np.sign(first.y[0])) != 0).sum()) + int(value * (value + 0.5 * slope) < 0.0)
+    assert zeros_at_standstill(coefficients(KIM), q, APPROXIMATE) == zeros
+    assert zeros > 2 or q < 1.0
+
+
+def test_liouville_is_kept_where_a_turn_grows_beyond_all_digits() -> None:
+    """A fall of 0.09°: by e^230 a turn. The determinant of the turn has no digit left, that of every panel has; and the
+    panels are as narrow as the peaks at the ends of the fall, so that nothing of these is lost."""
+    made = Study(loads(short_fall(0.09))).flexible_shaft()
+    turn = monodromy(made.coefficients, np.array([1.0]), np.array([made.machine.q]), EXACT)
+    assert turn.growth[0] > 200.0
+    assert abs(float(determinant(turn.matrix)[0])) > 1e100
+    assert made.coefficients.panels.tail < 1e-8
+    zero, bound = liouville(made.coefficients, np.array([0.5, 1.0, 5.0]), made.machine.q, EXACT)
+    assert (zero <= bound).all()
+    assert bound.max() < 1e-10
+    assert zeros_at_standstill(made.coefficients, made.machine.q) > 13, "all eleven tongues stand at η² < 0"
+    proof = made.certificate
+    assert proof["tongue_residual"].note == "11 of 11 tongues (too few harmonics) left out"
+    assert proof["tongue_error"].value == 0.0

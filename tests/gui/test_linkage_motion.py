@@ -294,3 +294,18 @@ def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, rolle
 def test_menus_of_linkages_are_not_there_for_a_cam(open_user: Open) -> None:
     user = open_user(plots=False)
     assert not {"Driver", "Cam roller"} & set(user.entries("Compo"))
+
+
+def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> None:
+    """The stroke that was shown for the design before is out of sight; Make > Stroke does not choose it."""
+    user = open_user(example("four_bar_coupler_cam"), plots=False)
+    box = user.number("motion.stroke_deg")
+    user.window.documents.open_example(example("lecture_six_bar"))
+    settle()
+    before = user.design
+    user.choose("Make", "Stroke")
+    assert not box.hasFocus()
+    for key in (Qt.Key.Key_PageDown, Qt.Key.Key_Up):
+        QTest.keyClick(box, key)  # as where the focus has stayed
+    settle()
+    assert user.design is before
