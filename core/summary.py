@@ -13,7 +13,7 @@ from core.channels import channels
 from core.design import UNITS
 from core.design.topology import mobility
 from core.errors import NoStability
-from core.mechanism import four_bar
+from core.mechanism.grashof import four_bar
 from core.study import Study
 
 

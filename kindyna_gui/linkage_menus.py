@@ -9,7 +9,7 @@ from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import CRANK, Design, Driver
-from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from kindyna_gui.player import TURN
 from kindyna_gui.wording import driver_text
 

@@ -15,7 +15,7 @@ from typing import Any
 from PySide6.QtCore import QTimer
 from PySide6.QtTest import QTest
 
-from core.design import entries, kind_row, motion_of
+from core.design import entries, motion_of
 from core.project import load
 from kindyna_gui import dialogs, main_window
 from kindyna_gui.__main__ import main
@@ -32,7 +32,7 @@ def say(line: dict[str, Any]) -> None:
 
 def edit_a_number(window: MainWindow, dice: random.Random) -> None:
     design = window.session.typed
-    rows = [each for name in kind_row(design).report_sections for each in entries(design, name)]
+    rows = [each for name in design.tables if name not in ("motion", "linkage") for each in entries(design, name)]
     numbers = [each for each in rows if isinstance(each.value, float) and each.value]
     row = dice.choice(numbers)
     window.session.edit(row.path, row.value * dice.uniform(0.98, 1.02), f"Change {row.path}")

@@ -13,7 +13,6 @@ from benchmarks.plain import turn
 from benchmarks.table import Channels, Kernel, Method
 
 from core.design import si
-from core.dynamics import reduced_inertia
 from core.motion import TURN, Angles
 from core.shaft import load_curve, steady_speed
 from core.study import Study
@@ -30,7 +29,7 @@ def given(theta: np.ndarray) -> SimpleNamespace:
 
     def load(angles: Angles) -> np.ndarray:
         there = study.at(angles)
-        return np.array([there.dynamics.torque, reduced_inertia(there.linkage, there.loading.inertias)])
+        return np.array([there.dynamics.torque, there.loading.inertia(there.linkage)[0]])
 
     return SimpleNamespace(theta=theta, program=study.program, load=load)
 

@@ -18,7 +18,7 @@ from core.design import LAYOUTS, CamSlider, Design, faults, put, with_drive
 from core.errors import NoAssembly
 from core.followers import base_position
 from core.followers.joints import joints_of, move_joint
-from core.mechanism import with_point_at
+from core.mechanism.dragging import with_point_at
 from core.project import load
 from core.study import Study
 from core.train import Train

@@ -10,7 +10,7 @@ from linkages import assembly
 from core.design import CRANK, Design, Driver, LinkageLoads, LinkMass, with_drive
 from core.errors import NoCam, NoPosition
 from core.instant_centres import collinearity
-from core.mechanism import drivers, roller_places, with_driver, with_roller
+from core.mechanism.drivers import drivers, roller_places, with_driver, with_roller
 from core.project import load
 from core.study import Study
 

@@ -11,7 +11,7 @@ from linkages import closure, jacobian, plain_turn
 
 from core.design import CRANK, MOTION, Design, Driver, faults, with_drive
 from core.errors import KindynaError, NoPosition
-from core.mechanism import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.project import load
 from core.project.writing import to_table
 from core.study import Study

@@ -6,12 +6,14 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from mechanisms import LIFT, PUSHER
 
 from core import __version__
+from core.design import TranslatingLoads, with_drive
 from core.project import save
 from core.study import Study
 from kindyna_gui import __main__ as entry
@@ -59,10 +61,7 @@ def test_without_a_display_the_main_job_is_done(tmp_path: Path) -> None:
 
 def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -> None:
     path = tmp_path / "pusher.toml"
-    loose = PUSHER.drive.loads.__class__(follower_mass_kg=1.5)
-    save(PUSHER.__class__("loose", PUSHER.shaft, PUSHER.drive.__class__(
-        PUSHER.drive.motion, PUSHER.drive.mechanism, PUSHER.drive.cam, loose
-    )), path)  # fmt: skip
+    save(with_drive(replace(PUSHER, name="loose"), loads=TranslatingLoads(follower_mass_kg=1.5)), path)
     done = run(str(path), folder=tmp_path)
     assert done.returncode == 1
     assert "leaves the cam" in done.stdout

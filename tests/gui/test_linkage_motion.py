@@ -198,7 +198,7 @@ def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
     assert not view.in_trouble
     assert not view.use_button.isEnabled()  # type: ignore[attr-defined]
     user.choose("Stability", "Flexible shaft")
-    assert "a linkage has none" in user.window.status.currentMessage()
+    assert "this linkage has none" in user.window.status.currentMessage()
     assert user.steps == []
 
 

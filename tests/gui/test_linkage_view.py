@@ -9,9 +9,9 @@ import pytest
 from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
-from core.design import Design, faults
+from core.design import faults
 from core.export import files
-from core.mechanism import with_point_at
+from core.mechanism.dragging import with_point_at
 from core.project import load
 from core.study import Study
 from kindyna_gui import export_dialogs
@@ -19,7 +19,7 @@ from kindyna_gui.export_dialogs import TablesWanted
 from kindyna_gui.places import example, examples
 from kindyna_gui.player import TURN
 
-LINKAGES = [path.stem for _, path in examples() if isinstance(load(path), Design)]
+LINKAGES = [path.stem for _, path in examples() if load(path).drive.is_linkage]
 
 
 def there(user: User) -> Study:

@@ -134,7 +134,8 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
     weight = study.cam.centre.weight.copy()
     weight[7] = 0.0
     cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
-    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega}
+    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
+             "stages": study.stages, "sense": study.sense}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     line = scene.item("normal").line()  # type: ignore[attr-defined]
@@ -240,7 +241,8 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
     weight = study.cam.centre.weight.copy()
     weight[7] = 0.0
     cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
-    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega}
+    parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
+             "stages": study.stages, "sense": study.sense}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
     scene.set_index(7)
     assert scene.item("label.centre").opacity() == 0.0
@@ -511,7 +513,8 @@ class Quick:
         self.theta = np.arange(SAMPLES) * 2.0 * pi / SAMPLES
         self.omega = 6.0
         cam = SimpleNamespace(base_radius_mm=80.0)
-        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=SimpleNamespace(cam=cam))
+        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=SimpleNamespace(cam=cam, is_linkage=False))
+        self.stages, self.sense = ("linkage", "cam"), 1.0
         end = 0.3 + 0.1 * np.exp(1j * self.theta)
         rocker = np.angle(end - (0.3 - 0.3j))
         bodies = {

@@ -275,7 +275,7 @@ def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, t
     assert all(low < limit.value < high for limit in plot._limits)
 
 
-QUIET = with_drive(with_cam(LIFT, base_radius_mm=403.3), motion=Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),)))
+QUIET = with_drive(with_cam(LIFT, base_radius_mm=401.7), motion=Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),)))
 """A dwell all round: the torque is the difference of two equal products."""
 
 
