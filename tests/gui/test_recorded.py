@@ -81,7 +81,10 @@ class Replay:
             wait_for(lambda: QApplication.focusWidget() in (widget, widget.parentWidget()))
 
     def _key(self, key: tuple[Qt.Key, Qt.KeyboardModifier]) -> None:
-        QTest.keyClick(QApplication.focusWidget() or self.user.window, *key)
+        window = self.user.window
+        wait_for(window.isActiveWindow)  # the dialog of an export may just be going
+        holder = QApplication.focusWidget()
+        QTest.keyClick(holder if holder is not None and holder.window() is window else window, *key)
 
     def _type(self, text: str) -> None:
         QTest.keyClicks(QApplication.focusWidget(), text)
