@@ -8,6 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from core.derivatives import Derivatives
 from core.train import REVOLUTE, Train
 from core.vectors import dot
 
@@ -20,10 +21,11 @@ class Rate(NamedTuple):
     speed: float
     acceleration: float = 0.0
 
-    def second(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-        """ẍ from x' and x'' (n,)."""
-        square = self.speed * self.speed
-        return square * second if self.acceleration == 0.0 else square * second + self.acceleration * first
+    def second(self, x: Derivatives) -> np.ndarray:
+        """ẍ (n,)."""
+        if self.acceleration == 0.0:
+            return self.speed * self.speed * x[2]
+        return self.speed * self.speed * x[2] + self.acceleration * x[1]
 
 
 class Load(NamedTuple):
@@ -85,9 +87,9 @@ class Mass:
         z, a = pose.carried(part.centre), pose.turn
         zero = rate == Rate(0.0)
         pull = np.full(train.theta.size, part.mass * self.gravity) if zero else (
-            part.mass * (self.gravity - rate.second(z[1], z[2]))
+            part.mass * (self.gravity - rate.second(z))
         )  # fmt: skip
-        couple = -part.about_centre * rate.second(a[1], a[2]) if part.about_centre and not zero else 0.0
+        couple = -part.about_centre * rate.second(a) if part.about_centre and not zero else 0.0
         yield Load(self.body, z[0], pull, couple)
 
     def potential(self, train: Train) -> np.ndarray:

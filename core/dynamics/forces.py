@@ -74,12 +74,14 @@ def newton_euler(
     """
     rate = Rate(omega, acceleration)
     cam = None if shape is None else (shape.reference, shape.flank.normal)
-    press = None if cam is None else Walk(train, [Load(train.carrier, cam[0], -cam[1])])
-    case = _case(Walk(train, [load for element in loading.elements for load in element.loads(train, rate)]), press)
+    places: dict[str, np.ndarray] = {}
+    press = None if cam is None else Walk(train, [Load(train.carrier, cam[0], -cam[1])], places)
+    own = Walk(train, [load for element in loading.elements for load in element.loads(train, rate)], places)
+    case = _case(own, press)
     signs, rubbing = {}, {}
     for friction in loading.frictions:
         signs[friction.pair] = _direction(train, friction.pair) * np.sign(omega)
-        rubbing[friction.pair] = _case(Walk(train, _unit_friction(train, friction)), press)
+        rubbing[friction.pair] = _case(Walk(train, _unit_friction(train, friction), places), press)
     found = _rubbed(train, loading, case, rubbing, signs)
     pairs, couples, contact, driver, guide, jam, lost = found
     n = train.theta.size

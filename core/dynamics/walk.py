@@ -28,9 +28,11 @@ class Walk:
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
     """
 
-    def __init__(self, train: Train, loads: Iterable[Load]) -> None:
+    def __init__(self, train: Train, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None) -> None:
+        """places: where pairs stand, from the origin of moments; what one walk finds serves the next one."""
         self.train = train
         self.origin = _near(train)
+        self._places = {} if places is None else places
         self.force: dict[str, np.ndarray] = {}
         self.moment: dict[str, np.ndarray] = {}
         self.pairs: dict[str, np.ndarray] = {}
@@ -49,16 +51,14 @@ class Walk:
         driver, pair = train.output, train.driver_pair
         if driver not in self.force:
             return np.zeros(1)
+        at, force = self.place(pair), self.force[driver]
         if pair.kind == REVOLUTE:
-            needed = -self.about(driver, self.place(pair))
-        else:
-            line = self.line(pair)
-            needed = -dot(line, self.force[driver])
-            self.load(driver, self.place(pair), needed * line)
-            self.react(train.driver_name, driver, -1j * line * dot(1j * line, self.force[driver]))
+            needed = -self.about(driver, at)
+            self._record(train.driver_name, driver, -force)
             return np.asarray(needed)
-        self.react(train.driver_name, driver, -self.force[driver])
-        return np.asarray(needed)
+        line = self.line(pair)
+        self._record(train.driver_name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
+        return np.asarray(-dot(line, force))
 
     def load(self, body: str, at: np.ndarray, force: np.ndarray, couple: Number = 0.0) -> None:
         """A force at a place [m, from the origin of moments] and a couple on a body; the frame bears anything."""
@@ -71,7 +71,9 @@ class Walk:
 
     def place(self, pair: Pair) -> np.ndarray:
         """Where the body has its point of a pair (n,), from the origin of moments."""
-        return self.train.bodies[pair.body].place(pair.point) - self.origin
+        if pair.point not in self._places:
+            self._places[pair.point] = self.train.bodies[pair.body].place(pair.point) - self.origin
+        return self._places[pair.point]
 
     def line(self, pair: Pair) -> np.ndarray:
         """The direction of a sliding pair (n,)."""
@@ -82,20 +84,38 @@ class Walk:
         return self.moment[body] - cross(at, self.force[body])
 
     def react(self, name: str, body: str, force: np.ndarray) -> None:
-        """The pair's force on ``body``, one of its two bodies; a sliding pair's couple balances what is left of that
-        body's moment. Both go to the other body too, and into the tables as by ``on`` on ``body`` of the pair."""
+        """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
+        balances what is left of that body's moment."""
         pair = self.train.pairs[name]
         at = self.place(pair)
-        other = pair.on if body == pair.body else pair.body
-        sign = 1.0 if body == pair.body else -1.0
         self.load(body, at, force)
         couple: Number = 0.0
         if pair.kind != REVOLUTE:
             couple = -self.about(body, at)
-            self.couples[name] = sign * couple
             self.moment[body] = self.moment[body] + couple
-        self.pairs[name] = sign * force
-        self.load(other, at, -force, -couple)
+        self._pass_on(name, body, at, force, couple)
+
+    def hold(self, name: str, body: str) -> None:
+        """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
+        pair = self.train.pairs[name]
+        at = self.place(pair)
+        couple = 0.0 if pair.kind == REVOLUTE else -self.about(body, at)
+        self._pass_on(name, body, at, -self.force[body], couple)
+
+    def _pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
+        pair = self.train.pairs[name]
+        self._record(name, body, force, couple)
+        other = pair.on if body == pair.body else pair.body
+        if other != FRAME:
+            self.load(other, at, -force, -couple)
+
+    def _record(self, name: str, body: str, force: np.ndarray, couple: Number = 0.0) -> None:
+        """Into the tables, as by ``on`` on ``body`` of the pair."""
+        pair = self.train.pairs[name]
+        turned = body != pair.body
+        self.pairs[name] = -force if turned else force
+        if pair.kind != REVOLUTE:
+            self.couples[name] = np.asarray(-couple if turned else couple)
 
 
 def _near(train: Train) -> complex:
@@ -115,8 +135,8 @@ def _rrr(walk: Walk, dyad: Dyad) -> None:
     pin_a, joint, pin_b = (walk.place(walk.train.pairs[name]) for name in dyad.pairs)
     force = _cut_force(1j * (joint - pin_a), -1j * (joint - pin_b), walk.about(a, pin_a), walk.about(b, pin_b))
     walk.react(inner, a, force)
-    walk.react(outer_a, a, -walk.force[a])
-    walk.react(outer_b, b, -walk.force[b])
+    walk.hold(outer_a, a)
+    walk.hold(outer_b, b)
 
 
 def _rrp(walk: Walk, dyad: Dyad) -> None:
@@ -126,8 +146,8 @@ def _rrp(walk: Walk, dyad: Dyad) -> None:
     t = walk.line(walk.train.pairs[guide])
     force = _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b]))
     walk.react(inner, a, force)
-    walk.react(outer, a, -walk.force[a])
-    walk.react(guide, b, -walk.force[b])
+    walk.hold(outer, a)
+    walk.hold(guide, b)
 
 
 def _rpr(walk: Walk, dyad: Dyad) -> None:
@@ -137,8 +157,8 @@ def _rpr(walk: Walk, dyad: Dyad) -> None:
     t = walk.line(walk.train.pairs[inner])
     turning = walk.about(a, pin_b) + walk.about(b, pin_b)
     walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force[a])))
-    walk.react(inner, a, -walk.force[a])
-    walk.react(outer_b, b, -walk.force[b])
+    walk.hold(inner, a)
+    walk.hold(outer_b, b)
 
 
 def _prp(walk: Walk, dyad: Dyad) -> None:
@@ -146,8 +166,8 @@ def _prp(walk: Walk, dyad: Dyad) -> None:
     guide_a, inner, guide_b = dyad.pairs
     t1, t2 = walk.line(walk.train.pairs[guide_a]), walk.line(walk.train.pairs[guide_b])
     walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force[a]), dot(t2, walk.force[b])))
-    walk.react(guide_a, a, -walk.force[a])
-    walk.react(guide_b, b, -walk.force[b])
+    walk.hold(guide_a, a)
+    walk.hold(guide_b, b)
 
 
 def _rpp(walk: Walk, dyad: Dyad) -> None:
@@ -156,8 +176,8 @@ def _rpp(walk: Walk, dyad: Dyad) -> None:
     t1, t2 = walk.line(walk.train.pairs[inner]), walk.line(walk.train.pairs[guide])
     both = walk.force[a] + walk.force[b]
     walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, both)))
-    walk.react(inner, a, -walk.force[a])
-    walk.react(guide, b, -walk.force[b])
+    walk.hold(inner, a)
+    walk.hold(guide, b)
 
 
 def _group(walk: Walk, dyad: Dyad) -> None:

@@ -15,7 +15,7 @@ def to_table(design: Design) -> dict[str, Any]:
     """The tables of the file."""
     if design.drive.is_linkage:
         return {**linkage_head(design), **linkage_tables(design)}
-    kind = kind_of(design.drive.mechanism)
+    kind = kind_of(design.drive.follower)
     made = converter(FOLLOWER_KINDS[kind].motion_unit)
     table = _head(design)
     for name, part in design.tables.items():

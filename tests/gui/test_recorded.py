@@ -82,7 +82,8 @@ class Replay:
 
     def _key(self, key: tuple[Qt.Key, Qt.KeyboardModifier]) -> None:
         window = self.user.window
-        wait_for(window.isActiveWindow)  # the dialog of an export may just be going
+        window.activateWindow()  # which a dialog that has gone leaves to the desktop, and here there is none
+        wait_for(window.isActiveWindow)
         holder = QApplication.focusWidget()
         QTest.keyClick(holder if holder is not None and holder.window() is window else window, *key)
 
