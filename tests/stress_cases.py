@@ -545,7 +545,7 @@ def scaled(design: Design, by: float) -> Design:
         start=drive.motion.start * by,
         segments=tuple(replace(s, rise=s.rise * by) for s in drive.motion.segments),
     )
-    parts = {"follower": larger(drive.mechanism), "cam": larger(drive.cam), "loads": larger(drive.loads), "motion": motion_}
+    parts = {"mechanism": larger(drive.mechanism), "cam": larger(drive.cam), "loads": larger(drive.loads), "motion": motion_}
     return with_drive(with_shaft(design, flywheel_inertia_kg_m2=design.shaft.flywheel_inertia_kg_m2 * by**5), **parts)
 
 

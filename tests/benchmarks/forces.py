@@ -27,11 +27,12 @@ def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray
     """Three bodies cut free and the camshaft: nine equations for pivot, arm pin, slider pin, guide, contact and torque,
     built and solved for all angles at once; friction takes the sign of the guide's force without it."""
     way, loading = there.motion.way, there.loading
+    masses = {mass.body: mass for mass in loading.masses}
     normal, axis = there.shape.flank.normal, there.train.pairs["guide"].axis
     mu, n = loading.friction, way.size
     pivot, pin_b, pin_a, reference = (points[k] for k in ("pivot", "arm_pin", "slider_pin", "roller"))
-    lost = {k: loading.inertias[k].mass * (loading.gravity - there.omega**2 * gains[k]) for k in gains}
-    push = loading.along_guide(there.motion.y[0]) * axis
+    lost = {k: masses[k].inertia.mass * (masses[k].gravity - there.omega**2 * gains[k]) for k in gains}
+    push = loading.others[0].size(there.train) * axis
 
     def solved(sign: np.ndarray) -> np.ndarray:
         guide = 1j * axis - mu * way * sign * axis
@@ -51,7 +52,7 @@ def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray
         ):
             for column, place, force in entries:
                 a[:, row, column] = _cross(place, force)
-            spin = loading.inertias[body].about_centre * there.omega**2 * spins[body]
+            spin = masses[body].inertia.about_centre * there.omega**2 * spins[body]
             b[:, row] = -(_cross(points[f"{body}_centre"], lost[body]) - spin)
         a[:, 8, 8], a[:, 8, 7] = SENSE, _cross(reference, normal)
         return np.asarray(np.linalg.solve(a, b[..., None])[..., 0])
@@ -68,7 +69,7 @@ def generic(there: Any, setting: None) -> Channels:
         "roller": there.train.follower.z[0],
     }  # fmt: skip
     gains = {}
-    for name, inertia in loading.inertias.items():
+    for name, inertia in ((m.body, m.inertia) for m in loading.masses):
         centre = bodies[name].at(inertia.centre)
         points[f"{name}_centre"], gains[name] = centre[0], centre[2]
     return _nine(there, points, gains, {name: bodies[name].angle[2] for name in ("arm", "rod")})
@@ -76,7 +77,7 @@ def generic(there: Any, setting: None) -> Channels:
 
 def finite_differences(there: Any, step: float) -> Channels:
     """Positions at three neighbouring angles give the accelerations; forces as above."""
-    loading = there.loading
+    masses = {mass.body: mass for mass in there.loading.masses}
     pivot = complex(G.pivot_x, G.pivot_y)
 
     def positions(theta: np.ndarray) -> dict[str, np.ndarray]:
@@ -86,8 +87,8 @@ def finite_differences(there: Any, step: float) -> Channels:
         along = (pin - pivot) / G.slider_arm
         return {
             "pivot": np.full(theta.size, pivot), "arm_pin": pin, "slider_pin": slider, "roller": end,
-            "arm_centre": pivot + along * loading.inertias["arm"].centre,
-            "rod_centre": pin + (slider - pin) / G.rod * loading.inertias["rod"].centre, "slider_centre": slider,
+            "arm_centre": pivot + along * masses["arm"].inertia.centre,
+            "rod_centre": pin + (slider - pin) / G.rod * masses["rod"].inertia.centre, "slider_centre": slider,
             "arm_angle": np.unwrap(np.angle(along)), "rod_angle": np.unwrap(np.angle(slider - pin)),
         }  # fmt: skip
 

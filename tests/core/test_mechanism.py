@@ -31,8 +31,8 @@ from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Sli
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
 from core.mechanism import CrankProgram, body_name, course_of, linkage_train, plan_of, unit_speed_train
-from core.mechanism import four_bar as four_bar_of
 from core.mechanism.dragging import other_side
+from core.mechanism.grashof import four_bar as four_bar_of
 from core.mechanism.rounding import doubts
 from core.mechanism.solving import at_driver
 from core.train import FRAME, Train

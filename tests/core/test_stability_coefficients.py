@@ -8,7 +8,7 @@ from shafts import HARD, KIM, coefficients, kim_table, of, with_elastic
 
 from core.design import Design
 from core.errors import NoStability
-from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, inertia, load, still
+from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, still
 from core.stability.panels import NODES, fit
 from core.study import Study
 
@@ -19,14 +19,14 @@ TRAINS = {"pusher": PUSHER, "c": C, "f": LAYOUT_DESIGNS["f"], "lift": LIFT}
 def energies(design: Design, theta: float) -> tuple[list[MP.mpf], list[MP.mpf]]:
     """J, J', J'' and V', V'' from the bodies' motions with fifty digits."""
     there = solved(design, theta)
-    gravity = MP.convert(complex(Study(design, 4).loading.gravity))
+    gravity = MP.convert(complex(Study(design, 4).loading.masses[0].gravity))
     j, height = MP.zero, MP.zero
     for body in masses(design, there).values():
         speed = body.centre.slope()
         j = (speed * speed.conjugate()).real * body.mass + body.angle.slope() ** 2 * body.inertia + j
         height = (body.centre * MP.conj(gravity)).real * body.mass + height
     y = there.y
-    push, rate = push_on_output(design, y.c[0]), MP.convert(Study(design, 4).loading.rate)
+    push, rate = push_on_output(design, y.c[0]), MP.convert(design.drive.loads.spring_rate_n_per_mm * 1e3)
     first = -height.derivative(1) - push * y.derivative(1)
     second = -height.derivative(2) - push * y.derivative(2) + rate * y.derivative(1) ** 2
     return [j.derivative(k) for k in range(3)], [first, second]
@@ -40,8 +40,8 @@ def test_inertia_and_load_of_a_train_are_those_of_its_bodies(name: str, theta: f
     j, v = energies(design, theta)
     whole = Study(design, 720)
     for values, exact, largest in (
-        (inertia(there.linkage, there.loading), j, np.abs(inertia(whole.linkage, whole.loading)).max(axis=1)),
-        (load(there.linkage, there.loading), v, np.abs(load(whole.linkage, whole.loading)).max(axis=1)),
+        (there.loading.inertia(there.linkage), j, np.abs(whole.loading.inertia(whole.linkage)).max(axis=1)),
+        (there.loading.potential(there.linkage), v, np.abs(whole.loading.potential(whole.linkage)).max(axis=1)),
     ):
         for value, wanted, most in zip(values[:, 0], exact, largest, strict=True):
             assert abs(value - float(wanted)) <= 1e-12 * most
@@ -51,8 +51,8 @@ def test_inertia_and_load_of_a_train_are_those_of_its_bodies(name: str, theta: f
 def test_at_constant_speed_they_are_the_torque_of_the_cam(name: str) -> None:
     """T_c = ω² J'/2 + V', friction left out: found by energies here and dyad by dyad there."""
     study = Study(with_loads(TRAINS[name], friction=0.0), 360)
-    _, slope, _ = inertia(study.linkage, study.loading)
-    expected = 0.5 * study.omega**2 * slope + load(study.linkage, study.loading)[0]
+    _, slope, _ = study.loading.inertia(study.linkage)
+    expected = 0.5 * study.omega**2 * slope + study.loading.potential(study.linkage)[0]
     torque = study.dynamics.torque
     assert np.abs(torque - expected).max() <= 1e-12 * np.abs(torque).max()
 
@@ -62,9 +62,9 @@ def test_a_translating_mass_is_kims_single_mass() -> None:
     study = Study(KIM, 720)
     _, y1, y2, y3 = study.motion.y
     mass = KIM.drive.loads.follower_mass_kg
-    assert np.array_equal(inertia(study.linkage, study.loading)[0], mass * (y1 * y1))
+    assert np.array_equal(study.loading.inertia(study.linkage)[0], mass * (y1 * y1))
     expected = np.array([y1 * y1, y1 * y2, y2 * y2 + y1 * y3]) * mass * np.array([[1.0], [2.0], [2.0]])
-    assert np.abs(inertia(study.linkage, study.loading) - expected).max() <= 1e-15 * np.abs(expected).max()
+    assert np.abs(study.loading.inertia(study.linkage) - expected).max() <= 1e-15 * np.abs(expected).max()
     found = coefficients(KIM)
     table = kim_table(found.panels.theta)
     assert np.abs(found.panels.values - table).max() <= 1e-12
@@ -168,7 +168,7 @@ def test_what_acceleration_adds_to_the_contact_force_turns_the_train(name: str) 
     force = found.contact.panels.at(theta, 3)[2] * found.contact.unit
     reference, normal = there.cam.reference, there.cam.flank.normal
     torque = -there.cam.sense * (reference.conjugate() * (force * normal)).imag
-    expected = inertia(there.linkage, there.loading)[0]
+    expected = there.loading.inertia(there.linkage)[0]
     assert np.abs(torque - expected).max() <= 1e-11 * expected.max()
 
 
