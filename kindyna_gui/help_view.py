@@ -42,6 +42,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "tour": ("Tour", _as_is),
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
+        "followers": ("Followers", _as_is),
         "linkages": ("Linkages", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "laws": ("Laws and conventions", _laws),
