@@ -1,12 +1,14 @@
 """The nonlinear equation of the wind-up marched in time.
 
-Steps are Gauss-Legendre collocations of order 24; one that would cross a join of the motion lands on it instead, whichever
+Steps are Gauss-Legendre collocations of order 32; one that would cross a join of the motion lands on it instead, whichever
 way the cam turns. Many points of the chart go side by side.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -18,9 +20,9 @@ from core.stability.lanes import Lanes
 from core.stability.nonlinear import Equation, Points
 from core.stability.panels import gauss, integrals, integration, powers
 
-STAGES = 12
-PHASE = 2.0  # [rad] of the shaft's own wave per step
-PANELS = 1.5  # of the coefficients per step, about
+STAGES = 16
+PHASE = 2.5  # [rad] of the shaft's own wave per step
+PANELS = 2.0  # of the coefficients per step, about
 SWEEPS = 40
 SETTLED = 32.0 * EPS
 ATTEMPTS = 60
@@ -56,10 +58,23 @@ class Step(Lanes):
     piece: np.ndarray
     turn: np.ndarray
 
+    @staticmethod
+    def joined(parts: Sequence[Step]) -> Step:
+        """All of them, in their order."""
+        return Step(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Step)))
+
+    @cached_property
+    def powers(self) -> np.ndarray:
+        """Coefficients (n, 2, STAGES + 1) of t**k, t = -1 ... 1 over the step, of β and Π: the integrals of the polynomials
+        through the derivatives at the nodes."""
+        found = self.h[:, None, None] * integrals(self.rate.swapaxes(1, 2))
+        found[..., 0] += self.x
+        return np.asarray(found)
+
     def within(self, part: np.ndarray) -> np.ndarray:
-        """β and Π (n, k, 2) at parts (n, k) of the step, 0 ... 1: the polynomial through its nodes."""
-        power = powers(2.0 * part - 1.0, STAGES + 1)
-        return self.x[:, None] + self.h[:, None, None] * (power @ integrals(self.rate.swapaxes(1, 2)).swapaxes(1, 2))
+        """β and Π (n, k, 2) at parts (n or 1, k) of the step, 0 ... 1; at 0 they are those of its start to the last digit."""
+        inside = powers(2.0 * part - 1.0, STAGES + 1) @ self.powers.swapaxes(1, 2)
+        return np.where((part == 0.0)[..., None], self.x[:, None], inside)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,11 +174,11 @@ class March(Equation):
             inside_time = (h > 0.0) & (h <= (state.until[lane] - state.y[lane]) * (1.0 + 4.0 * EPS))
             good = settled & ~left & inside_time
             if good.all():
-                self._accept(state, trial, aim, ends)
+                self._accept(state, trial, aim)
                 return [*done, trial]
             if good.any():
                 done.append(trial.only(good))
-                self._accept(state, done[-1], aim[good], ends[good])
+                self._accept(state, done[-1], aim[good])
             h, aim = _next_guess(trial, h, aim, settled & left & inside_time, theta, outside, ends)
             lane, h, aim = lane[~good], h[~good], aim[~good]
             crossing = np.flatnonzero(h < LEAST)
@@ -193,16 +208,18 @@ class March(Equation):
     ) -> tuple[Step, np.ndarray, np.ndarray]:
         """Steps of length h, or such that they land; whether each has settled (n,).
 
-        Newton's method, simplified: the matrix is that of a shaft without a train.
+        Newton's method, simplified: with the derivatives at a first guess, in which the state moves on evenly.
         """
         piece, turn = state.piece[lane], state.turn[lane]
         y, x, n = state.y[lane], state.x[lane], lane.size
         goal = np.where(aim > 0, ends[:, 1], ends[:, 0])
         lands, any_lands = aim != 0, bool(aim.any())
         limit = 1.5 * self._longest(state, lane)
-        h = np.clip(h, -limit, limit)
-        solve = self._free_shaft(lane, h)
+        h = y + np.clip(h, -limit, limit) - y  # so that y + h is exact: the steps add up without rounding
         rate = self.rate(lane, piece, turn, y[:, None], x[:, None]).repeat(STAGES, axis=1)
+        first = x[:, None] + h[:, None, None] * (_WITHIN @ rate)
+        jacobian = self.jacobian(lane, piece, turn, y[:, None] + h[:, None] * _NODES, first)[..., :2]
+        solve = np.linalg.inv(self._system(h, jacobian))
         for _ in range(SWEEPS):
             values = x[:, None] + h[:, None, None] * (_WITHIN @ rate)
             residual = self.rate(lane, piece, turn, y[:, None] + h[:, None] * _NODES, values) - rate
@@ -211,26 +228,21 @@ class March(Equation):
             if any_lands:
                 miss = goal - TURN * (y + h - x[:, 0] - h * (rate[:, :, 0] @ _WEIGHTS))
                 speed = TURN * (1.0 - rate[:, -1, 0])
-                step = np.where(lands & (speed != 0.0), miss / np.where(speed == 0.0, 1.0, speed), 0.0)
+                moves = lands & (speed != 0.0) & (np.abs(miss) > SETTLED * (1.0 + np.abs(goal)))
+                step = np.where(moves, miss / np.where(moves, speed, 1.0), 0.0)
                 most = 0.5 * np.abs(h) + LEAST
-                h = np.clip(h + np.clip(step, -most, most), -limit, limit)
+                h = np.where(moves, y + np.clip(h + np.clip(step, -most, most), -limit, limit) - y, h)
                 settled &= ~lands | (np.abs(miss) <= LANDED)
             if settled.all():
                 break
         return Step(lane, y, h, x, rate, piece, turn), h, settled
 
-    def _free_shaft(self, lane: np.ndarray, h: np.ndarray) -> np.ndarray:
-        """(1 - h A ⊗ L)⁻¹ (n, 2s, 2s), L the matrix of β' = 1 - Π, Π' = 4π²η² β + 4πζη β'."""
-        matrix = np.zeros((lane.size, STAGES, 2, STAGES, 2))
-        along = h[:, None, None] * _WITHIN
-        matrix[:, :, 0, :, 1] = along
-        matrix[:, :, 1, :, 0] = -self.stiff[lane, None, None] * along
-        if self.damping:
-            matrix[:, :, 1, :, 1] = self.damp[lane, None, None] * along
-        size = 2 * STAGES
-        return np.linalg.inv(np.eye(size) + matrix.reshape(lane.size, size, size))
+    def _system(self, h: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+        """1 - h A ⊗ J (n, 2s, 2s) of steps h (n,) and derivatives of the rates at their nodes (n, s, 2, 2)."""
+        inner = np.einsum("n,ij,nikl->nikjl", h, _WITHIN, jacobian)
+        return np.asarray(np.eye(2 * STAGES) - inner.reshape(h.size, 2 * STAGES, 2 * STAGES))
 
-    def _accept(self, state: _State, step: Step, aim: np.ndarray, ends: np.ndarray) -> None:
+    def _accept(self, state: _State, step: Step, aim: np.ndarray) -> None:
         """The lanes are at the ends of their steps."""
         lane = step.lane
         if state.change is not None:
@@ -238,8 +250,6 @@ class March(Equation):
         x = step.x + step.h[:, None] * np.einsum("s,nsk->nk", _WEIGHTS, step.rate)
         y = step.y + step.h
         landed = aim != 0
-        goal = np.where(aim > 0, ends[:, 1], ends[:, 0])
-        x[landed, 0] = y[landed] - goal[landed] / TURN  # the cam angle is known there
         until = state.until[lane]
         y = np.where(~landed & (y >= until * (1.0 - 4.0 * EPS)), until, y)
         state.y[lane], state.x[lane] = y, x
@@ -253,11 +263,9 @@ class March(Equation):
         n = step.lane.size
         jacobian, by_eta = full[..., :2], full[..., 2]
         # (1 - h A ⊗ J) rates = J before + by_eta
-        inner = np.einsum("ij,nikl->nikjl", _WITHIN, jacobian) * step.h[:, None, None, None, None]
-        system = np.eye(2 * STAGES) - inner.reshape(n, 2 * STAGES, 2 * STAGES)
         right = jacobian @ before[:, None]
         right[..., 2] += by_eta
-        rates = np.linalg.solve(system, right.reshape(n, 2 * STAGES, 3)).reshape(n, STAGES, 2, 3)
+        rates = np.linalg.solve(self._system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(n, STAGES, 2, 3)
         return before + step.h[:, None, None] * np.einsum("s,nskl->nkl", _WEIGHTS, rates)
 
     def _leave(self, state: _State, lane: np.ndarray, way: np.ndarray) -> None:

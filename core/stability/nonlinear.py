@@ -30,22 +30,6 @@ class Points:
     damping: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Train:
-    """Q d/D, 2πQ C/D, 2πQ U/D, 2a and 4π²η² of some lanes: all that n is made of, see ``swing``."""
-
-    heavy: np.ndarray
-    pull: np.ndarray
-    load: np.ndarray
-    drag: np.ndarray
-    stiff: np.ndarray
-
-    def added(self, beta: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """n = (2πQ (C (1-β')² + U) + Q d (2a β' + 4π²η² β)) / D."""
-        speed = 1.0 - rate
-        return self.pull * speed * speed + self.load + self.heavy * (self.drag * rate + self.stiff * beta)
-
-
 class Equation:
     """The equation at some points of the chart (L,).
 
@@ -72,14 +56,6 @@ class Equation:
         d = self._panels.at(np.zeros(1), 1)[0, 0]
         return np.stack((np.zeros(self.eta.size), 1.0 + self.q * d), axis=1)
 
-    def train(self, lane: np.ndarray, rows: np.ndarray) -> Train:
-        """What the train adds to the shaft's own swing where d, C, U are rows (3, n or 1, ...), of lanes (n,)."""
-        d, c, u = rows
-        deep = (slice(None),) + (None,) * (d.ndim - 1)
-        q, load, damp, stiff = (each[lane][deep] for each in (self.q, self._load, self.damp, self.stiff))
-        whole = 1.0 + q * d
-        return Train(q * d / whole, TURN * q * c / whole, load * u / whole, damp, stiff)
-
     def local(self, rows: int, piece: np.ndarray, turn: np.ndarray, theta: np.ndarray) -> np.ndarray:
         """The first ``rows`` of d, C, U, κ, ψ (rows, n, s) at cam angles (n, s) [rad] by the polynomials of the lanes'
         pieces, which go on beyond their ends."""
@@ -101,6 +77,17 @@ class Equation:
         force = (2.0 * pi * q) * c * speed * speed - self._load[lane, None] * u + self.stiff[lane, None] * beta
         out[..., 1] = force + self.damp[lane, None] * out[..., 0] if self.damping else force
         return out
+
+    def velocities(
+        self, lane: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """β' and, by (13), β'' (n, s) of states x (n, s, 2) at y (n, s)."""
+        d, c, u = self.local(3, piece, turn, TURN * (y - x[..., 0]))
+        q = self.q[lane, None]
+        inertia = 1.0 + q * d
+        speed = x[..., 1] / inertia
+        force = (TURN * q) * c * speed * speed + self._load[lane, None] * u - self.stiff[lane, None] * x[..., 0]
+        return 1.0 - speed, (force - self.damp[lane, None] * (1.0 - speed)) / inertia
 
     def jacobian(
         self, lane: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray

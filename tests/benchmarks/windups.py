@@ -22,10 +22,9 @@ def given(y: np.ndarray) -> SimpleNamespace:
     return SimpleNamespace(y=y, turns=max(1.0, math.ceil(float(y[-1]))), coefficients=of(KIM).coefficients)
 
 
-def ours(there: Any, error: float) -> Channels:
-    """By the cam's own angle, so that its joins are passed exactly."""
-    told = history(there.coefficients, SPEED, Q, DAMPING, there.turns, error=error)
-    return (told.at(there.y)[0],)
+def ours(there: Any, setting: None) -> Channels:
+    """By collocation, stopped at every join of the cam."""
+    return (history(there.coefficients, SPEED, Q, DAMPING, there.turns).at(there.y)[0],)
 
 
 def slopes(y: float, x: Any) -> tuple[float, float]:
@@ -76,7 +75,7 @@ KERNEL = Kernel(
     given=given,
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
-        Method("KINDYNA", ours, (1e-13, 1e-4, 1e-6, 1e-8, 1e-10), "wanted error", ours=True),
+        Method("KINDYNA", ours, ours=True),
         Method("RK4, fixed steps", fixed_steps, (400, 100, 200, 1600, 6400), "steps a turn", one_by_one=True),
         *(
             Method(
@@ -89,7 +88,7 @@ KERNEL = Kernel(
             for name in ("DOP853", "LSODA")
         ),
     ),
-    # four roundings of the amplitude a step of about twenty a turn
+    # four roundings of the state a step of about twenty a turn
     roundings=4 * 20 / (2.0 * PI * SPEED),
     sizes=(1, 5, 20),
     usual=TURNS,

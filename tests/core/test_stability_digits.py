@@ -1,5 +1,5 @@
-"""core.stability to the last digits: one turn of a shaft whose train weighs nothing in closed form, slow or fast; the wind-up
-in time against that by the cam's angle; its derivatives through jumps; the contact force."""
+"""core.stability to the last digits: one turn of a shaft whose train weighs nothing in closed form, slow or fast; derivatives
+of the wind-up through jumps; the contact force; samples."""
 
 from typing import Any
 
@@ -9,10 +9,8 @@ from references import EPS, MP, off
 from shafts import HARD, KIM, coefficients, of, push
 
 from core.stability import history, monodromy
-from core.stability.looks import LOOKED_AT, look
 from core.stability.march import March
 from core.stability.nonlinear import Points
-from core.stability.swing import Swing
 from core.stability.windup import History
 
 
@@ -58,22 +56,9 @@ def state(gone: History, y: float) -> np.ndarray:
     return np.array([beta, (1.0 + gone.q * d) * (1.0 - rate)])
 
 
-@pytest.mark.parametrize(("name", "eta", "q"), [("kim", 3.3, 0.05), ("kim", 0.9, 0.05), ("parabolic", 2.7, 0.1), ("high dwell", 1.7, 0.1)])
-def test_in_time_and_by_the_cams_angle_the_wind_up_is_the_same(name: str, eta: float, q: float) -> None:
-    """Two methods that share nothing but the coefficients; both are good to 1e-13 of the largest wind-up, here near it."""
-    found = coefficients(HARD[name])
-    march = March(found, Points(np.array([eta]), np.array([q])))
-    gone = history(found, eta, q, 0.0, 1.3)
-    assert gone.steps.by_cam.all()
-    beta, momentum = march.run(march.resting(), 0.0, 1.3).x[0] - state(gone, 1.3)
-    size = TAU * eta * gone.largest[0]
-    assert abs(beta) <= 1e-13 * gone.largest[0]
-    assert abs(momentum) <= 1e-13 * (1.0 + size)
-
-
 @pytest.mark.parametrize("name", ["parabolic", "high dwell"])
 def test_derivatives_through_jumps_of_the_inertia_keep_eleven_digits(name: str) -> None:
-    """Against differences of sixth order of histories by the cam's angle, which pass joins exactly."""
+    """Against differences of sixth order of histories, which pass joins exactly."""
     found, eta, q, step, y = coefficients(HARD[name]), 1.7, 0.2, 3e-4, 1.3
     start = np.array([0.01, 1.03])
     change = March(found, Points(np.array([eta]), np.array([q]))).run(start, 0.0, y, change=True).change
@@ -106,15 +91,13 @@ def test_the_contact_force_keeps_its_digits() -> None:
     assert np.abs(gone.force(y[moving]) * along - force).max() < 1e-13 * np.abs(force).max()
 
 
-def test_what_looks_see_is_what_the_history_says() -> None:
-    """Steps by the cam's angle and by the input's turn, and one that is cut at the end; β'' by (13)."""
+def test_the_samples_of_a_history_are_its_values_and_satisfy_13() -> None:
+    """Where the cam goes forward and back; θ̈/ω² = -β''/2π by the plain formulas of Kim's cam and (13)."""
     eta, q = 0.9, 0.2
-    gone = history(coefficients(KIM), eta, q, 0.01, 1.9)
-    seen = look(gone.steps, Swing.of(np.array([eta]), 0.01))
-    assert set(gone.steps.by_cam) == {0.0, 1.0}
-    assert seen.y.shape == (gone.steps.y.size, LOOKED_AT.size)
-    assert seen.y[-1, -1] == pytest.approx(1.9, abs=1e-13)
-    assert seen.part[:, [0, -1]] == pytest.approx(np.tile([0.0, 1.0], (gone.steps.y.size, 1)), abs=1e-10)
+    gone = history(coefficients(KIM), eta, q, 0.01, 2.9)
+    seen = gone.samples
+    assert (seen.rate > 1.0).any()
+    assert seen.y[-1, -1] == pytest.approx(2.9, abs=1e-13)
     inside = seen.y[:, 1:-1].ravel()
     for told, which in zip(gone.at(inside), (seen.beta, seen.rate), strict=True):
         assert np.abs(which[:, 1:-1].ravel() - told).max() < 1e-13
@@ -122,4 +105,4 @@ def test_what_looks_see_is_what_the_history_says() -> None:
     theta = np.mod(TAU * (inside - beta), TAU)
     bend = [push(eta, q, 0.01, t if t < np.pi else np.nan, b, r) for t, b, r in zip(theta, beta, rate, strict=True)]
     away = np.abs(np.mod(theta + 1.0, np.pi) - 1.0) > 1e-6
-    assert np.abs(seen.bend[:, 1:-1].ravel() - bend)[away].max() < 1e-9 * np.abs(bend).max()
+    assert np.abs(-TAU * seen.acceleration[:, 1:-1].ravel() - bend)[away].max() < 1e-12 * np.abs(bend).max()

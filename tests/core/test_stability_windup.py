@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from references import EPS, MP
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
 from core.stability import branch, histories, history, mean_wind_up, orbit, shoot
@@ -31,20 +32,6 @@ def test_the_wind_up_is_that_of_another_integrator(eta: float, q: float, damping
     assert eta != 2.0 or gone.turned_back is not None
 
 
-@pytest.mark.parametrize("name", ["kim", "parabolic", "high dwell", "layout c"])
-def test_half_steps_change_nothing(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    found = coefficients(HARD[name])
-    eta, q = np.array([0.9, 2.4, 5.1]), np.array([0.2, 0.05, 0.4])
-    whole = histories(found, eta, q, 0.0, 2.0)
-    for name, value in (("march.PANELS", 0.8), ("march.PHASE", 0.9), ("legs.TOGETHER", 0.9), ("legs.PHASE", 0.2)):
-        monkeypatch.setattr(f"core.stability.{name}", value)
-    y = np.linspace(0.0, 2.0, 300)
-    for one, other in zip(whole, histories(found, eta, q, 0.0, 2.0), strict=True):
-        assert other.steps.y.size > 1.3 * one.steps.y.size
-        # five turns of a fast shaft in one of a slow cam: ten digits, else twelve
-        assert np.abs(one.at(y)[0] - other.at(y)[0]).max() < (1e-8 if one.eta > 5.0 else 1e-12)
-
-
 def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
     """It turns back and comes again: in the dwell the shaft then stands at the same cam angle at three times."""
     run = by_runge_kutta(0.9, 0.2, 0.0, 5.0)
@@ -56,42 +43,34 @@ def test_a_cam_that_stands_thrice_at_an_angle_is_followed_through_all() -> None:
     assert all(np.abs(a - b).max() < 1e-11 for a, b in zip(ends, before, strict=True)), "no jump from step to step"
 
 
-@pytest.mark.parametrize("damping", [0.0, 0.03])
-def test_a_history_goes_on_from_any_of_its_states(damping: float) -> None:
-    """After a whole turn of the input, where the cam stands within a piece."""
-    found, eta, q = coefficients(KIM), 1.3, 0.3
+@pytest.mark.parametrize(("name", "eta", "q", "damping", "room"), [
+    ("kim", 1.3, 0.3, 0.0, 1e-11), ("kim", 1.3, 0.3, 0.03, 1e-11), ("parabolic", 2.4, 0.05, 0.0, 1e-12),
+    ("high dwell", 0.9, 0.2, 0.0, 1e-12), ("layout c", 5.1, 0.4, 0.0, 1e-8),
+])  # fmt: skip
+def test_a_history_goes_on_from_any_of_its_states(name: str, eta: float, q: float, damping: float, room: float) -> None:
+    """After a whole turn of the input, where the cam stands within a piece: every later step then lies elsewhere. The last is a
+    shaft of five swings in a turn of a slow cam, in which neighbouring histories soon part."""
+    found = coefficients(HARD[name])
     whole = history(found, eta, q, damping, 3.0)
     beta, rate = (float(each[0]) for each in whole.at(np.ones(1)))
-    inertia = 1.0 + q * kim(TAU * (1.0 - beta))[0]
+    inertia = 1.0 + q * found.panels.at(np.array([np.mod(TAU * (1.0 - beta), TAU)]), 1)[0, 0]
     later = history(found, eta, q, damping, 2.0, (beta, inertia * (1.0 - rate)))
     y = np.linspace(0.0, 2.0, 99)
-    assert abs(beta) > 1e-3
+    assert abs(beta) > 1e-4
     for one, other in zip(later.at(y), whole.at(y + 1.0), strict=True):
-        assert np.abs(one - other).max() < 1e-11
+        assert np.abs(one - other).max() < room * max(1.0, np.abs(other).max())
 
 
 # -- accuracy ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["kim", "parabolic", "layout c"])
-def test_the_error_told_is_the_error_there_is(name: str) -> None:
-    """Against a history that is good to all digits, which other tests hold to 50-digit values and another integrator."""
-    found, y = coefficients(HARD[name]), np.linspace(0.0, 3.0, 400)
-    for eta, q in ((2.4, 0.05), (2.0, 0.05), (0.9, 0.2)):
-        best = history(found, eta, q, 0.0, 3.0)
-        for wanted in (1e-4, 1e-7, 1e-10):
-            told = history(found, eta, q, 0.0, 3.0, error=wanted)
-            true = np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0]
-            assert true <= told.error + best.error
-            assert told.error <= 30.0 * wanted, "nor is it told much larger than it was wanted"
-
-
-def test_a_coarse_step_in_which_the_cam_slows_down_is_read_rightly() -> None:
-    """From 1.4 times the even speed to a third of it within one step: half its duration is a good part less of its turn."""
-    found, y = coefficients(HARD["layout c"]), np.linspace(0.0, 2.0, 500)
-    point = 4.254539120610717, 0.3366203881831747, 0.0, 2.0
-    best, told = history(found, *point), history(found, *point, error=1e-4)
-    assert np.abs(told.at(y)[0] - best.at(y)[0]).max() / best.largest[0] <= told.error + best.error <= 1e-4
+@pytest.mark.parametrize(("eta", "turns"), [(3.3, 10.0), (41.7, 2.0)])
+def test_a_bare_shaft_swings_as_in_closed_form_to_the_last_turn(eta: float, turns: float) -> None:
+    """At Q = 0, cos 2πηy: a rounding of y in each of hundreds of steps would move it by so many parts of its wave."""
+    y = np.linspace(0.0, turns, 301)
+    gone = history(coefficients(KIM), eta, 0.0, 0.0, turns, (0.02, 1.0))
+    wave = np.array([float(MP.cos(2 * MP.pi * MP.mpf(eta) * MP.mpf(t))) for t in y])
+    assert np.abs(gone.at(y)[0] / 0.02 - wave).max() < 4.0 * EPS * TAU * eta * turns
 
 
 def test_no_place_within_a_step_is_misread() -> None:
@@ -101,22 +80,14 @@ def test_no_place_within_a_step_is_misread() -> None:
     assert np.abs(np.diff(beta) - 0.5 * np.diff(y) * (rate[1:] + rate[:-1])).max() < 1e-9
 
 
-def test_a_fast_shaft_in_a_slow_cam_tells_its_error_closely() -> None:
-    """What a step's slope leaves out is wrong by much less in its integral: half steps find the tenth digit."""
-    assert history(coefficients(HARD["layout c"]), 5.1, 0.4, 0.0, 2.0).error < 3e-9
-
-
-def test_a_smaller_error_takes_more_sweeps_and_reaches_it() -> None:
+def test_the_wind_up_keeps_thirteen_digits() -> None:
     """Kim's cam at the benchmark's point against 50-digit values."""
     from benchmarks.exact import exact
     from benchmarks.exact_shafts import DAMPING, SPEED, TURNS
 
     there = exact("wind-up")
-    for wanted in (1e-3, 1e-5, 1e-7, 1e-9, 1e-11):
-        told = history(coefficients(KIM), SPEED, 0.05, DAMPING, TURNS, error=wanted)
-        true = there.error([told.at(np.array(there.at))[0]])
-        assert true <= wanted
-        assert true <= told.error <= 10.0 * wanted
+    found = history(coefficients(KIM), SPEED, 0.05, DAMPING, TURNS)
+    assert there.error([found.at(np.array(there.at))[0]]) <= 1e-13
 
 
 def test_points_side_by_side_are_the_points_alone() -> None:
