@@ -109,7 +109,18 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
         share = Constraint("length", length / problem.task.span)
         limits = [lambda forms: evaluator.setting(share, forms) / share.value - _one(forms)]
     found = least(evaluator, problem.constraints, goals, limits)
-    return problem.solution_at(found[1]) if found is not None else None
+    if found is None:
+        return None
+    if min(evaluator.equations.at(evaluator.family.constant, *found[1]), default=1.0) <= GONE:  # perhaps others are as gentle
+        limits += [partial(_above, evaluator, name) for name in evaluator.family.constant]
+        other = least(evaluator, problem.constraints, goals, limits)
+        found = other if other is not None and other[0] <= found[0] + 1e-9 else found
+    return problem.solution_at(found[1])
+
+
+def _above(evaluator: Evaluator, name: str, forms: np.ndarray) -> np.ndarray:
+    """By how much a constant velocity is higher than one that counts as gone."""
+    return evaluator.form(name, forms) - 1e3 * GONE * _one(forms)
 
 
 def _one(forms: np.ndarray) -> np.ndarray:

@@ -93,6 +93,17 @@ def test_the_best_keeps_what_is_set() -> None:
     assert as_motion(point).level(150.0) == pytest.approx(9.0, rel=1e-9)
 
 
+def test_of_equally_gentle_motions_one_keeps_its_constant_velocity() -> None:
+    """The torque is that of the rise, whose speed and length are set: that of the return leaves room for its CV2."""
+    given = {"vcv": 0.7758022957, "length": 6.9081050623}
+    wish = Request("DRRD", 20.0, 149.70505, 220.53792, "both", given, return_stroke=12.0, mirrored=False)
+    found = as_motion(best(wish, "torque"))
+    check_joins(found, harmonic=False)
+    assert found.settings()["h5"] > 0.0
+    rise = Motion(found.curves[:3], found.heights[:3], found.spans[:3])
+    assert cost(found, "torque") == pytest.approx(cost(rise, "torque"), rel=1e-12)
+
+
 @pytest.mark.parametrize(
     ("wish", "phrase"),
     [
