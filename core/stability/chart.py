@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.stability.coefficients import LOAD_SLOPE, Coefficients
-from core.stability.edges import tongues
+from core.stability.critical_speeds import Machine
 from core.stability.equations import APPROXIMATE, EXACT
-from core.stability.speeds import Machine
+from core.stability.floquet_edges import tongues
 from core.stability.tongues import ERROR, Tongues
 
 ROWS = 64

@@ -12,13 +12,13 @@ import numpy as np
 from core.errors import NoStability
 from core.stability import judgements, paper
 from core.stability.coefficients import INERTIA, LOAD_SLOPE, RETUNED, Coefficients
-from core.stability.edges import tongues
 from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.floquet_edges import tongues
 from core.stability.judgements import AGREES, DIFFERS, MISPRINT
 from core.stability.means import Averages, mean_wind_up
+from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.stage import Stability
 from core.stability.tongues import Tongues
-from core.stability.verdicts import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.windup import History, histories
 
 __all__ = ["AGREES", "DIFFERS", "FIGURES", "MISPRINT", "ROWS", "Claim", "claims", "require_kim"]

@@ -64,7 +64,7 @@ class Coefficients:
         return self.spring == FIXED
 
 
-def still(panels: Panels) -> np.ndarray:
+def is_dwell(panels: Panels) -> np.ndarray:
     """True (m,) where the train does not move: D = 1 and C = ψ = 0 on the whole panel."""
     return np.asarray(~panels.values.any(axis=(0, 2)))
 

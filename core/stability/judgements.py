@@ -11,7 +11,7 @@ from math import exp
 import numpy as np
 
 from core.stability.equations import APPROXIMATE, EXACT
-from core.stability.verdicts import FROM_REST, STEADY, Verdict
+from core.stability.model_comparison import FROM_REST, STEADY, Verdict
 
 AGREES, DIFFERS, MISPRINT = "agrees", "differs", "misprint"
 ROUNDING = 1e-12

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from core.findings import ERROR, NOTE, WARNING, Finding
-from core.stability.orbit import TOLERANCE
-from core.stability.speeds import CLEAR, NOTICEABLE, Band
+from core.stability.critical_speeds import CLEAR, NOTICEABLE, Band
 from core.stability.stage import Stability
+from core.stability.steady_response import TOLERANCE
 
 FIELD = "shaft.stiffness_nm_per_rad"
 

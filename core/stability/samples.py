@@ -8,7 +8,7 @@ import numpy as np
 
 from core.motion import TURN
 from core.stability.contact import Contact
-from core.stability.march import OUTSIDE, STAGES, Step
+from core.stability.integrator import OUTSIDE, STAGES, Step
 from core.stability.nonlinear import Equation
 from core.stability.panels import powers
 

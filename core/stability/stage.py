@@ -17,20 +17,20 @@ from core.motion import Program
 from core.stability.chart import ETA_MAX, count_up_to
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact, TrainAndShapeAt, contact
-from core.stability.edges import UNKNOWN, refined, tongues
+from core.stability.critical_speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.floquet import liouville
+from core.stability.floquet_edges import UNKNOWN, refined, tongues
 from core.stability.means import TIMES, Averages, mean_wind_up
-from core.stability.monodromy import liouville
-from core.stability.orbit import Orbit
-from core.stability.speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
-from core.stability.tongues import ERROR, Tongues, harmonic_tongues
-from core.stability.verdicts import (
+from core.stability.model_comparison import (
     PERIODS,
     Verdict,
     linear_verdicts,
     rest_verdict,
     steady_verdict,
 )
+from core.stability.steady_response import SteadyResponse
+from core.stability.tongues import ERROR, Tongues, harmonic_tongues
 from core.stability.windup import History, history
 
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
@@ -104,7 +104,7 @@ class Stability:
         return linear_verdicts(self.coefficients, self.machine.eta, self.machine.q, self.machine.damping)
 
     @cached_property
-    def steady(self) -> tuple[Verdict, Orbit | None, History | None]:
+    def steady(self) -> tuple[Verdict, SteadyResponse | None, History | None]:
         """The true steady response at the machine's own point, and what it says."""
         m = self.machine
         return steady_verdict(self.coefficients, m.eta, m.q, m.damping, self.contact)

@@ -11,7 +11,7 @@ from core.errors import NoStability
 from core.motion import TURN
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.march import March, Step
+from core.stability.integrator import Integrator, Step
 from core.stability.nonlinear import Equation, Points
 from core.stability.samples import SAMPLES, StepSamples, size_integrals
 
@@ -188,11 +188,11 @@ def histories(
 
     Raises NoStability where the equation cannot be followed from the very start.
     """
-    march = March(coefficients, Points(eta, q, damping))
-    gone = march.run(march.resting() if start is None else start, 0.0, periods, keep=True)
+    integrator = Integrator(coefficients, Points(eta, q, damping))
+    gone = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
     steps = Step.joined(gone.steps)
     found = []
-    for lane in range(march.eta.size):
+    for lane in range(integrator.eta.size):
         own = steps.only(np.flatnonzero(steps.lane == lane))
         if own.y.size == 0:
             raise NoStability(

@@ -8,7 +8,7 @@ from shafts import HARD, KIM, coefficients, kim_table, of, with_elastic
 
 from core.design import Design
 from core.errors import NoStability
-from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, still
+from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, is_dwell
 from core.stability.panels import NODES, fit
 from core.study import Study
 
@@ -98,7 +98,7 @@ def test_panels_cross_no_join_and_take_up_the_turn() -> None:
         assert np.allclose(panels.start + panels.width, np.append(panels.start[1:], 2.0 * np.pi), rtol=0.0, atol=1e-15)
         assert set(np.round(program.starts, 12)) <= set(np.round(panels.start, 12))
         assert (panels.width <= np.deg2rad(30.0) * (1.0 + 1e-12)).all()
-    still_ones = still(coefficients(KIM).panels)
+    still_ones = is_dwell(coefficients(KIM).panels)
     assert still_ones.sum() * np.deg2rad(30.0) == pytest.approx(np.pi)
 
 

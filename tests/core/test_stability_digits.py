@@ -9,7 +9,7 @@ from references import EPS, MP, off
 from shafts import HARD, KIM, coefficients, of, push
 
 from core.stability import history, monodromy
-from core.stability.march import March
+from core.stability.integrator import Integrator
 from core.stability.nonlinear import Points
 from core.stability.windup import History
 
@@ -61,7 +61,7 @@ def test_derivatives_through_jumps_of_the_inertia_keep_eleven_digits(name: str) 
     """Against differences of sixth order of histories, which pass joins exactly."""
     found, eta, q, step, y = coefficients(HARD[name]), 1.7, 0.2, 3e-4, 1.3
     start = np.array([0.01, 1.03])
-    change = March(found, Points(np.array([eta]), np.array([q]))).run(start, 0.0, y, change=True).change
+    change = Integrator(found, Points(np.array([eta]), np.array([q]))).run(start, 0.0, y, change=True).change
     assert change is not None
 
     def end(shift: np.ndarray) -> np.ndarray:

@@ -52,7 +52,7 @@ def test_a_far_chart_has_no_more_means_than_a_near_one() -> None:
 
 
 def test_what_cannot_be_followed_has_no_mean(monkeypatch: pytest.MonkeyPatch, few_averages: None) -> None:
-    monkeypatch.setattr("core.stability.march.FASTEST", 1.02)
+    monkeypatch.setattr("core.stability.integrator.FASTEST", 1.02)
     means = mean_wind_up(coefficients(KIM), (0.2,), 1.5)
     assert np.isnan(means.wind_up).all()
     assert np.isnan(means.slope).all()

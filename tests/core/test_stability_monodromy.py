@@ -1,4 +1,4 @@
-"""core.stability.monodromy: one turn, against thirty digits and against laws it was not computed from."""
+"""core.stability.floquet: one turn, against thirty digits and against laws it was not computed from."""
 
 from dataclasses import replace
 from functools import cache
@@ -15,7 +15,7 @@ from shafts import HARD, KIM, coefficients
 from core.project import loads
 from core.stability import APPROXIMATE, EXACT, monodromy
 from core.stability.coefficients import INERTIA
-from core.stability.monodromy import determinant, growth, liouville, zeros_at_standstill
+from core.stability.floquet import determinant, growth, liouville, zeros_at_standstill
 from core.study import Study
 
 POINTS = ((0.85, 0.1, 0.0), (2.0, 0.05, 0.01), (5.3, 0.4, 0.0), (0.3, 1.0, 0.05))

@@ -27,7 +27,7 @@ from core.stability import (
     tongues,
     verdicts,
 )
-from core.stability.speeds import CLEAR, RPM
+from core.stability.critical_speeds import CLEAR, RPM
 from core.study import STAGES, Study, evaluations
 from core.summary import summary
 

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from references import EPS, MP
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
-from core.stability import branch, histories, history, mean_wind_up, orbit, shoot
-from core.stability.march import March
+from core.stability import branch, histories, history, mean_wind_up, shoot, steady_response
+from core.stability.integrator import Integrator
 from core.stability.nonlinear import Points
-from core.stability.orbit import SCALE, _tangent
+from core.stability.steady_response import SCALE, _tangent
 from core.stability.windup import History
 
 TAU = 2.0 * np.pi
@@ -126,12 +126,12 @@ def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: 
     """By the state at the start and by η, through joins at which C jumps."""
     found, eta, q = coefficients(HARD[name]), 1.7, 0.2
     start, step = np.array([0.01, 1.03]), 1e-4
-    march = March(found, Points(np.array([eta]), np.array([q]), damping))
-    change = march.run(start, 0.0, 1.3, change=True).change
+    integrator = Integrator(found, Points(np.array([eta]), np.array([q]), damping))
+    change = integrator.run(start, 0.0, 1.3, change=True).change
     assert change is not None
 
     def end(shift: np.ndarray) -> np.ndarray:
-        other = March(found, Points(np.array([eta + shift[2]]), np.array([q]), damping))
+        other = Integrator(found, Points(np.array([eta + shift[2]]), np.array([q]), damping))
         return other.run(start + shift[:2], 0.0, 1.3).x[0]
 
     for column in range(3):
@@ -144,8 +144,8 @@ def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: 
 @given(st.sampled_from(sorted(HARD)), st.floats(0.4, 5.0), st.floats(1e-4, 0.4))
 @settings(max_examples=20)
 def test_without_damping_a_turn_keeps_areas(name: str, eta: float, q: float) -> None:
-    march = March(coefficients(HARD[name]), Points(np.array([eta]), np.array([q])))
-    change = march.run(march.resting(), 0.0, 1.0, change=True).change
+    integrator = Integrator(coefficients(HARD[name]), Points(np.array([eta]), np.array([q])))
+    change = integrator.run(integrator.resting(), 0.0, 1.0, change=True).change
     assert change is not None
     if np.isfinite(change).all():
         assert np.linalg.det(change[0, :, :2]) == pytest.approx(
@@ -231,7 +231,7 @@ def test_a_history_that_cannot_be_followed_ends_early_and_says_so() -> None:
 @pytest.mark.parametrize(("eta", "q"), [(0.85, 0.1), (1.5, 0.05), (2.1, 0.05), (5.25, 0.2)])
 def test_a_steady_response_repeats_and_its_matrix_is_its_stability(eta: float, q: float) -> None:
     found = coefficients(KIM)
-    steady = orbit(found, eta, q)
+    steady = steady_response(found, eta, q)
     assert steady is not None
     turns = history(found, eta, q, 0.0, 3.0, (float(steady.state[0]), float(steady.state[1])))
     y = np.linspace(0.0, 1.0, 50)
@@ -239,8 +239,8 @@ def test_a_steady_response_repeats_and_its_matrix_is_its_stability(eta: float, q
     assert steady.stable is (eta != 1.5), "at 1.5 it lies in the third tongue"
     # a small departure goes where the matrix says
     off = np.array([1e-6, -2e-6])
-    march = March(found, Points(np.array([eta]), np.array([q])))
-    moved = march.run(steady.state + off, 0.0, 1.0).x[0] - steady.state
+    integrator = Integrator(found, Points(np.array([eta]), np.array([q])))
+    moved = integrator.run(steady.state + off, 0.0, 1.0).x[0] - steady.state
     assert np.abs(moved - steady.matrix @ off).max() < 1e-9  # of 3e-5, to second order
 
 
@@ -250,7 +250,7 @@ def test_as_the_load_vanishes_the_last_word_is_that_of_21() -> None:
 
     found = coefficients(KIM)
     for q in (1e-3, 1e-4):
-        steady = orbit(found, 1.3, q)
+        steady = steady_response(found, 1.3, q)
         assert steady is not None
         linear = float(monodromy(found, np.array([1.3]), np.array([q])).trace[0])
         assert abs(steady.trace - linear) < 10.0 * q**2
@@ -259,7 +259,7 @@ def test_as_the_load_vanishes_the_last_word_is_that_of_21() -> None:
 
 def test_damping_makes_the_steady_response_attract() -> None:
     found = coefficients(KIM)
-    steady = orbit(found, 2.1, 0.05, 0.1)
+    steady = steady_response(found, 2.1, 0.05, 0.1)
     assert steady is not None
     assert steady.growth < -1.0
     late = history(found, 2.1, 0.05, 0.1, 11.0)
@@ -297,6 +297,6 @@ def test_a_search_that_runs_wild_finds_nothing() -> None:
 
 
 def test_a_cam_that_only_spins_is_lost_and_told_so() -> None:
-    lost = March(coefficients(KIM), Points(np.array([0.5]), np.array([1.0]))).run(np.array([0.0, 40.0]), 0.0, 1.0)
+    lost = Integrator(coefficients(KIM), Points(np.array([0.5]), np.array([1.0]))).run(np.array([0.0, 40.0]), 0.0, 1.0)
     assert np.isnan(lost.y).all()
     assert np.isnan(lost.x).all()

@@ -27,7 +27,7 @@ from core.stability import (
     tongues,
 )
 from core.stability.coefficients import LOAD_SLOPE
-from core.stability.verdicts import linear_verdicts, rest_verdict
+from core.stability.model_comparison import linear_verdicts, rest_verdict
 from core.study import Study
 
 REFERENCE = json.loads((Path(__file__).parent / "kim1990_tongues.json").read_text(encoding="utf-8"))

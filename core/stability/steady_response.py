@@ -16,8 +16,8 @@ from itertools import islice
 import numpy as np
 
 from core.stability.coefficients import Coefficients
-from core.stability.march import March
-from core.stability.monodromy import determinant, growth
+from core.stability.floquet import determinant, growth
+from core.stability.integrator import Integrator
 from core.stability.nonlinear import Points
 
 NEWTON = 30
@@ -33,7 +33,7 @@ SCALE = np.array([4.0, 1.0, 1.0])  # what β, Π and η count along the branch
 
 
 @dataclass(frozen=True, eq=False)
-class Orbit:
+class SteadyResponse:
     """A steady response.
 
     state     (2,) β and Π at y = 0
@@ -66,7 +66,7 @@ class Orbit:
 TOLERANCE = 1e-7  # of the growth, below which it is rounding: near a trace of 2 that is a root of its error
 
 
-def orbit(coefficients: Coefficients, eta: float, q: float, damping: float = 0.0) -> Orbit | None:
+def steady_response(coefficients: Coefficients, eta: float, q: float, damping: float = 0.0) -> SteadyResponse | None:
     """The steady response at a point: the one that the branch through the neighbouring calm η leads to; of two, from
     either side of a resonance, that of the smaller wind-up. None where neither reaches the point.
     """
@@ -85,8 +85,8 @@ def _wildness(state: np.ndarray) -> float:
 
 
 def _led(
-    coefficients: Coefficients, calm: float, eta: float, q: float, damping: float, known: Orbit | None
-) -> Orbit | None:
+    coefficients: Coefficients, calm: float, eta: float, q: float, damping: float, known: SteadyResponse | None
+) -> SteadyResponse | None:
     """From a calm η along the branch until it first comes to the wanted one; None where it does not, or only wilder than
     the response known already."""
     most = _wildness(known.state) if known is not None else 1.0
@@ -106,22 +106,24 @@ def _led(
     return None
 
 
-def shoot(coefficients: Coefficients, eta: float, q: float, damping: float, guess: np.ndarray | None) -> Orbit | None:
+def shoot(
+    coefficients: Coefficients, eta: float, q: float, damping: float, guess: np.ndarray | None
+) -> SteadyResponse | None:
     """The steady response near a guess (2,), or near an even turn; None where Newton's method does not settle."""
-    march = March(coefficients, Points(np.array([eta]), np.array([q]), damping))
-    state = (march.resting() if guess is None else np.array([guess], dtype=float))[0]
-    best: Orbit | None = None
+    integrator = Integrator(coefficients, Points(np.array([eta]), np.array([q]), damping))
+    state = (integrator.resting() if guess is None else np.array([guess], dtype=float))[0]
+    best: SteadyResponse | None = None
     for _ in range(NEWTON):
         if _wildness(state) > 2.0:
             return None
-        gone = march.run(state[None], 0.0, 1.0, change=True)
+        gone = integrator.run(state[None], 0.0, 1.0, change=True)
         if gone.change is None or not np.isfinite(gone.x).all():
             return None
         matrix, miss = gone.change[0, :, :2], gone.x[0] - state
         residual = float(np.abs(miss).max())
         if best is not None and residual >= best.residual and residual <= 1e3 * CLOSE:
             return best  # rounding is all that is left
-        best = Orbit(eta, q, damping, state, matrix, residual)
+        best = SteadyResponse(eta, q, damping, state, matrix, residual)
         if residual <= CLOSE * (1.0 + np.abs(state).max()):
             return best
         try:
@@ -132,13 +134,15 @@ def shoot(coefficients: Coefficients, eta: float, q: float, damping: float, gues
     return None
 
 
-def branch(coefficients: Coefficients, start: Orbit, way: float, longest: float = LONGEST_ARC) -> Iterator[Orbit]:
-    """Steady responses along the branch from one of them, at first towards larger (way +1) or smaller (-1) η, through
+def branch(
+    coefficients: Coefficients, start: SteadyResponse, direction: float, longest: float = LONGEST_ARC
+) -> Iterator[SteadyResponse]:
+    """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
     folds; ends where the branch cannot be followed or becomes wild. Whoever asks stops when it has seen enough."""
     q, damping = start.q, start.damping
     point = np.array([*start.state, start.eta])
     tangent = _tangent(_derivatives(coefficients, point, q, damping)[1])
-    tangent *= np.sign(tangent[2]) * way
+    tangent *= np.sign(tangent[2]) * direction
     arc = min(ARC, longest)
     for _ in range(MOST_POINTS):
         found = _corrected(coefficients, point, tangent, arc, q, damping)
@@ -156,7 +160,7 @@ def branch(coefficients: Coefficients, start: Orbit, way: float, longest: float 
         point, tangent = new, turned
         if _wildness(point[:2]) > 1.0:
             return
-        yield Orbit(float(point[2]), q, damping, point[:2], slopes[:, :2] + np.eye(2), miss)
+        yield SteadyResponse(float(point[2]), q, damping, point[:2], slopes[:, :2] + np.eye(2), miss)
         arc = min(longest, arc * (1.5 if sweeps <= 4 else 0.7))
 
 
@@ -164,8 +168,8 @@ def _derivatives(
     coefficients: Coefficients, point: np.ndarray, q: float, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a turn misses its start by (2,), and its derivatives (2, 3) by β, Π and η."""
-    march = March(coefficients, Points(point[2:], np.array([q]), damping))
-    gone = march.run(point[None, :2], 0.0, 1.0, change=True)
+    integrator = Integrator(coefficients, Points(point[2:], np.array([q]), damping))
+    gone = integrator.run(point[None, :2], 0.0, 1.0, change=True)
     assert gone.change is not None
     return gone.x[0] - point[:2], gone.change[0] - np.eye(2, 3)
 

@@ -15,10 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from core.motion import EPS
+from core.stability.arrays import Arrays
 from core.stability.coefficients import Coefficients
 from core.stability.equations import EXACT
-from core.stability.lanes import Lanes
-from core.stability.monodromy import determinant, monodromy, size, zeros_at_standstill
+from core.stability.floquet import determinant, monodromy, size, zeros_at_standstill
 from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
 STEPS = 40
@@ -106,7 +106,7 @@ def _doubt_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, 
 
 
 @dataclass(frozen=True, eq=False)
-class _Points(Lanes):
+class _Points(Arrays):
     """Points that are worked on side by side: η, Q and the multiplier that is looked for (L,)."""
 
     eta: np.ndarray

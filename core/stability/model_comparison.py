@@ -10,8 +10,8 @@ import numpy as np
 from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
 from core.stability.equations import APPROXIMATE, EQUATIONS, EXACT
-from core.stability.monodromy import monodromy
-from core.stability.orbit import TOLERANCE, Orbit, orbit
+from core.stability.floquet import monodromy
+from core.stability.steady_response import TOLERANCE, SteadyResponse, steady_response
 from core.stability.windup import History, history
 
 STEADY, FROM_REST = "steady", "from_rest"
@@ -64,9 +64,9 @@ def linear_verdicts(
 
 def steady_verdict(
     coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, contact: Contact | None = None
-) -> tuple[Verdict, Orbit | None, History | None]:
+) -> tuple[Verdict, SteadyResponse | None, History | None]:
     """The last word, with the response it is about and one turn of it."""
-    found = orbit(coefficients, eta, q, damping)
+    found = steady_response(coefficients, eta, q, damping)
     if found is None:
         return Verdict(STEADY, None), None, None
     state = (float(found.state[0]), float(found.state[1]))

@@ -15,8 +15,8 @@ import numpy as np
 
 from core.cancellation import checkpoint
 from core.motion import EPS, TURN
-from core.stability.coefficients import Coefficients, still
-from core.stability.lanes import Lanes
+from core.stability.arrays import Arrays
+from core.stability.coefficients import Coefficients, is_dwell
 from core.stability.nonlinear import Equation, Points
 from core.stability.panels import gauss, integrals, integration, powers
 
@@ -40,7 +40,7 @@ _WITHIN = integration(STAGES)
 
 
 @dataclass(frozen=True, eq=False)
-class Step(Lanes):
+class Step(Arrays):
     """One step of some lanes.
 
     lane         (n,) which
@@ -78,7 +78,7 @@ class Step(Lanes):
 
 
 @dataclass(frozen=True, eq=False)
-class Marched:
+class Trajectories:
     """Where the lanes have come to.
 
     y, x    (L,), (L, 2): β and Π there; nan where a lane was lost
@@ -94,7 +94,7 @@ class Marched:
 
 @dataclass(eq=False)
 class _State:
-    """Where the lanes are now, and until where they go; see ``Marched`` and ``Step``."""
+    """Where the lanes are now, and until where they go; see ``Trajectories`` and ``Step``."""
 
     y: np.ndarray
     until: np.ndarray
@@ -104,13 +104,13 @@ class _State:
     change: np.ndarray | None
 
 
-class March(Equation):
+class Integrator(Equation):
     """The equation of some points, ready to be marched."""
 
     def __init__(self, coefficients: Coefficients, points: Points) -> None:
         super().__init__(coefficients, points)
         panels = coefficients.panels
-        width = np.where(still(panels), TURN, panels.width)
+        width = np.where(is_dwell(panels), TURN, panels.width)
         self._widest = PANELS * np.minimum.reduceat(width, self.first) / TURN  # by piece
         self._waves = PHASE / (2.0 * pi * np.maximum(self.eta, 1e-3))
 
@@ -118,7 +118,7 @@ class March(Equation):
         """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
         return np.minimum(self._widest[state.piece[lane]], self._waves[lane])
 
-    def run(self, start: np.ndarray, y0: Turns, y1: Turns, *, change: bool = False, keep: bool = False) -> Marched:
+    def run(self, start: np.ndarray, y0: Turns, y1: Turns, *, change: bool = False, keep: bool = False) -> Trajectories:
         """From states (L, 2) = (β, Π) at y0 to y1 [turns of the input], all lanes' or each one's own (L,); change: with
         their derivatives; keep: with all steps."""
         lanes = self.eta.size
@@ -144,7 +144,7 @@ class March(Equation):
             going = going[state.y[going] < done_at[going]]  # nan is not
         state.x[np.isnan(state.y)] = np.nan
         state.y[:] = np.where(state.y >= done_at, until, state.y)
-        return Marched(state.y, state.x, state.change, tuple(steps))
+        return Trajectories(state.y, state.x, state.change, tuple(steps))
 
     def _place(self, state: _State) -> None:
         """Find the piece of each lane; where it stands on a join, that on the side it goes to."""
@@ -182,7 +182,7 @@ class March(Equation):
             h, aim = _next_guess(trial, h, aim, settled & left & inside_time, theta, outside, ends)
             lane, h, aim = lane[~good], h[~good], aim[~good]
             crossing = np.flatnonzero(h < LEAST)
-            if crossing.size:  # on a join and on its way to the other side
+            if crossing.size:  # on a join and moves to the other side
                 at = lane[crossing]
                 theta_now = TURN * (state.y[at] - state.x[at, 0])
                 near = np.abs(theta_now[:, None] - self._ends(state, at)).argmin(axis=1)
@@ -265,18 +265,20 @@ class March(Equation):
         # (1 - h A ⊗ J) rates = J before + by_eta
         right = jacobian @ before[:, None]
         right[..., 2] += by_eta
-        rates = np.linalg.solve(self._system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(n, STAGES, 2, 3)
+        rates = np.linalg.solve(self._system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(
+            n, STAGES, 2, 3
+        )
         return before + step.h[:, None, None] * np.einsum("s,nskl->nkl", _WEIGHTS, rates)
 
-    def _leave(self, state: _State, lane: np.ndarray, way: np.ndarray) -> None:
-        """Put lanes into the piece after (way +1) or before (-1) theirs; where C jumps there, so do the derivatives.
+    def _leave(self, state: _State, lane: np.ndarray, velocity_sign: np.ndarray) -> None:
+        """Put lanes into the piece after (velocity_sign +1) or before (-1) theirs; where C jumps there, so do the derivatives.
 
         A state that is off by δx passes the join by δτ = δβ/(1-β') later, and δx jumps by (f⁻ - f⁺) δτ.
         """
         if lane.size == 0:
             return
         old, turn, count = state.piece[lane], state.turn[lane], self.begins.size
-        new, new_turn = (old + way) % count, turn + (old + way) // count
+        new, new_turn = (old + velocity_sign) % count, turn + (old + velocity_sign) // count
         if state.change is not None:
             y, x = state.y[lane, None], state.x[lane, None]
             here, there = self.rate(lane, old, turn, y, x)[:, 0], self.rate(lane, new, new_turn, y, x)[:, 0]

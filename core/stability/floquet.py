@@ -16,7 +16,7 @@ import numpy as np
 
 from core.cancellation import checkpoint
 from core.motion import EPS, TURN
-from core.stability.coefficients import Coefficients, still
+from core.stability.coefficients import Coefficients, is_dwell
 from core.stability.equations import EXACT, inertia_and_pull, weight_and_potential
 from core.stability.panels import NODES, gauss, integration
 
@@ -101,7 +101,7 @@ def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -
     panel holds any wave. A short steep segment narrows itself and nothing else."""
     w, p = weight_and_potential(coefficients, equation, np.array([q]))
     fastest = np.sqrt(np.abs(eta * eta * w[0] + p[0]).max(axis=1))
-    panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300), ~still(coefficients.panels))
+    panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300), ~is_dwell(coefficients.panels))
     return coefficients if panels is coefficients.panels else replace(coefficients, panels=panels)
 
 
@@ -118,7 +118,7 @@ def _each_panel(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Maps (L, m, 2, 2) of the panels, their derivatives by η, and 4π ζ_d η ∫ dy/D of the turn (L,)."""
     panels = coefficients.panels
-    at_rest = still(panels)
+    at_rest = is_dwell(panels)
     live = np.flatnonzero(~at_rest)
     width = panels.width / TURN
     maps = np.empty((eta.size, panels.count, 2, 2))

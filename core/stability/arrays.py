@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 
-class Lanes:
+class Arrays:
     """A dataclass whose fields are all arrays (n, ...)."""
 
     def only(self, at: np.ndarray) -> Self:

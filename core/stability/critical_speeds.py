@@ -8,9 +8,9 @@ from math import pi, sqrt
 import numpy as np
 
 from core.stability.coefficients import LOAD, LOAD_SLOPE, RETUNED, Coefficients
-from core.stability.edges import tongues
 from core.stability.equations import EXACT
-from core.stability.monodromy import monodromy
+from core.stability.floquet import monodromy
+from core.stability.floquet_edges import tongues
 from core.stability.tongues import Tongues
 
 RPM = 30.0 / pi
