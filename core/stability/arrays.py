@@ -1,4 +1,4 @@
-"""What is known of many points side by side, as arrays with the same first axis."""
+"""Dataclasses of arrays with the same first axis."""
 
 from __future__ import annotations
 
@@ -12,6 +12,6 @@ class Arrays:
     """A dataclass whose fields are all arrays (n, ...)."""
 
     def only(self, at: np.ndarray) -> Self:
-        """Some of them."""
+        """The rows ``at``: indices or a mask (n,)."""
         mine: Any = self
         return type(self)(*(getattr(self, f.name)[at] for f in fields(mine)))

@@ -172,17 +172,17 @@ def zeros_at_standstill(coefficients: Coefficients, q: float, equation: str = EX
 def _terms(
     coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float, live: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """p0, dp0/dη and p1/η (None without damping) of each lane at the nodes of the live panels (L, m, NODES)."""
+    """p0, dp0/dη and p1/η (None without damping) of each point at the nodes of the live panels (L, m, NODES)."""
     rows, at = np.unique(q, return_inverse=True)
     w, p = (f[:, live][at] for f in weight_and_potential(coefficients, equation, rows))
-    lanes = eta[:, None, None]
-    p0_slope = (8.0 * pi * pi * lanes) * w
-    p0 = (0.5 * lanes) * p0_slope + (4.0 * pi * pi) * p
+    etas = eta[:, None, None]
+    p0_slope = (8.0 * pi * pi * etas) * w
+    p0 = (0.5 * etas) * p0_slope + (4.0 * pi * pi) * p
     if not damping:
         return p0, p0_slope, None
     d, c, _ = (f[:, live][at] for f in inertia_and_pull(coefficients, equation, rows))
     shift = (8.0 * pi * pi * damping) * c / (d * d)
-    return p0 - lanes * shift, p0_slope - shift, (4.0 * pi * damping) / d
+    return p0 - etas * shift, p0_slope - shift, (4.0 * pi * damping) / d
 
 
 def _resting_maps(width: np.ndarray, eta: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:

@@ -78,8 +78,8 @@ def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) ->
         edges[open_ones] = np.maximum(start, 0.0)  # nan stays
     for side in (0, 1):
         at = np.flatnonzero(edges[:, side] > 0.0)
-        lanes = replace(tasks.only(at), eta=edges[at, side])
-        edges[at, side], wrong[at, side] = _newton(coefficients, lanes, 2.0 * side - 1.0, found.equation, damping)
+        points = replace(tasks.only(at), eta=edges[at, side])
+        edges[at, side], wrong[at, side] = _newton(coefficients, points, 2.0 * side - 1.0, found.equation, damping)
     _doubt_zeros(coefficients, found, edges, wrong)
     closed = np.isnan(edges).any(axis=1)
     edges[closed] = wrong[closed] = np.nan
@@ -123,15 +123,15 @@ class _Pencil:
     wrong: np.ndarray
 
 
-def _pencil(coefficients: Coefficients, lanes: _Points, equation: str, damping: float) -> _Pencil:
-    turn = monodromy(coefficients, lanes.eta, lanes.q, equation, damping)
-    e, k = turn.matrix - lanes.sign[:, None, None] * np.eye(2), turn.slope
+def _pencil(coefficients: Coefficients, points: _Points, equation: str, damping: float) -> _Pencil:
+    turn = monodromy(coefficients, points.eta, points.q, equation, damping)
+    e, k = turn.matrix - points.sign[:, None, None] * np.eye(2), turn.slope
     across = e[:, 0, 0] * k[:, 1, 1] - e[:, 0, 1] * k[:, 1, 0] - e[:, 1, 0] * k[:, 0, 1] + e[:, 1, 1] * k[:, 0, 0]
     square = determinant(k)
     middle = -0.5 * across / square
     room = middle * middle - determinant(e) / square
     # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
-    wrong = turn.error * size(k, lanes.eta) / np.abs(square)
+    wrong = turn.error * size(k, points.eta) / np.abs(square)
     # where a turn grows a millionfold, det E is the small difference of large products
     rounding = ROUNDING * EPS * (np.abs(e[:, 0, 0] * e[:, 1, 1]) + np.abs(e[:, 0, 1] * e[:, 1, 0])) / np.abs(square)
     wrong = wrong + rounding / np.maximum(np.sqrt(np.abs(room) + rounding), 1e-300)
@@ -142,14 +142,14 @@ def _pencil(coefficients: Coefficients, lanes: _Points, equation: str, damping: 
     return _Pencil(middle, room, wrong)
 
 
-def _open_roots(coefficients: Coefficients, lanes: _Points, equation: str, damping: float) -> np.ndarray:
+def _open_roots(coefficients: Coefficients, points: _Points, equation: str, damping: float) -> np.ndarray:
     """First guesses (L, 2) of the edges with damping, starting in the middle of each tongue; nan where it is closed."""
-    out = np.full((lanes.eta.size, 2), np.nan)
-    eta, at = lanes.eta.copy(), np.arange(lanes.eta.size)
+    out = np.full((points.eta.size, 2), np.nan)
+    eta, at = points.eta.copy(), np.arange(points.eta.size)
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = _pencil(coefficients, replace(lanes.only(at), eta=eta[at]), equation, damping)
+        found = _pencil(coefficients, replace(points.only(at), eta=eta[at]), equation, damping)
         there = found.room >= 0.0
         centre, half = eta[at] + found.middle, np.sqrt(np.abs(found.room))
         out[at[there]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[there]
@@ -160,17 +160,17 @@ def _open_roots(coefficients: Coefficients, lanes: _Points, equation: str, dampi
 
 
 def _newton(
-    coefficients: Coefficients, lanes: _Points, side: float, equation: str, damping: float
+    coefficients: Coefficients, points: _Points, side: float, equation: str, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The lower (side -1) or upper (+1) edge near each lane's η (L,), 0 where η² would be negative, nan where there is
+    """The lower (side -1) or upper (+1) edge near each point's η (L,), 0 where η² would be negative, nan where there is
     none; and what it may be wrong by."""
-    eta, wrong = lanes.eta.copy(), np.zeros(lanes.eta.size)
+    eta, wrong = points.eta.copy(), np.zeros(points.eta.size)
     last, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
     at = np.arange(eta.size)
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = _pencil(coefficients, replace(lanes.only(at), eta=eta[at]), equation, damping)
+        found = _pencil(coefficients, replace(points.only(at), eta=eta[at]), equation, damping)
         step = found.middle + side * np.sqrt(np.maximum(found.room, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
         length = np.abs(step)

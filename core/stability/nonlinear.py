@@ -4,7 +4,7 @@ D β'' - 2πQ C (1-β')² + 4πζη β' + 4π²η² β = 2πQ U at θ = 2π(y - 
 
     β' = 1 - Π/D,    Π' = 2πQ C (Π/D)² - 2πQ U + 4π²η² β + 4πζη β',
 
-in which nothing has to be differentiated that jumps where X'' does. Many points of the chart stand side by side as lanes.
+in which no derivative occurs of what jumps where X'' does. Arrays (m, ...) hold m points of the chart in parallel.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from core.motion import TURN
 from core.stability.coefficients import Coefficients
 from core.stability.panels import NODES, powers
 
-FAR = 3.0  # half widths from a panel's middle: only a trial that fails gets there, and it shall fail without overflow
+FAR = 3.0  # [half widths of a panel] limit of extrapolation: an attempt that goes so far fails, and must not overflow
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Points of the chart that are marched side by side: η, Q and damping ratio (L,)."""
+    """m points of the chart: η and Q (m,), one damping ratio."""
 
     eta: np.ndarray
     q: np.ndarray
@@ -31,7 +31,7 @@ class Points:
 
 
 class Equation:
-    """The equation at some points of the chart (L,).
+    """Equation (13) at m points of the chart.
 
     begins, ends  (pieces,) cam angles of the motion's pieces [rad]
     """
@@ -52,13 +52,13 @@ class Equation:
         self._load = 2.0 * pi * self.q * (self.eta**2 if coefficients.fixed else np.ones_like(self.eta))
 
     def resting(self) -> np.ndarray:
-        """States (L, 2) of β = β' = 0 at y = 0, where Π = D."""
+        """States (m, 2) of β = β' = 0 at y = 0, where Π = D."""
         d = self._panels.at(np.zeros(1), 1)[0, 0]
         return np.stack((np.zeros(self.eta.size), 1.0 + self.q * d), axis=1)
 
     def local(self, rows: int, piece: np.ndarray, turn: np.ndarray, theta: np.ndarray) -> np.ndarray:
-        """The first ``rows`` of d, C, U, κ, ψ (rows, n, s) at cam angles (n, s) [rad] by the polynomials of the lanes'
-        pieces, which go on beyond their ends."""
+        """The first ``rows`` of d, C, U, κ, ψ (rows, n, s) at cam angles (n, s) [rad] by the polynomials of the given
+        pieces, extrapolated beyond their ends."""
         rest = theta - TURN * turn[:, None]
         at = np.searchsorted(self._panels.start, rest, side="right") - 1
         at = np.minimum(np.maximum(at, self.first[piece, None]), self.last[piece, None])
@@ -66,36 +66,36 @@ class Equation:
         t = np.minimum(np.maximum(t, -FAR), FAR)
         return np.einsum("nsrk,nsk->rns", self._powers[at, :rows], powers(t, NODES))
 
-    def rate(self, lane: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray) -> np.ndarray:
+    def rate(self, index: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray) -> np.ndarray:
         """β' and Π' (n, s, 2) of states x (n, s, 2) at y (n, s)."""
         beta, momentum = x[..., 0], x[..., 1]
         d, c, u = self.local(3, piece, turn, TURN * (y - beta))
-        q = self.q[lane, None]
+        q = self.q[index, None]
         speed = momentum / (1.0 + q * d)
         out = np.empty_like(x)
         out[..., 0] = 1.0 - speed
-        force = (2.0 * pi * q) * c * speed * speed - self._load[lane, None] * u + self.stiff[lane, None] * beta
-        out[..., 1] = force + self.damp[lane, None] * out[..., 0] if self.damping else force
+        force = (2.0 * pi * q) * c * speed * speed - self._load[index, None] * u + self.stiff[index, None] * beta
+        out[..., 1] = force + self.damp[index, None] * out[..., 0] if self.damping else force
         return out
 
     def velocities(
-        self, lane: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray
+        self, index: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """β' and, by (13), β'' (n, s) of states x (n, s, 2) at y (n, s)."""
         d, c, u = self.local(3, piece, turn, TURN * (y - x[..., 0]))
-        q = self.q[lane, None]
+        q = self.q[index, None]
         inertia = 1.0 + q * d
         speed = x[..., 1] / inertia
-        force = (TURN * q) * c * speed * speed + self._load[lane, None] * u - self.stiff[lane, None] * x[..., 0]
-        return 1.0 - speed, (force - self.damp[lane, None] * (1.0 - speed)) / inertia
+        force = (TURN * q) * c * speed * speed + self._load[index, None] * u - self.stiff[index, None] * x[..., 0]
+        return 1.0 - speed, (force - self.damp[index, None] * (1.0 - speed)) / inertia
 
     def jacobian(
-        self, lane: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray
+        self, index: np.ndarray, piece: np.ndarray, turn: np.ndarray, y: np.ndarray, x: np.ndarray
     ) -> np.ndarray:
         """Derivatives (n, s, 2, 3) of β' and Π' by β, Π and η."""
         beta, momentum = x[..., 0], x[..., 1]
         d, c, u, k, u1 = self.local(5, piece, turn, TURN * (y - beta))
-        q, damp, load = self.q[lane, None], self.damp[lane, None], self._load[lane, None]
+        q, damp, load = self.q[index, None], self.damp[index, None], self._load[index, None]
         whole = 1.0 + q * d
         speed = momentum / whole
         by_theta = -2.0 * q * c * speed / whole  # of the speed
@@ -103,9 +103,9 @@ class Equation:
         out[..., 0, 0] = TURN * by_theta
         out[..., 0, 1] = -1.0 / whole
         force = TURN * q * (k * speed * speed + 2.0 * c * speed * by_theta) - load * u1 - damp * by_theta
-        out[..., 1, 0] = -TURN * force + self.stiff[lane, None]
+        out[..., 1, 0] = -TURN * force + self.stiff[index, None]
         out[..., 1, 1] = (2.0 * TURN * q * c * speed - damp) / whole
-        eta = self.eta[lane, None]
+        eta = self.eta[index, None]
         out[..., 1, 2] = 2.0 * TURN * TURN * eta * beta + 2.0 * TURN * self.damping * (1.0 - speed)
         if self.coefficients.fixed:
             out[..., 1, 2] -= 2.0 * TURN * q * eta * u

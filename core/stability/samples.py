@@ -44,7 +44,7 @@ class StepSamples:
         y = steps.y[:, None] + steps.h[:, None] * part
         theta = TURN * (y - x[..., 0] - steps.turn[:, None])
         middle = 0.5 * (equation.begins + equation.ends)[steps.piece]
-        rate, second = equation.velocities(steps.lane, steps.piece, steps.turn, y, x)
+        rate, second = equation.velocities(steps.trajectory, steps.piece, steps.turn, y, x)
         return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
 
     def moves(self, contact: Contact) -> np.ndarray:

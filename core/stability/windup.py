@@ -192,13 +192,13 @@ def histories(
     gone = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
     steps = Step.joined(gone.steps)
     found = []
-    for lane in range(integrator.eta.size):
-        own = steps.only(np.flatnonzero(steps.lane == lane))
+    for index in range(integrator.eta.size):
+        own = steps.only(np.flatnonzero(steps.trajectory == index))
         if own.y.size == 0:
             raise NoStability(
                 "the wind-up cannot be followed from its start", "shaft.camshaft_inertia_kg_m2", "enlarge it"
             )
-        ended = periods if np.isfinite(gone.y[lane]) else float(own.y[-1] + own.h[-1])
-        own = replace(own, lane=np.zeros_like(own.lane))
-        found.append(History(coefficients, float(eta[lane]), float(q[lane]), damping, periods, own, ended, contact))
+        ended = periods if np.isfinite(gone.y[index]) else float(own.y[-1] + own.h[-1])
+        own = replace(own, trajectory=np.zeros_like(own.trajectory))
+        found.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
     return tuple(found)
