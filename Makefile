@@ -139,7 +139,7 @@ stress: .venv/.ready
 
 fuzz: export KINDYNA_FUZZ_SECONDS ?= 600
 fuzz: .venv/.ready
-	@.venv/bin/python -m pytest -q -m fuzz $(ARGS)
+	@.venv/bin/python -m pytest -q -m fuzz tests/gui $(ARGS)
 
 soak: .venv/.ready
 	@.venv/bin/python -m pytest -q -m soak $(ARGS)

@@ -11,6 +11,7 @@ import pytest
 PROGRAM = Path(__file__).resolve().parent.parent / "random_user.py"
 BUDGET_S = int(os.environ.get("KINDYNA_FUZZ_SECONDS", "600"))
 FIRST = int(os.environ.get("KINDYNA_FUZZ_SEED", "101"))
+STARTING_S = 12  # of the budget goes into finding the tests and starting windows
 SEEDS = min(20, max(2, BUDGET_S // 15))
 PATIENCE_S = 120  # beyond its own time, before a user counts as hanging
 
@@ -37,5 +38,5 @@ def test_a_random_user_finds_nothing_wrong(seed: int, tmp_path: Path) -> None:
 @pytest.mark.fuzz
 @pytest.mark.parametrize("seed", range(FIRST, FIRST + SEEDS))
 def test_random_users_find_nothing_wrong_for_long(seed: int, tmp_path: Path) -> None:
-    share = BUDGET_S / SEEDS
+    share = max(BUDGET_S - STARTING_S, STARTING_S) / SEEDS
     use(seed, tmp_path / "notes.txt", ("--seconds", str(share)), share + PATIENCE_S)
