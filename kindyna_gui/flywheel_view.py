@@ -18,7 +18,11 @@ from kindyna_gui.view import View
 from kindyna_gui.wording import step_text
 
 HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
-_PEAKS = {"drive_torque": "Cam torque", "motor_torque": "Motor torque, with the flywheel fitted"}
+_PEAKS = {
+    "drive_torque": "Cam torque",
+    "driver_torque": "Driver torque",
+    "motor_torque": "Motor torque, with the flywheel fitted",
+}
 
 
 def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> Row:
@@ -85,7 +89,10 @@ class FlywheelView(View):
         ]  # fmt: skip
 
     def _peaks(self, study: Study, floor: float) -> list[Row]:
-        names = [name for name in _PEAKS if study.quantities("dynamics")[name].exists(study)]
+        known = study.quantities("dynamics")
+        names = [name for name in _PEAKS if name in known and known[name].exists(study)]
+        if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it
+            names.remove("driver_torque")
         found = study.extremes("dynamics", tuple(names))
         rows = []
         for name in names:

@@ -19,6 +19,7 @@ from PySide6.QtWidgets import (
     QPushButton,
     QWidget,
 )
+from shiboken6 import isValid
 
 EVERY_MS = 10
 STEPS = 14  # in one dialog before it is left
@@ -88,7 +89,8 @@ class Answers:
     # -- dialogs ------------------------------------------------------------------------------------------
 
     def _in_dialog(self, dialog: QWidget) -> None:
-        steps = self._steps[id(dialog)] = self._steps.get(id(dialog), 0) + 1
+        key = id(dialog)
+        steps = self._steps[key] = self._steps.get(key, 0) + 1
         if steps == 1:
             self._note(f"  dialog: {type(dialog).__name__} {dialog.windowTitle()!r} {said(dialog)!r}")
         if isinstance(dialog, QProgressDialog):  # it goes by itself
@@ -97,7 +99,7 @@ class Answers:
                 dialog.cancel()
         elif steps > PATIENCE:
             self._faults.append(f"cannot leave {type(dialog).__name__} {dialog.windowTitle()!r}")
-            del self._steps[id(dialog)]
+            del self._steps[key]
             dialog.close()
         elif isinstance(dialog, QFileDialog):
             self._in_file_dialog(dialog, steps)
@@ -109,8 +111,8 @@ class Answers:
             self._press(dialog)
         else:
             self._escape(dialog)
-        if not dialog.isVisible():
-            self._steps.pop(id(dialog), None)
+        if not isValid(dialog) or not dialog.isVisible():
+            self._steps.pop(key, None)
 
     def _press(self, dialog: QWidget) -> None:
         buttons = [b for b in dialog.findChildren(QPushButton) if b.isVisible() and b.isEnabled()]
@@ -124,7 +126,7 @@ class Answers:
     def _escape(self, dialog: QWidget) -> None:
         self._note("  Escape")
         QTest.keyClick(dialog, Qt.Key.Key_Escape)
-        if dialog.isVisible() and isinstance(dialog, QDialog):  # a key may have other uses in an editor
+        if isValid(dialog) and dialog.isVisible() and isinstance(dialog, QDialog):  # a key may have other uses in an editor
             dialog.reject()
 
     def _in_file_dialog(self, dialog: QFileDialog, steps: int) -> None:

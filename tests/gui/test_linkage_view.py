@@ -347,3 +347,12 @@ def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported
     assert [what for what, _ in user.faults] == ["There is no picture to export.", "There are no numbers to export."]
     assert all(lines[0].startswith("No cam makes this linkage move") for _, lines in user.faults)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(open_user: Open) -> None:
+    user = open_user(example("watt_six_bar"), plots=False)
+    user.choose("Stability", "Give it a shaft")
+    view = user.see("flywheel")
+    labels = [row.cells[0] for row in view.table.rows.rows]  # type: ignore[attr-defined]
+    assert "Driver torque, highest" in labels
+    assert not any(label.startswith("Cam torque") for label in labels)
