@@ -2,6 +2,8 @@
 
 import gc
 import sys
+import threading
+import traceback
 from collections.abc import Iterator
 from pathlib import Path
 from types import TracebackType
@@ -12,6 +14,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
 
+from kindyna_gui.background import Worker
 from kindyna_gui.docks import RIGHT, VIEWS
 from kindyna_gui.look import dress
 from kindyna_gui.main_window import open_window
@@ -94,6 +97,14 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
     now = (w for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu))
     left = [type(w).__name__ for w in now if w not in before]
     assert left == [], "windows were left behind"
+    assert still_computing() == "", "a closed window goes on computing"
+
+
+def still_computing() -> str:
+    """Where the threads are that compute beside a window."""
+    frames = sys._current_frames()
+    working = [each.ident for each in threading.enumerate() if isinstance(each, Worker)]
+    return "\n".join("".join(traceback.format_stack(frames[each])) for each in working if each in frames)
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, TURNS, page, pixel, unhurried, wait_until
 from window_user import Open, User, settle
 
+from core.cancellation import checkpoint
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.look import GOOD, WRONG
 from kindyna_gui.stability_words import verdict_table, waiting_text
@@ -82,6 +83,7 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
     def endless(found: Stability, eta: float, q: float) -> Verdict:
         asked.append((eta, q))
         while True:
+            checkpoint()
             time.sleep(0.001)
 
     monkeypatch.setattr(Stability, "rest_at", endless)
