@@ -92,11 +92,11 @@ def missing(reason: str, packages: str = PACKAGES) -> str:
 
 def without_window(path: Path, why: str) -> int:
     """The main job without a window: the report on the terminal, tables and pictures into ``out``."""
-    from core.export import files
-    from core.files import write_all
     from core.findings import ERROR
+    from core.output.export import files
+    from core.output.report import report
     from core.project import load
-    from core.report import report
+    from core.project.files import write_all
     from core.study import Study
 
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)

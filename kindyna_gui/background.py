@@ -15,8 +15,8 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from core.cancellation import Cancelled, cancellable, checkpoint
 from core.errors import KindynaError
+from core.numerics.cancellation import Cancelled, cancellable, checkpoint
 
 Job = tuple[Any, Callable[[], Any]]
 """A key, and what computes the result; neither may hold an object of Qt."""

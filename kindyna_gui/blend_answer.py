@@ -7,8 +7,8 @@ from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPalette
 from PySide6.QtWidgets import QFrame, QLabel, QVBoxLayout, QWidget
 
 from core.blend import Blended
-from core.channels import channels
 from core.design import UNITS, Design
+from core.output.channels import channels
 from core.study import Study
 from kindyna_gui.blend_fields import quiet
 from kindyna_gui.blend_words import HEADINGS, figures, table

@@ -7,8 +7,8 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from math import isfinite
 
 from core.blend import Blended, Range
-from core.blend_text import changed_beside, curve_rows
 from core.design import UNITS, Motion
+from core.output.blend_text import changed_beside, curve_rows
 from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
 from kindyna_gui.wording import law_label, shortest
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
-from core.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
+from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
 from core.study import Study
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.units import digits

@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from core.recovery import Found
+from core.project.recovery import Found
 
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"

@@ -27,8 +27,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.cancellation import Cancelled
-from core.export import names
+from core.numerics.cancellation import Cancelled
+from core.output.export import names
 from core.study import SAMPLES, Study
 from kindyna_gui.background import Background
 from kindyna_gui.dialogs import with_suffix

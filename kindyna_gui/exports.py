@@ -14,11 +14,11 @@ from typing import TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.cancellation import checkpoint
-from core.channels import Channel
 from core.design import Design
 from core.errors import KindynaError
-from core.files import write, write_all
+from core.numerics.cancellation import checkpoint
+from core.output.channels import Channel
+from core.project.files import write, write_all
 from core.study import SAMPLES, Study
 from kindyna_gui import dialogs
 from kindyna_gui.pictures.mechanism import LAYERS
@@ -33,7 +33,7 @@ Made = TypeVar("Made")
 
 def numbers(design: Design, rows: Sequence[Channel]) -> str:
     """The channels as a table at the full resolution of the core, as the core writes them."""
-    from core.export import csv
+    from core.output.export import csv
 
     study = Study(design)
     names = [study.angle_column, *(row.slug for row in rows)]
@@ -42,7 +42,7 @@ def numbers(design: Design, rows: Sequence[Channel]) -> str:
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
     """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
-    from core.export import files
+    from core.output.export import files
 
     made = files(Study(design, samples))
     checkpoint()  # the last at which it may be cancelled
@@ -148,7 +148,7 @@ class Exports(QObject):
 
     def report(self) -> None:
         """The report as plain text."""
-        from core.report import report
+        from core.output.report import report
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         design = self._session.design

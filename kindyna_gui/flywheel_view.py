@@ -5,8 +5,8 @@ from __future__ import annotations
 from PySide6.QtWidgets import QHBoxLayout, QPushButton
 
 from core.design import UNITS
+from core.output.summary import speeds
 from core.study import Study
-from core.summary import speeds
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.player import Player

@@ -11,7 +11,7 @@ from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
 from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QHeaderView, QTreeWidget, QTreeWidgetItem
 
-from core.channels import DYNAMICS, KINEMATICS, LINKAGE, PROFILE, Channel
+from core.output.channels import DYNAMICS, KINEMATICS, LINKAGE, PROFILE, Channel
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import legible
 

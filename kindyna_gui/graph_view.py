@@ -16,8 +16,8 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.channels import Channel, channels
 from core.errors import KindynaError
+from core.output.channels import Channel, channels
 from core.study import Study
 from kindyna_gui.exports import save_numbers, save_picture
 from kindyna_gui.graph_choice import USUAL_WIDTH, ChannelTree, Choice

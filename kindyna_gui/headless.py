@@ -15,9 +15,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.files import write, write_all
 from core.findings import ERROR
 from core.project import load
+from core.project.files import write, write_all
 from core.study import Study
 
 USUAL_SIZE = (1440, 900)

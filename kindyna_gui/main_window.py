@@ -13,7 +13,7 @@ from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPa
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
 from core.errors import KindynaError
-from core.keeping import keep_freed_memory
+from core.numerics.lazy import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs, menus
 from kindyna_gui.centre import Centre

@@ -21,8 +21,8 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.files import read_bytes
 from core.measured import Fit, figures, into_design
+from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.measured_asked import Answer, Asked, Reader, spelled, symbol
 from kindyna_gui.measured_form import ReadingForm

@@ -15,7 +15,7 @@ from core.design import (
     require_motion,
     with_stroke_mirrored,
 )
-from core.dividing import LEAST_CUT, copy_segment, split_segment
+from core.motion.split import LEAST_CUT, copy_segment, split_segment
 
 Change = Callable[[Design, int, float | None], Design]
 """The design with a segment changed; a cam angle [deg] where that matters."""

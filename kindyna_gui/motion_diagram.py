@@ -12,8 +12,8 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
 
-from core.channels import Channel
 from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.look import CHOSEN, WRONG
 from kindyna_gui.look import LINE as FAINT

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
 from core.design import UNITS, Design, Info, entries, require_motion, span_gap, stroke, with_motion, with_stroke
 from core.design.fields import LONGEST_MM
 from core.errors import KindynaError
-from core.extremes import true_stroke
+from core.motion.extremes import true_stroke
 from kindyna_gui.fields import Field, Spec
 from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.session import Session

@@ -19,7 +19,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import Design, Point, Spline, put, require_motion
-from core.dividing import add_point
+from core.motion.split import add_point
 from kindyna_gui.cell_editor import CellDelegate
 from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion_fields import OptionalBox, described, point_columns

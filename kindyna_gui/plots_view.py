@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
 
-from core.channels import Channel
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.exports import save_numbers, save_picture
 from kindyna_gui.linkage_plots import lacking, quantities_for

@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, Signal
 
-from core import recovery
 from core.design import Design
 from core.errors import KindynaError
-from core.project import dumps
-from core.recovery import Found, Unsaved
+from core.project import dumps, recovery
+from core.project.recovery import Found, Unsaved
 from kindyna_gui import dialogs
 from kindyna_gui.draft import Draft
 from kindyna_gui.places import state_folder

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from core.design import Design
 from core.errors import KindynaError
 from core.project import differences, load, loads
-from core.recovery import Found, Unsaved
+from core.project.recovery import Found, Unsaved
 from kindyna_gui.dialogs import OnRecovery
 from kindyna_gui.difference_text import difference_text
 from kindyna_gui.draft import Draft

@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from threading import Event, Thread
 from time import monotonic
 
-from core.recovery import RecoveryFile, Unsaved
+from core.project.recovery import RecoveryFile, Unsaved
 
 PAUSE = 0.5  # seconds from one writing to the next
 PAUSE_AFTER_FAILURE = 5.0

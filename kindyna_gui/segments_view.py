@@ -10,9 +10,9 @@ from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
 
-from core.channels import Channel
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.draft_bar import DraftBar
 from kindyna_gui.draft_words import amiss, closing_words, joins_of, misses

@@ -10,7 +10,7 @@ from PySide6.QtWidgets import QApplication
 
 from core.design import stroke
 from core.errors import KindynaError
-from core.export import files
+from core.output.export import files
 from core.project import load, save
 from core.study import Study, clear_caches
 from kindyna_gui.exports import write_tables

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from core.channels import Channel, channels, existing
 from core.errors import KindynaError
+from core.output.channels import Channel, channels, existing
 from core.study import STAGES, Study, quantity
 from kindyna_gui.pictures.plot_curves import different
 from kindyna_gui.wording import reason, sentence

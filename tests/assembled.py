@@ -13,7 +13,7 @@ from linkages import KINDS, assembly
 from core.design import Design
 from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, course_of, unit_speed_train
-from core.train import FRAME, Train
+from core.mechanism.kinematics import FRAME, Train
 
 SIZE = 0.1  # of the linkages [m]
 TWICE = 2  # linkages of each chain

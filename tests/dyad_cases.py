@@ -11,8 +11,8 @@ import numpy as np
 from references import EPS, MP, Series, crossing, direction, exp, off, sqrt
 
 from core.mechanism.dyads import DYADS
+from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held, Joint
-from core.train import Pose
 
 STEP = MP.mpf(10) ** -25
 DYAD_ROUNDINGS = 4

@@ -4,8 +4,8 @@ import numpy as np
 
 from core.design import Driver, Link, Linkage, Place, Side, Slider
 from core.mechanism import Mechanism, solve_mechanism
+from core.mechanism.kinematics import Train
 from core.motion import Angles, MotionState
-from core.train import Train
 
 MM = 1e-3
 

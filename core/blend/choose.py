@@ -18,8 +18,8 @@ from core.blend.request import Blended, BlendError, Candidate, Request, candidat
 from core.blend.search import least, logarithm
 from core.blend.settings import Constraint
 from core.blend.solver import Problem
-from core.cancellation import checkpoint
 from core.laws import peaks
+from core.numerics.cancellation import checkpoint
 
 MOST_NONLINEAR = 2  # acceleration and points that are solved for at once
 GONE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none

@@ -14,8 +14,8 @@ import numpy as np
 from core.blend.curves import ELEMENTS
 from core.blend.family import RETURN, RISE, SPEEDS, Family, Task, named
 from core.blend.settings import POINT, Constraint, ratio
-from core.cancellation import checkpoint
 from core.laws import LAWS, Law
+from core.numerics.cancellation import checkpoint
 
 STEPS = 100
 SHORTEST = 0.01  # part of a step

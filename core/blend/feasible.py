@@ -13,7 +13,7 @@ from core.blend.evaluator import Evaluator, Place
 from core.blend.family import Family, Task
 from core.blend.request import BlendError, Candidate, Request, candidates
 from core.blend.settings import POINT, SETTINGS, Constraint, Range, merged
-from core.cancellation import checkpoint
+from core.numerics.cancellation import checkpoint
 
 _DRAWN, _KEPT = 4000, 8  # points of which so many feasible ones are kept
 _ZERO = 1e-9  # a direction shorter than this is none

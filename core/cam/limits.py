@@ -10,11 +10,11 @@ import numpy as np
 
 from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam
-from core.extremes import Range
 from core.findings import ERROR, WARNING, Finding
+from core.mechanism.kinematics import REVOLUTE, SLIDING, Train
 from core.motion import EPS
-from core.train import REVOLUTE, SLIDING, Train
-from core.vectors import dot
+from core.motion.extremes import Range
+from core.numerics.vectors import dot
 
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})

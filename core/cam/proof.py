@@ -8,7 +8,7 @@ import numpy as np
 
 from core.cam.shape import CamShape
 from core.findings import LEAST_BOUND, Residual
-from core.train import Train
+from core.mechanism.kinematics import Train
 
 
 def centre_residual(train: Train, shape: CamShape) -> np.ndarray:

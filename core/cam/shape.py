@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from core.derivatives import BINOMIAL, Derivatives
 from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam, angle_ranges
 from core.instant_centres import Centres, cam_follower_centre
-from core.keeping import WhenAsked
-from core.train import Train
-from core.vectors import cross, dot
+from core.mechanism.kinematics import Train
+from core.numerics.derivatives import BINOMIAL, Derivatives
+from core.numerics.lazy import WhenAsked
+from core.numerics.vectors import cross, dot
 
 
 @dataclass(frozen=True, eq=False)

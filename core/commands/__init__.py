@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from core.centring import Snapshot
+    from core.output.centres import Snapshot
     from core.stability import Chart, Figure
     from core.study import Study
 

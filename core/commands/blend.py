@@ -8,11 +8,11 @@ from pathlib import Path
 
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
 from core.blend.apply import into_design
-from core.blend_text import beside_text, blend_text, curves_data
 from core.commands import DONE, Painter
 from core.commands.common import number
+from core.output.blend_text import beside_text, blend_text, curves_data
+from core.output.summary import to_json
 from core.project import load, save
-from core.summary import to_json
 
 
 def _setting(text: str) -> tuple[str, float]:

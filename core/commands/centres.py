@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from core.centring import centres_data, snapshot
 from core.commands import DONE, Painter
 from core.commands.common import design_file, folder, number, pictures
-from core.files import write_all
+from core.output.centres import centres_data, snapshot
+from core.output.summary import to_json
 from core.project import load
+from core.project.files import write_all
 from core.study import Study
-from core.summary import to_json
 
 
 def words(parser: argparse.ArgumentParser) -> None:

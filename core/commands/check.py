@@ -6,8 +6,8 @@ import argparse
 
 from core.commands import Painter
 from core.commands.common import design_file, verdict
+from core.output.report import finding_line, printable
 from core.project import load
-from core.report import finding_line, printable
 from core.study import Study
 
 words = design_file

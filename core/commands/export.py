@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_and_samples, folder, verdict
-from core.export import export
+from core.output.export import export
 from core.project import load
 from core.study import Study
 

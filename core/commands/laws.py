@@ -7,8 +7,8 @@ import math
 
 from core.commands import DONE, Painter
 from core.laws import LAWS, Peaks, peaks
-from core.report import columns, digits
-from core.summary import to_json
+from core.output.report import columns, digits
+from core.output.summary import to_json
 
 
 def words(parser: argparse.ArgumentParser) -> None:

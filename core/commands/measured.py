@@ -8,7 +8,6 @@ from pathlib import Path
 from core.commands import DONE, Painter
 from core.commands.common import number
 from core.design import require_motion
-from core.files import read_bytes
 from core.measured import (
     ANGLE_UNITS,
     DECIMALS,
@@ -24,8 +23,9 @@ from core.measured import (
     read_sheet,
     read_table,
 )
+from core.output.summary import to_json
 from core.project import load, save
-from core.summary import to_json
+from core.project.files import read_bytes
 
 
 def words(parser: argparse.ArgumentParser) -> None:

@@ -6,10 +6,10 @@ import argparse
 
 from core.commands import Painter
 from core.commands.common import design_and_samples, folder, pictures, verdict
-from core.export import files
-from core.files import write_all
+from core.output.export import files
+from core.output.report import report
 from core.project import load
-from core.report import report
+from core.project.files import write_all
 from core.study import Study
 
 

@@ -6,15 +6,15 @@ import argparse
 import math
 from collections.abc import Callable
 
-from core.charting import paper_files, stability_files
 from core.commands import DONE, Painter
 from core.commands.common import design_file, folder, pictures, verdict
 from core.design import require_follower
 from core.errors import NoStability
-from core.files import write_all
+from core.output.report import finding_line, stability_text
+from core.output.stability_files import paper_files, stability_files
+from core.output.stability_tables import claims_text, needed_text
 from core.project import load
-from core.report import finding_line, stability_text
-from core.shaft_tables import claims_text, needed_text
+from core.project.files import write_all
 from core.stability import ETA_MAX, Stability, claims, flexible
 from core.stability.guess import USUAL_ETA, USUAL_Q
 from core.study import Study

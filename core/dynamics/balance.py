@@ -9,8 +9,8 @@ import numpy as np
 from core.cam import CamShape
 from core.dynamics.elements import Load, Loading, Rate
 from core.dynamics.forces import Forces
-from core.train import FRAME, REVOLUTE, Train
-from core.vectors import cross
+from core.mechanism.kinematics import FRAME, REVOLUTE, Train
+from core.numerics.vectors import cross
 
 
 def kinetic_energy(train: Train, loading: Loading, omega: float) -> np.ndarray:

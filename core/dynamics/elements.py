@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from core.derivatives import Derivatives
-from core.train import REVOLUTE, Train
-from core.vectors import dot
+from core.mechanism.kinematics import REVOLUTE, Train
+from core.numerics.derivatives import Derivatives
+from core.numerics.vectors import dot
 
 Number = float | np.ndarray
 

@@ -16,9 +16,9 @@ from core.cam import CamShape
 from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
-from core.keeping import WhenAsked
-from core.train import REVOLUTE, Pair, Train
-from core.vectors import cross, dot
+from core.mechanism.kinematics import REVOLUTE, Pair, Train
+from core.numerics.lazy import WhenAsked
+from core.numerics.vectors import cross, dot
 
 BEARING = "bearing"
 

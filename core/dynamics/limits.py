@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from core.dynamics.elements import Loading
-from core.extremes import Extreme, Range
 from core.findings import ERROR, NOTE, Finding
+from core.motion.extremes import Extreme, Range
 
 JAMS = 1.0  # the jamming factor from which a guide may jam
 

@@ -13,8 +13,8 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics.elements import Load
-from core.train import FRAME, REVOLUTE, Dyad, Pair, Train
-from core.vectors import cross, dot
+from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Pair, Train
+from core.numerics.vectors import cross, dot
 
 Number = float | np.ndarray
 

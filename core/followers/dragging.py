@@ -19,8 +19,8 @@ from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.base import LAYOUT_TABLE, Layout, base_position
+from core.mechanism.kinematics import Train
 from core.mechanism.triangle import area4_of
-from core.train import Train
 
 Changes = Mapping[str, Any]
 """Path -> value as in the file."""

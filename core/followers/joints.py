@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from core.design import Design
 from core.followers.dragging import drags_of, with_joint_at
 from core.mechanism.dragging import movable, with_point_at
-from core.train import Train
+from core.mechanism.kinematics import Train
 
 
 @dataclass(frozen=True)

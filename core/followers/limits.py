@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import degrees
 
-from core.extremes import Range
 from core.findings import ERROR, WARNING, Finding
+from core.motion.extremes import Range
 
 NEAR = {"dead-centre": (0.05, WARNING), "rod-across-guide": (0.05, WARNING)}
 AT = 1e-3  # below this the pose cannot be held against any play

@@ -10,7 +10,7 @@ import numpy as np
 from core.instant_centres.centre import Centres
 from core.instant_centres.construction import construction, kennedy
 from core.instant_centres.linkage import primary_pairs
-from core.train import FRAME, REVOLUTE, SLIDING, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Train
 
 
 def _through_pivot(train: Train, sense: float) -> Centres:

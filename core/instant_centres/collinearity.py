@@ -10,7 +10,7 @@ import numpy as np
 
 from core.instant_centres.centre import Centres, Key
 from core.instant_centres.linkage import CentreTable, centres_in_motion
-from core.train import Train
+from core.mechanism.kinematics import Train
 
 Triple = tuple[str, str, str]
 

@@ -13,9 +13,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import standing
-from core.train import FRAME, SLIDING, Pair, Pose, Train
-from core.vectors import dot
+from core.mechanism.kinematics import FRAME, SLIDING, Pair, Pose, Train
+from core.numerics.derivatives import standing
+from core.numerics.vectors import dot
 
 TURNING = "turning"
 ABSOLUTE = "absolute"

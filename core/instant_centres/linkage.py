@@ -12,7 +12,7 @@ import numpy as np
 
 from core.instant_centres.centre import Centres, Key
 from core.instant_centres.construction import Construction, agreement, construction, kennedy
-from core.train import FRAME, REVOLUTE, Pose, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, Pose, Train
 
 EPS = float(np.finfo(float).eps)
 _AT_REST = 1e3 * EPS  # relative velocity, against those of the driver, below which two bodies do not move on each other

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.instant_centres.centre import Centres
 from core.instant_centres.linkage import CentreTable, Key
-from core.train import FRAME
+from core.mechanism.kinematics import FRAME
 
 
 def angular_ratio(table: CentreTable, body: str, driver: str) -> np.ndarray:

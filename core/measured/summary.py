@@ -14,7 +14,7 @@ from core.errors import DesignError, Fault
 from core.measured.columns import column_name
 from core.measured.fitting import EXACT, MOST, Fit, contradiction
 from core.measured.sheet import Sheet
-from core.report import columns
+from core.output.report import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
 LARGE = 4.0  # measuring errors

@@ -1,7 +1,7 @@
 """Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
 
 from core.mechanism.assembly import course_for, linkage_train, solve_mechanism, unit_speed_train
-from core.mechanism.course import Change, Course, Range, course_of
+from core.mechanism.driver_ranges import Change, Course, Range, course_of
 from core.mechanism.driving import CrankProgram, swept
 from core.mechanism.limits import findings
 from core.mechanism.mechanism import ROLLER, Mechanism, Reference, body_name, link_number, mechanism_of

@@ -9,20 +9,20 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import Derivatives, difference, product
 from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
-from core.mechanism.closing import line_of
-from core.mechanism.course import Course, course_of, guided_course
+from core.mechanism.conditioning import condition
+from core.mechanism.driver_ranges import Course, course_of, guided_course
 from core.mechanism.dyads import Closed
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
+from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, Reference, mechanism_of
 from core.mechanism.plan import Joint, Plan
-from core.mechanism.rounding import condition
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
-from core.train import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
-from core.vectors import cross, dot
+from core.numerics.derivatives import Derivatives, difference, product
+from core.numerics.vectors import cross, dot
 
 Points = Mapping[int, Mapping[str, complex]]
 

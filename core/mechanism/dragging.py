@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from core.design import FRAME_LINK, Design, Link, Place, Side, with_drive
+from core.mechanism.kinematics import Train
 from core.mechanism.mechanism import body_name
-from core.train import Train
 
 _MM = 1e-3
 

@@ -28,13 +28,13 @@ from core.design import (
 from core.design.linkage_rules import sided_joints
 from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
-from core.mechanism.course import TURN, Course, Range, course_of
+from core.mechanism.driver_ranges import TURN, Course, Range, course_of
 from core.mechanism.driving import swept
+from core.mechanism.kinematics import Train
 from core.mechanism.mechanism import body_name
 from core.mechanism.plan import plan_of
 from core.mechanism.solving import at_driver
 from core.motion import program
-from core.train import Train
 
 SWING, SLIDE = np.deg2rad(30.0), 0.1  # of a first motion: radians of a pinned link, parts of the size of one that slides
 ROLLER_SIZE = 0.08  # of a first roller, parts of the size

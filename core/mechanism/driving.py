@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from core.mechanism.course import TURN, Course
+from core.mechanism.driver_ranges import TURN, Course
 from core.motion import SNAP, Angles, Join, MotionState, Program, degrees
 
 
@@ -51,7 +51,7 @@ class CrankProgram:
 def swept(program: Program) -> tuple[float, float]:
     """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
     still is given a little room."""
-    from core.extremes import piecewise_angles
+    from core.motion.extremes import piecewise_angles
 
     y = program.state(piecewise_angles(program)).y[0]
     room = 1e-9 * float(np.ptp(y)) or 1e-6

@@ -12,9 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import BINOMIAL, Chain, Derivatives, difference, earlier, product, scaled, sum_of, turning
-from core.keeping import WhenAsked
-from core.mechanism.closing import (
+from core.mechanism.kinematics import Pose
+from core.mechanism.loop_closure import (
     BY_ROUNDING,
     PARALLEL,
     Bodies,
@@ -30,8 +29,19 @@ from core.mechanism.closing import (
 )
 from core.mechanism.plan import Joint
 from core.mechanism.triangle import brackets
-from core.train import Pose
-from core.vectors import cross, dot, turned
+from core.numerics.derivatives import (
+    BINOMIAL,
+    Chain,
+    Derivatives,
+    difference,
+    earlier,
+    product,
+    scaled,
+    sum_of,
+    turning,
+)
+from core.numerics.lazy import WhenAsked
+from core.numerics.vectors import cross, dot, turned
 
 Sides = float | np.ndarray
 """+1 or -1, for all positions or for each."""

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.derivatives import difference, product
-from core.mechanism.closing import Bodies, line_of
+from core.mechanism.kinematics import Pose
+from core.mechanism.loop_closure import Bodies, line_of
 from core.mechanism.plan import Joint
-from core.train import Pose
-from core.vectors import cross, dot
+from core.numerics.derivatives import difference, product
+from core.numerics.vectors import cross, dot
 
 STEPS = 30  # of Newton; from the neighbouring position two or three do
 NEAR = 1e-9  # after a correction this small, relative to the size, the next would be rounding

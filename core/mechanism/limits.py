@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from math import degrees
 
 from core.errors import angle_list
-from core.extremes import Range as Extremes
 from core.findings import ERROR, WARNING, Finding
-from core.mechanism.course import Course
+from core.mechanism.driver_ranges import Course
+from core.motion.extremes import Range as Extremes
 
 LEAST_TRANSMISSION = 40.0  # [deg] usual in machine shops: Norton ch. 2
 AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven

@@ -11,10 +11,10 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.errors import NoAnswer
+from core.mechanism.kinematics import FRAME
 from core.mechanism.plan import Joint, Plan, plan_of
 from core.mechanism.solving import Solved
 from core.motion import MotionState
-from core.train import FRAME
 
 ROLLER = "roller"
 

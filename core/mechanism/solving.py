@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.derivatives import Derivatives, standing
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
-from core.mechanism.closing import placed
+from core.mechanism.change_points import Bridge, Way
 from core.mechanism.dyads import DYADS, Closed
 from core.mechanism.groups import Group, Settled, newton, settled
+from core.mechanism.kinematics import Pose
+from core.mechanism.loop_closure import placed
 from core.mechanism.plan import Plan
-from core.mechanism.way import Bridge, Way
-from core.train import Pose
-from core.vectors import unit
+from core.numerics.derivatives import Derivatives, standing
+from core.numerics.vectors import unit
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.exact import square_of, squares_of, two_sum
+from core.numerics.compensated_sum import square_of, squares_of, two_sum
 
 
 class Brackets(NamedTuple):

@@ -10,9 +10,9 @@ import tomli_w
 
 from core.design import Design
 from core.errors import MISSING, DesignError, Fault
-from core.files import AnyPath, read_text, write
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
+from core.project.files import AnyPath, read_text, write
 from core.project.linkage_writing import linkage_tables, section_text
 from core.project.reading import from_table, motion_from_table
 from core.project.writing import linkage_head, motion_to_table, to_table

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from core.design import Design
 from core.errors import FileError
-from core.files import read_text
 from core.project import loads, save
+from core.project.files import read_text
 
 
 class OnDisk(Enum):

@@ -13,9 +13,9 @@ from math import pi
 
 import numpy as np
 
-from core.crossings import crossings
 from core.errors import NoAnswer, angle_ranges
 from core.motion import TURN, Angles, Program
+from core.motion.roots import crossings
 
 NODES = 10  # per panel; the polynomial has this many coefficients
 PANEL = np.deg2rad(2.0)  # longest panel

@@ -18,10 +18,10 @@ import numpy as np
 
 from core.dynamics import Loading
 from core.errors import NoStability
-from core.extremes import find_extremes
+from core.mechanism.kinematics import Train
 from core.motion import Angles, Program
+from core.motion.extremes import find_extremes
 from core.stability.panels import Panels, fit
-from core.train import Train
 
 FIXED, RETUNED = "fixed", "retuned"
 INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the panels: d, C, U, κ, ψ

@@ -14,10 +14,10 @@ import numpy as np
 
 from core.cam import CamShape
 from core.dynamics import Loading, OutputForce, newton_euler
+from core.mechanism.kinematics import Train
 from core.motion import Angles, Program
 from core.stability.coefficients import RETUNED, Sizes
 from core.stability.panels import Panels, fit
-from core.train import Train
 
 TrainAndShapeAt = Callable[[Angles], tuple[Train, CamShape]]
 

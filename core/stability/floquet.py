@@ -14,8 +14,8 @@ from math import pi
 
 import numpy as np
 
-from core.cancellation import checkpoint
 from core.motion import EPS, TURN
+from core.numerics.cancellation import checkpoint
 from core.stability.coefficients import Coefficients, is_dwell
 from core.stability.equations import EXACT, inertia_and_pull, weight_and_potential
 from core.stability.panels import NODES, gauss, integration

@@ -7,7 +7,7 @@ from dataclasses import fields
 from core.design import Design, Elastic, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
-from core.train import Train
+from core.mechanism.kinematics import Train
 
 USUAL_Q, USUAL_ETA = 0.05, 10.25  # between two tongues, which stand at halves
 

@@ -15,8 +15,8 @@ from math import pi
 
 import numpy as np
 
-from core.cancellation import checkpoint
 from core.motion import EPS, TURN
+from core.numerics.cancellation import checkpoint
 from core.stability.arrays import Arrays
 from core.stability.coefficients import Coefficients, is_dwell
 from core.stability.nonlinear import Equation, Points

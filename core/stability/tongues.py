@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from core.cancellation import checkpoint
 from core.errors import NoStability
 from core.motion import EPS
+from core.numerics.cancellation import checkpoint
 from core.stability.coefficients import Coefficients
 from core.stability.equations import EXACT, weight_and_potential
 from core.stability.fourier import fourier, truncation

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from core.errors import NoAnswer
-from core.extremes import piecewise_angles
 from core.motion import Angles, Program
+from core.motion.extremes import piecewise_angles
 
 MOST = 2000  # angles looked at; motions of many more pieces are looked at more coarsely
 

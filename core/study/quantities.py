@@ -18,9 +18,9 @@ from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
 from core.mechanism import mechanism_of
+from core.mechanism.kinematics import SLIDING, Train
 from core.motion import Angles
 from core.shaft import Flywheel
-from core.train import SLIDING, Train
 
 if TYPE_CHECKING:
     from core.study.study import Study

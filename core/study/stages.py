@@ -14,10 +14,10 @@ from core.design import Elastic, Follower, Linkage, Motion, si
 from core.dynamics import Forces, Loading, loading_of, newton_euler
 from core.errors import NoStability
 from core.instant_centres import CentreTable, all_centres
-from core.keeping import locked
 from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism, unit_speed_train
+from core.mechanism.kinematics import Train
 from core.motion import Angles, MotionState, degrees, program
-from core.train import Train
+from core.numerics.lazy import locked
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Coefficients, Stability

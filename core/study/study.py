@@ -14,11 +14,12 @@ from core.cam import CamShape
 from core.design import Design, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
-from core.extremes import Extreme, Range, find_above, find_extremes
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, moving_collinearity
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_train
+from core.mechanism.kinematics import REVOLUTE, Train
 from core.motion import EPS, TURN, Angles, MotionState, degrees, program
+from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
@@ -36,7 +37,6 @@ from core.study.stages import (
     motion_stage,
     stability_stage,
 )
-from core.train import REVOLUTE, Train
 
 if TYPE_CHECKING:
     from core.stability import Stability

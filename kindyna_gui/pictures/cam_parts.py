@@ -10,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import QLineF
 from PySide6.QtWidgets import QGraphicsLineItem
 
-from core.train import REVOLUTE, SLIDING
+from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.items import Loop, Outline, Part, Tag, pinned, turning
 from kindyna_gui.pictures.reading import Joint, Reading
 from kindyna_gui.pictures.shapes import arc_arrow, at, bearing, circle, cross, joined, segments

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsLineItem
 
 from core.instant_centres import CentreTable, Triangle, Wanted, line_of
 from core.mechanism import ROLLER, link_number
-from core.train import FRAME
+from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.items import Loop, Outline, Part, Tag
 from kindyna_gui.pictures.reading import MM, Reading
 from kindyna_gui.pictures.room import Room

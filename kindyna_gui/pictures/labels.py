@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from PySide6.QtCore import QRectF
 
-from core.train import REVOLUTE, SLIDING
+from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.cam_parts import sense_arc
 from kindyna_gui.pictures.items import Move, Part, Tag, pinned
 from kindyna_gui.pictures.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction

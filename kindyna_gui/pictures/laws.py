@@ -10,9 +10,9 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainter, QPolygonF
 
-from core.curves import shape_of
 from core.design import Curve, End, Point, Polynomial, Segment, Spline, curve_of
 from core.laws import PieceTable, find_law
+from core.motion.curves import shape_of
 from kindyna_gui.pictures.style import THIN, Theme
 
 SAMPLES = 49  # angles on each piece of a law

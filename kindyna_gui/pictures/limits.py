@@ -10,8 +10,8 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
+from core.mechanism.kinematics import REVOLUTE
 from core.study import Study
-from core.train import REVOLUTE
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
-from core.train import REVOLUTE, SLIDING
+from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.items import Outline, Part, Silhouette, pinned, riding
 from kindyna_gui.pictures.reading import Body, Joint, Reading
 from kindyna_gui.pictures.shapes import (

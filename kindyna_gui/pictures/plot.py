@@ -10,8 +10,8 @@ import numpy as np
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
 
-from core.channels import Channel
 from core.design import motion_of
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.fixed_plot import FixedPlot
 from kindyna_gui.pictures.items import text_size

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.channels import Channel
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.limits import limit_of
 from kindyna_gui.pictures.sizes import floor_of, without_noise

@@ -20,8 +20,8 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import QWidget
 
-from core.channels import Channel
 from core.design import motion_of
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.boxes import near
 from kindyna_gui.pictures.detail import needed

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from PySide6.QtWidgets import QGridLayout
 
-from core.channels import Channel
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.detail import UNSEEN
 from kindyna_gui.pictures.files import RATIO, png, svg

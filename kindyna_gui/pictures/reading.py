@@ -13,8 +13,8 @@ import numpy as np
 
 from core.cam import CamShape
 from core.errors import NoAnswer
+from core.mechanism.kinematics import FRAME, SLIDING, Pair, Train
 from core.study import Study
-from core.train import FRAME, SLIDING, Pair, Train
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.shown_kinds import has_cam, is_linkage, sense_of
 

@@ -12,8 +12,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.channels import Channel
 from core.dynamics import Forces
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.shown_kinds import size_of
 

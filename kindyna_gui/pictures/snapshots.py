@@ -9,8 +9,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.centring import Snapshot
 from core.instant_centres import velocity_polygon
+from core.output.centres import Snapshot
 from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg
 from kindyna_gui.pictures.mechanism import MechanismScene
 from kindyna_gui.pictures.polygon import PolygonSheet

@@ -1,7 +1,7 @@
 """The look of every drawing: colours by quantity, papers, pens, fonts.
 
 A drawing office: the mechanism and the curves carry the colour, everything else is quiet. The colours of the
-quantities are those of Okabe and Ito, which colour-blind readers keep apart; each family of ``core.channels`` has one,
+quantities are those of Okabe and Ito, which colour-blind readers keep apart; each family of ``core.output.channels`` has one,
 the same in every picture.
 """
 

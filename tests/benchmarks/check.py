@@ -12,8 +12,8 @@ from pathlib import Path
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import measure
 
-from core.files import write_all
-from core.keeping import keep_freed_memory
+from core.numerics.lazy import keep_freed_memory
+from core.project.files import write_all
 
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times a limit that is too much

@@ -16,8 +16,8 @@ from typing import Any
 from benchmarks.table import Kernel, Method, kernels
 from benchmarks.timing import measure, peak_memory
 
-from core.files import write_all
-from core.keeping import keep_freed_memory
+from core.numerics.lazy import keep_freed_memory
+from core.project.files import write_all
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "bench"

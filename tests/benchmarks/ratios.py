@@ -10,7 +10,7 @@ from pathlib import Path
 from benchmarks.measuring import WINDOW, Row
 from benchmarks.table import kernels
 
-from core.files import write_all
+from core.project.files import write_all
 
 BEGIN, END = "<!-- make bench ARGS=--readme: begin -->", "<!-- make bench ARGS=--readme: end -->"
 AS_GOOD = 4.0  # an error up to so many times ours counts as the same

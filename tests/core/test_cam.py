@@ -25,14 +25,14 @@ from references import EPS, MP, Series, Shape, Solved, cam_shape, off, placed, r
 from scipy.optimize import brentq, minimize_scalar
 
 from core.cam import centre_residual, envelope, relative_motion, tangency_residual
-from core.derivatives import Derivatives
 from core.design import Design
 from core.errors import NoCam
 from core.findings import ERROR, WARNING
 from core.instant_centres import cam_follower_centre
+from core.mechanism.kinematics import Pose, Train
 from core.motion import TURN
+from core.numerics.derivatives import Derivatives
 from core.study import Study
-from core.train import Pose, Train
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
 TURNED = {f"{name} turned round": with_shaft(d, rotation="cw" if d.shaft.rotation == "ccw" else "ccw")

@@ -1,4 +1,4 @@
-"""core.channels, core.export, core.summary: the tables, column by column, against values derived from the geometry."""
+"""core.output.channels, core.output.export, core.output.summary: the tables, column by column, against values derived from the geometry."""
 
 import csv
 import io
@@ -13,11 +13,11 @@ import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_follower, with_loads, with_shaft
 from references import MP, Solved, cam_shape, free_bodies, solved, speed_of
 
-from core.channels import channel, channels
 from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import NoSuchStage
-from core.export import files
 from core.findings import ERROR
+from core.output.channels import channel, channels
+from core.output.export import files
 from core.project import load
 from core.study import QUANTITIES, Study, names_of
 

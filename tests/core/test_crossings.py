@@ -1,4 +1,4 @@
-"""core.crossings: every change of sign, to the last bits, across kinks, between samples and at joins."""
+"""core.motion.roots: every change of sign, to the last bits, across kinks, between samples and at joins."""
 
 import math
 
@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from mechanisms import levels
 from references import EPS
 
-from core.crossings import crossings
-from core.extremes import piecewise_angles
 from core.motion import TURN, Angles, Program
+from core.motion.extremes import piecewise_angles
+from core.motion.roots import crossings
 
 ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))
 HALVES = Program(levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))

@@ -1,4 +1,4 @@
-"""core.dividing: a segment is cut, or followed by a copy of itself."""
+"""core.motion.split: a segment is cut, or followed by a copy of itself."""
 
 import math
 from dataclasses import replace
@@ -23,8 +23,8 @@ from core.design import (
     with_assumed,
     with_drive,
 )
-from core.dividing import add_point, copy_segment, cut_at, split_segment, with_segment_copied, with_segment_split
 from core.motion import Program
+from core.motion.split import add_point, copy_segment, cut_at, split_segment, with_segment_copied, with_segment_split
 from core.project import load
 
 LIFT: Design = load(Path(__file__).parents[2] / "resources" / "examples" / "transfer_lift.toml")

@@ -19,9 +19,9 @@ from core.errors import NoAssembly
 from core.followers import base_position
 from core.followers.joints import joints_of, move_joint
 from core.mechanism.dragging import with_point_at
+from core.mechanism.kinematics import Train
 from core.project import load
 from core.study import Study
-from core.train import Train
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))

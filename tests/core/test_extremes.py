@@ -1,4 +1,4 @@
-"""core.extremes: true extremes, against roots of derivatives, kinks, jumps and plateaus."""
+"""core.motion.extremes: true extremes, against roots of derivatives, kinks, jumps and plateaus."""
 
 import math
 from collections.abc import Callable
@@ -11,8 +11,8 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, buildable, levels, with_dri
 from references import EPS, MP, Series, cam_shape, motion_series, placed, solved
 
 from core.design import End, Motion, Point, Polynomial, Segment, Spline, with_stroke
-from core.extremes import Range, find_extremes, piecewise_angles, true_stroke
 from core.motion import TURN, Angles, Program
+from core.motion.extremes import Range, find_extremes, piecewise_angles, true_stroke
 from core.study import Study
 
 ONE = Program(levels(0.0, (360.0, 0.0, "dwell")))

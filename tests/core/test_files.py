@@ -1,4 +1,4 @@
-"""core.files: whole or not at all, nothing left behind, one clear line."""
+"""core.project.files: whole or not at all, nothing left behind, one clear line."""
 
 import errno
 import itertools
@@ -17,8 +17,8 @@ from typing import Any
 
 import pytest
 
-from core import files
 from core.errors import FileError
+from core.project import files
 
 posix = pytest.mark.skipif(os.name != "posix", reason="POSIX only")
 
@@ -454,7 +454,7 @@ SWEEPING = ("_remove", "_remove_folder", "_take_back", "content")
 
 @pytest.mark.parametrize("folder", [".", "new/folder"])
 def test_interrupted_at_any_line(out: Path, folder: str) -> None:
-    """Ctrl-C before any line of core.files that does not itself sweep up: all old or all new, nothing else."""
+    """Ctrl-C before any line of core.project.files that does not itself sweep up: all old or all new, nothing else."""
     below = {f"{folder}/{name}": data for name, data in WRITTEN.items()}
     all_new = OLD | (WRITTEN if folder == "." else {"new": None, folder: None} | below)
     for number in itertools.count(1):
@@ -489,7 +489,7 @@ def test_interrupted_at_any_line(out: Path, folder: str) -> None:
 
 AT_THE_MOVE = """
 import os, signal, sys
-from core import files
+from core.project import files
 
 def stop(*_):
     {stop}

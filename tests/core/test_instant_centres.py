@@ -19,7 +19,7 @@ from core.instant_centres import (
 )
 from core.instant_centres.linkage import CentreTable
 from core.mechanism import course_of, unit_speed_train
-from core.train import FRAME, Train
+from core.mechanism.kinematics import FRAME, Train
 
 
 def at(design: Design, *angles: float) -> tuple[Train, CentreTable]:

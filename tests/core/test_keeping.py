@@ -1,4 +1,4 @@
-"""core.keeping: results that others share are read-only, and what nobody asks for is not made."""
+"""core.numerics.lazy: results that others share are read-only, and what nobody asks for is not made."""
 
 import ctypes
 import gc
@@ -13,9 +13,9 @@ from assembled import case
 from linkages import KINDS, four_bar
 from mechanisms import LIFT, PUSHER
 
-from core import keeping
-from core.keeping import WhenAsked, keep_freed_memory, locked
 from core.mechanism import at_driver, course_of
+from core.numerics import lazy as keeping
+from core.numerics.lazy import WhenAsked, keep_freed_memory, locked
 from core.study import Study
 
 CASES = [case((kind,), 0) for kind in KINDS]

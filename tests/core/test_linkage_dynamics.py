@@ -14,9 +14,9 @@ from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, 
 from core.design import Design, Drive, Driver, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment, with_drive
 from core.dynamics import link_loading, momentum_residual, newton_euler, power_residual
 from core.mechanism import body_name, course_of, unit_speed_train
+from core.mechanism.kinematics import FRAME, REVOLUTE, Train
 from core.project import load
 from core.study import Study
-from core.train import FRAME, REVOLUTE, Train
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 OMEGA = 7.0

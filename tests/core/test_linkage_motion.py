@@ -24,8 +24,8 @@ from core.design import (
     with_assumed,
     with_motion,
 )
-from core.dividing import add_point, copy_segment, split_segment
 from core.errors import DesignError
+from core.motion.split import add_point, copy_segment, split_segment
 from core.project import load, save
 from core.study import Study
 

@@ -13,7 +13,7 @@ from references import EPS, MP
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider, with_drive
 from core.instant_centres import all_centres, mechanical_advantage
 from core.mechanism import course_of, unit_speed_train
-from core.mechanism.rounding import doubts
+from core.mechanism.conditioning import doubts
 from core.mechanism.solving import at_driver
 from core.project import load
 from core.study import Study, quantity

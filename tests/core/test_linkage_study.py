@@ -1,4 +1,4 @@
-"""core.study, core.channels and core.export for linkages: stages, columns, extremes, findings, and the cam that a linkage
+"""core.study, core.output.channels and core.output.export for linkages: stages, columns, extremes, findings, and the cam that a linkage
 asks for."""
 
 import json
@@ -12,7 +12,6 @@ import pytest
 from linkages import INSIDE_OUT, four_bar, link, sides, slider_crank
 from mechanisms import LIFT
 
-from core.channels import channels
 from core.design import (
     Design,
     Drive,
@@ -28,11 +27,12 @@ from core.design import (
     with_drive,
 )
 from core.errors import NoCam, NoPosition, NoSuchStage
-from core.export import files
+from core.output.channels import channels
+from core.output.export import files
+from core.output.report import report
+from core.output.summary import summary
 from core.project import load
-from core.report import report
 from core.study import Study, evaluations
-from core.summary import summary
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 LINKAGES = sorted(p.stem for p in EXAMPLES.glob("*.toml") if "\n[linkage]\n" in p.read_text("utf-8"))

@@ -14,11 +14,8 @@ from references import EPS
 
 from core import project
 from core.__main__ import main
-from core.channels import KINEMATICS
-from core.curves import shape_of
 from core.design import Design, Motion, Named, Segment, Spline
 from core.errors import DesignError
-from core.export import table as exported
 from core.measured import (
     NOTHING_SAID,
     Fit,
@@ -41,6 +38,9 @@ from core.measured import (
     value_units,
 )
 from core.motion import program
+from core.motion.curves import shape_of
+from core.output.channels import KINEMATICS
+from core.output.export import table as exported
 from core.study import Study
 
 ROOT = Path(__file__).parents[2]

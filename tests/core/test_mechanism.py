@@ -26,16 +26,16 @@ from linkages import (
 )
 from references import EPS, MP
 
-from core.derivatives import Derivatives
 from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Slider, put, with_drive
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
 from core.mechanism import CrankProgram, body_name, course_of, linkage_train, plan_of, unit_speed_train
+from core.mechanism.conditioning import doubts
 from core.mechanism.dragging import other_side
 from core.mechanism.grashof import four_bar as four_bar_of
-from core.mechanism.rounding import doubts
+from core.mechanism.kinematics import FRAME, Train
 from core.mechanism.solving import at_driver
-from core.train import FRAME, Train
+from core.numerics.derivatives import Derivatives
 
 TURN = 2.0 * math.pi
 DEG = math.pi / 180.0

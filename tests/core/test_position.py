@@ -1,4 +1,4 @@
-"""core.position: the tables of one position are the lecture's figures, and what their rows say of each other holds."""
+"""core.output.position: the tables of one position are the lecture's figures, and what their rows say of each other holds."""
 
 import math
 from pathlib import Path
@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from linkages import slider_crank
 
-from core.position import position
+from core.output.position import position
 from core.project import load
 from core.study import Study
 

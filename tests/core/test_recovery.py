@@ -1,4 +1,4 @@
-"""core.recovery: unsaved work on the disk, and whose process is dead."""
+"""core.project.recovery: unsaved work on the disk, and whose process is dead."""
 
 import os
 import signal
@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from core import recovery
 from core.errors import FileError
-from core.project import dumps, load, loads
-from core.recovery import RecoveryFile, Unsaved, find
+from core.project import dumps, load, loads, recovery
+from core.project.recovery import RecoveryFile, Unsaved, find
 from kindyna_gui.places import example
 
 DESIGN = dumps(load(example("transfer_lift")))
@@ -20,7 +19,7 @@ DRAFT = {"unit": "mm", "motion": {"start_mm": 0.0, "segments": [{"law": "dwell",
 WRITER = f"""
 import sys
 from pathlib import Path
-from core.recovery import RecoveryFile, Unsaved
+from core.project.recovery import RecoveryFile, Unsaved
 file = RecoveryFile(Path(sys.argv[1]))
 file.write(Unsaved(sys.argv[2], Path("/a/b.toml"), {DRAFT!r}, 17.5))
 print("written", flush=True)

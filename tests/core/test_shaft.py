@@ -23,9 +23,9 @@ from references import EPS, MP
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import bisect
 
-from core.channels import channels, existing
 from core.design import Design, Shaft
 from core.motion import TURN, Angles, Program
+from core.output.channels import channels, existing
 from core.shaft import NODES, Flywheel, LoadCurve, filtered, load_curve, panel_angles
 from core.shaft.linear import phi
 from core.study import Study

@@ -14,9 +14,9 @@ from scipy.optimize import brentq
 
 from core.design import Design, si
 from core.errors import NoAnswer
-from core.export import files
 from core.findings import ERROR
 from core.motion import TURN, Angles, Program
+from core.output.export import files
 from core.project import load
 from core.shaft import LoadCurve, SpeedCurve, load_curve, steady_speed
 from core.study import Study

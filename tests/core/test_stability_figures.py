@@ -7,7 +7,8 @@ import pytest
 from mechanisms import LIFT, with_loads
 from shafts import KIM, coefficients, kim_table, of, with_elastic
 
-from core.report import report
+from core.output.report import report
+from core.output.summary import summary
 from core.stability import (
     averages_plots,
     coefficients_plot,
@@ -19,7 +20,6 @@ from core.stability import (
 )
 from core.stability.means import etas
 from core.study import Study
-from core.summary import summary
 
 
 @pytest.fixture

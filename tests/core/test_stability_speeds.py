@@ -11,10 +11,11 @@ import pytest
 from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, with_cam, with_loads, with_shaft
 from shafts import HARD, KIM, KIM_SHAFT, coefficients, of, with_elastic
 
-from core.cancellation import Cancelled, cancellable
 from core.design import Design, Elastic, entries, faults, get, put
 from core.design import with_elastic as with_shaft_of
-from core.report import report
+from core.numerics.cancellation import Cancelled, cancellable
+from core.output.report import report
+from core.output.summary import summary
 from core.stability import (
     EXACT,
     Chart,
@@ -29,7 +30,6 @@ from core.stability import (
 )
 from core.stability.critical_speeds import CLEAR, RPM
 from core.study import STAGES, Study, evaluations
-from core.summary import summary
 
 
 def at_eta(eta: float, **values: float | str) -> Design:

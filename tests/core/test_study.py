@@ -263,5 +263,5 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path, stages: list
     assert code == "0"
     assert "core" in loaded
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & set(loaded)
-    others = {"core.blend", "core.blend_text", "core.measured", "core.stability", "core.centring", "core.charting"}
-    assert not others & set(loaded), "of other commands"
+    others = {"blend", "measured", "stability", "output.blend_text", "output.centres", "output.stability_files"}
+    assert not {f"core.{name}" for name in others} & set(loaded), "of other commands"

@@ -14,8 +14,8 @@ from core.design import Design, Drive, Driver, Linkage, LinkageLoads, Slider
 from core.instant_centres import POLE, Difference, all_centres, ratio_arms, velocity_differences, velocity_polygon
 from core.instant_centres.velocities import link_by_link, to_driver
 from core.mechanism import course_of, unit_speed_train
+from core.mechanism.kinematics import Train
 from core.study import Study
-from core.train import Train
 
 INVERTED = Design("inverted", None, (Drive(None, Linkage(
         (

@@ -13,8 +13,8 @@ from PySide6.QtWidgets import QApplication
 from window_user import settle, wait_for
 
 from core.blend import Request, best, blend, feasible_ranges
-from core.cancellation import Cancelled, cancellable, checkpoint
 from core.errors import KindynaError
+from core.numerics.cancellation import Cancelled, cancellable, checkpoint
 from core.project import load
 from core.stability import chart
 from core.study import Study

@@ -11,8 +11,8 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QColor, QImage, QPainter, QPainterPathStroker, QTransform
 from PySide6.QtWidgets import QWidget
 
-from core.channels import channels
 from core.design import Design, edited
+from core.output.channels import channels
 from core.study import Study
 from kindyna_gui.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures import plot_lines

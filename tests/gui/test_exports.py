@@ -14,9 +14,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QDialogButtonBox, QProgressDialog, QPushButton, QWidget
 from window_user import User, settle
 
-from core.export import files
+from core.output.export import files
+from core.output.report import report
 from core.project import load
-from core.report import report
 from core.study import Study
 from kindyna_gui import dialogs, export_dialogs
 from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, progress, tables_wanted

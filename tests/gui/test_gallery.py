@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication, QLabel, QWidget
 from window_user import Open, User, settle
 
 from core.design import LAYOUTS, faults
-from core.export import files
+from core.output.export import files
 from core.project import load
 from core.study import Study
 from kindyna_gui import gallery

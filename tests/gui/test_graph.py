@@ -13,9 +13,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from window_user import Alone, User, settle
 
-from core.channels import channels
-from core.export import csv
 from core.motion import degrees as grid
+from core.output.channels import channels
+from core.output.export import csv
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.graph_choice import FIRST, ChannelTree, Choice, tip_of

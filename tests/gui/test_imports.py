@@ -40,8 +40,9 @@ NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec"
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
 # of our own: views behind tabs or not open, what works headless, what a menu asks for later, what only linkages have
 LATER = {
-    "core.__main__", "core.blend", "core.commands", "core.blend_text", "core.measured", "core.mechanism.drivers", "core.mechanism.grashof",
-    "core.stability", "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice",
+    "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.measured",
+    "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
+    "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice",
     "kindyna_gui.graph_panel", "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.help_view",
     "kindyna_gui.linkage_menus", "kindyna_gui.pictures.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
     "kindyna_gui.selftest", "kindyna_gui.stability_view",

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from core.project import load
-from core.recovery import find
+from core.project.recovery import find
 from kindyna_gui.places import example
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX only")

@@ -6,8 +6,8 @@ from mechanisms import LIFT, PUSHER
 from PySide6.QtCore import QRectF
 from window_user import Alone, settle
 
-from core.channels import channel, channels
 from core.design import Design
+from core.output.channels import channel, channels
 from core.project import load
 from core.study import Study
 from kindyna_gui.graph_choice import Choice

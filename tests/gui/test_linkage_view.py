@@ -10,8 +10,8 @@ from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
 from core.design import faults
-from core.export import files
 from core.mechanism.dragging import with_point_at
+from core.output.export import files
 from core.project import load
 from core.study import Study
 from kindyna_gui import export_dialogs

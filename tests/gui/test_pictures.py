@@ -16,9 +16,9 @@ from PySide6.QtWidgets import QApplication, QGraphicsLineItem
 from core.design import Design, Motion, Translating
 from core.errors import NoAnswer
 from core.instant_centres import Centres
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Pair, Pose, Train
 from core.motion import Angles, MotionState
 from core.study import Study
-from core.train import FRAME, REVOLUTE, SLIDING, Pair, Pose, Train
 from kindyna_gui.pictures.files import Sheet, png
 from kindyna_gui.pictures.items import Tag
 from kindyna_gui.pictures.mechanism import LAYERS, MechanismScene

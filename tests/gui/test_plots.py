@@ -13,8 +13,8 @@ from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
 
-from core.channels import channel, channels
 from core.design import Design, Motion, Named, Segment
+from core.output.channels import channel, channels
 from core.study import Study
 from kindyna_gui.pictures.files import paint, png, svg
 from kindyna_gui.pictures.items import Tag

@@ -14,9 +14,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 from window_user import Alone, User, settle
 
-from core.channels import channel
 from core.design import Design
-from core.export import table
+from core.output.channels import channel
+from core.output.export import table
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.exports import numbers

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
 from window_user import User, plain, settle, wait_for
 
 from core.design import edited
-from core.export import files
+from core.output.export import files
 from core.project import dumps, load
 from core.study import Study
 from kindyna_gui import dialogs, export_dialogs

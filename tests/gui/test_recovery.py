@@ -9,7 +9,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import edited
 from core.project import dumps, load
-from core.recovery import RecoveryFile, Unsaved
+from core.project.recovery import RecoveryFile, Unsaved
 from kindyna_gui.draft import Draft
 from kindyna_gui.places import example
 from kindyna_gui.recovery import recovery_folder

@@ -10,10 +10,10 @@ from core.design import FRAME_LINK
 from core.design.topology import Step
 from core.mechanism.dyads import Closed
 from core.mechanism.groups import Settled
+from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held, Joint, Plan
 from core.mechanism.solving import Solved
-from core.train import Pose
-from core.vectors import cross
+from core.numerics.vectors import cross
 
 
 @dataclass(frozen=True, eq=False)

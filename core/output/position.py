@@ -10,8 +10,8 @@ import numpy as np
 
 from core.instant_centres import Centres, angular_ratio, mechanical_advantage, velocity_differences
 from core.mechanism import body_name, link_number
+from core.mechanism.kinematics import FRAME
 from core.study import Study, quantity
-from core.train import FRAME
 
 Links = tuple[int, int]
 

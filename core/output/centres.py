@@ -11,7 +11,7 @@ import numpy as np
 from core.design import require_linkage
 from core.instant_centres import CHAINS, Centres, RatioArms, ratio_arms
 from core.mechanism import body_name, link_number
-from core.position import differences
+from core.output.position import differences
 from core.study import Study
 
 _MM = 1e3

@@ -12,10 +12,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import Derivatives, sum_of, turning
-from core.keeping import WhenAsked
 from core.motion import MotionState
-from core.vectors import dot, unit
+from core.numerics.derivatives import Derivatives, sum_of, turning
+from core.numerics.lazy import WhenAsked
+from core.numerics.vectors import dot, unit
 
 FRAME, CAM = "frame", "cam"
 REVOLUTE, SLIDING = "revolute", "sliding"

@@ -8,7 +8,7 @@ from textwrap import wrap
 
 import numpy as np
 
-from core.export import TONGUES, csv, tongues_table
+from core.output.export import TONGUES, csv, tongues_table
 from core.stability import (
     EQUATIONS,
     Averages,

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.report import report
-from core.shaft_tables import profile_plot, profile_table, tables
+from core.output.report import report
+from core.output.stability_tables import profile_plot, profile_table, tables
+from core.output.summary import summary, to_json
 from core.stability import (
     ETA_MAX,
     Chart,
@@ -22,7 +23,6 @@ from core.stability import (
 )
 from core.stability.claims import FIGURES, ROWS
 from core.study import Study
-from core.summary import summary, to_json
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 

@@ -10,15 +10,15 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.derivatives import Derivatives
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP
+from core.mechanism.change_points import HALF, Way, bridge
+from core.mechanism.continuation import follow, merged
 from core.mechanism.dyads import Closed
-from core.mechanism.following import follow, merged
 from core.mechanism.plan import Plan, plan_of
 from core.mechanism.ranges import minima, ranges_where
 from core.mechanism.solving import Solved, at_driver, solve
-from core.mechanism.way import HALF, Way, bridge
+from core.numerics.derivatives import Derivatives
 
 TURN = 2.0 * pi
 SAMPLES = 721

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from core.cancellation import checkpoint
-from core.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
 from core.design import Design
-from core.files import write_all
+from core.numerics.cancellation import checkpoint
+from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
+from core.output.summary import summary, to_json
+from core.project.files import write_all
 from core.study import Study
-from core.summary import summary, to_json
 
 if TYPE_CHECKING:
     from core.stability import Tongues

@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from core.derivatives import Chain, Derivatives, difference, earlier, scaled, sum_of, turning
+from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held
-from core.train import Pose
-from core.vectors import cross
+from core.numerics.derivatives import Chain, Derivatives, difference, earlier, scaled, sum_of, turning
+from core.numerics.vectors import cross
 
 Bodies = Mapping[int, Pose]
 

@@ -6,12 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from core.channels import Channel, channels
 from core.design import CRANK, UNITS, entries
 from core.findings import Finding
 from core.laws import find_law
+from core.output.channels import Channel, channels
+from core.output.summary import extremes, flywheel, joins, mechanism, stability
 from core.study import Study
-from core.summary import extremes, flywheel, joins, mechanism, stability
 
 _ASSUMED = "*"
 

@@ -8,7 +8,7 @@ from math import perm
 
 import numpy as np
 
-from core.vectors import unit
+from core.numerics.vectors import unit
 
 State = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Of a link: origin and angle (4, n), x axis (n,)."""

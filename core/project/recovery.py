@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from core.errors import FileError
-from core.files import read_text, sweep, write
-from core.locks import NO_LOCKS, hold
+from core.project.files import read_text, sweep, write
+from core.project.locks import NO_LOCKS, hold
 
 _HEAD = "# unsaved "
 

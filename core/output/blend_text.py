@@ -7,7 +7,7 @@ from typing import Any
 
 from core.blend import Blended
 from core.design import Design, Motion, Segment, require_motion
-from core.report import columns, digits
+from core.output.report import columns, digits
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ from math import pi
 
 import numpy as np
 
-from core.curves import shape_of
 from core.design import Motion
-from core.exact import two_sum
 from core.findings import ERROR, WARNING, Finding
-from core.keeping import WhenAsked
 from core.laws import PieceTable, runs_of
-from core.vectors import unit
+from core.motion.curves import shape_of
+from core.numerics.compensated_sum import two_sum
+from core.numerics.lazy import WhenAsked
+from core.numerics.vectors import unit
 
 TURN = 2.0 * pi
 EPS = float(np.finfo(float).eps)

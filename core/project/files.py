@@ -14,7 +14,7 @@ from types import MappingProxyType
 from typing import NoReturn
 
 from core.errors import FileError
-from core.locks import NO_LOCKS, hold
+from core.project.locks import NO_LOCKS, hold
 
 AnyPath = str | os.PathLike[str]
 

@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanism.closing import Bodies
+from core.mechanism.change_points import Track, Way
 from core.mechanism.groups import NEAR, Group, Settled, newton, settled
+from core.mechanism.kinematics import Pose
+from core.mechanism.loop_closure import Bodies
 from core.mechanism.plan import Plan
 from core.mechanism.solving import at_driver, solve
-from core.mechanism.way import Track, Way
-from core.train import Pose
-from core.vectors import cross
+from core.numerics.vectors import cross
 
 STEPS = 72  # over the whole course, at least
 FINEST = 1e-9  # of the course: a step this short stands before a dead centre

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from core.channels import channels
 from core.design import UNITS
 from core.design.topology import mobility
 from core.errors import NoStability
 from core.mechanism.grashof import four_bar
+from core.output.channels import channels
 from core.study import Study
 
 

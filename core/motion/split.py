@@ -11,7 +11,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from core.curves import shape_of
 from core.design import (
     Curve,
     Design,
@@ -29,6 +28,7 @@ from core.design import (
 from core.design.edits import rest
 from core.design.motions import with_marks_of
 from core.laws import LAWS, PieceTable, find_law
+from core.motion.curves import shape_of
 
 LEAST_CUT = 1e-3
 """Degrees that both parts of a cut segment must have; where one had less the segment is cut in its middle."""

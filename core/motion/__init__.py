@@ -1,0 +1,27 @@
+"""Motion: segments compiled to one table of pieces; what the output does at every cam angle, with three derivatives."""
+
+from core.motion.program import (
+    EPS,
+    SNAP,
+    TURN,
+    Angles,
+    Join,
+    MotionState,
+    Program,
+    degrees,
+    findings,
+    program,
+)
+
+__all__ = [
+    "EPS",
+    "SNAP",
+    "TURN",
+    "Angles",
+    "Join",
+    "MotionState",
+    "Program",
+    "degrees",
+    "findings",
+    "program",
+]

@@ -1,0 +1,1 @@
+"""Mathematics without mechanics: vectors, derivatives, lazy values, sums with their rounding, cancellation."""
