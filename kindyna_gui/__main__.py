@@ -110,10 +110,10 @@ def without_window(path: Path, why: str) -> int:
 
 
 def window_module() -> ModuleType:
-    """``kindyna_gui.main_window``, imported in the quickest order. Raises ImportError where the system lacks a library."""
+    """``kindyna_gui.window.main_window``, imported in the quickest order. Raises ImportError where the system lacks a library."""
     # before Qt, which looks into the source of all that is imported after it
     from core import project, study  # noqa: F401
-    from kindyna_gui import main_window
+    from kindyna_gui.window import main_window
 
     return main_window
 

@@ -159,7 +159,7 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfin
 
 def ask_to_recover(parent: QWidget, found: Sequence[Found]) -> tuple[OnRecovery, Found]:
     """What to do with unsaved work, and with which."""
-    from kindyna_gui.recovery_dialog import RecoveryDialog
+    from kindyna_gui.documents.recovery_dialog import RecoveryDialog
 
     dialog = RecoveryDialog(parent, found)
     dialog.exec()

@@ -118,7 +118,7 @@ def animation(words: argparse.Namespace, painter: Painter | None) -> int:
     code = _verdict(study)
     never_shown()
     from kindyna_gui.pictures.film import Film, shoot
-    from kindyna_gui.speeds import usual
+    from kindyna_gui.window.player_speeds import usual
 
     wanted = Film(words.out.suffix.lower(), words.frames, *words.size, usual(study.omega).seconds)
     with quiet():

@@ -13,16 +13,16 @@ from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
 from core.design import Design
 from core.study import Study
-from kindyna_gui.docks import VIEWS
+from kindyna_gui.documents.session import Session
+from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
-from kindyna_gui.main_window import MainWindow
-from kindyna_gui.mechanism_view import MechanismView
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
 from kindyna_gui.settings import Settings
 from kindyna_gui.shown_kinds import has_cam
 from kindyna_gui.view import View
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.player import Player
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
 PATIENCE, BREATH = 60.0, 0.005  # seconds
@@ -157,8 +157,8 @@ def _tab_by_tab(view: View) -> Iterator[str]:
 
 
 def _straight_and_polar(view: View) -> Iterator[str]:
-    from kindyna_gui.graph_panel import FORMS as GRAPHS
-    from kindyna_gui.graph_view import GraphView
+    from kindyna_gui.graph.graph_panel import FORMS as GRAPHS
+    from kindyna_gui.graph.graph_view import GraphView
 
     assert isinstance(view, GraphView)
     for form in GRAPHS:

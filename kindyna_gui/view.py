@@ -10,11 +10,11 @@ from PySide6.QtWidgets import QLabel, QLayout, QPushButton, QStackedLayout, QVBo
 
 from core.errors import KindynaError
 from core.study import Study
-from kindyna_gui.fault_log import short
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
+from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import reason
 from kindyna_gui.shown_kinds import NotHere
-from kindyna_gui.wording import reason
+from kindyna_gui.window.fault_log import short
+from kindyna_gui.window.player import Player
 
 
 def in_sight(widget: QWidget) -> bool:

@@ -12,7 +12,7 @@ import hypothesis
 import pytest
 from hypothesis.database import DirectoryBasedExampleDatabase
 
-from kindyna_gui.tidying import tidy
+from kindyna_gui.gc_timer import tidy
 
 GUI_TESTS = Path(__file__).parent / "gui"
 

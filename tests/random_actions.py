@@ -23,10 +23,10 @@ from PySide6.QtWidgets import (
 from random_choices import AREAS, CTRL, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
 
 from core.design import motion_of
-from kindyna_gui.canvas import Canvas, joints_now
-from kindyna_gui.docks import VIEWS
-from kindyna_gui.main_window import MainWindow
-from kindyna_gui.motion_diagram import MotionDiagram
+from kindyna_gui.linkage.canvas import Canvas, joints_now
+from kindyna_gui.motion.diagram import MotionDiagram
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.main_window import MainWindow
 
 
 class Actions:

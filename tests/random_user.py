@@ -39,9 +39,9 @@ from random_dialogs import Answers, activate
 from random_files import write_files
 
 from core.project import load, save
-from kindyna_gui.main_window import MainWindow, open_window
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import examples
+from kindyna_gui.window.main_window import MainWindow, open_window
 
 STALL_S = 2.0
 SHOWN = 60  # of the last actions, where something is wrong

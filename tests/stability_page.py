@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import User
 
 from kindyna_gui.places import example
-from kindyna_gui.stability_view import StabilityView
+from kindyna_gui.stability.stability_view import StabilityView
 
 KIM = example("kim_1990")
 LEFT = Qt.MouseButton.LeftButton

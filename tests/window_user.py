@@ -17,16 +17,16 @@ from PySide6.QtWidgets import QAbstractButton, QAbstractItemView, QApplication, 
 from core.design import Design
 from core.study import Study
 from kindyna_gui import dialogs
-from kindyna_gui.canvas import Canvas
 from kindyna_gui.dialogs import Answer
-from kindyna_gui.fields import Field
-from kindyna_gui.forms import ParametersView
-from kindyna_gui.main_window import MainWindow
-from kindyna_gui.mechanism_view import MechanismView
-from kindyna_gui.number_box import NumberBox
-from kindyna_gui.segments_view import SegmentsView
-from kindyna_gui.session import Session
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.fields import Field
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.parameters_view import ParametersView
+from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.linkage.mechanism_view import MechanismView
+from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.view import View
+from kindyna_gui.window.main_window import MainWindow
 
 PATIENCE_MS = 5000
 QUESTIONS = {

@@ -17,11 +17,12 @@ from PySide6.QtTest import QTest
 
 from core.design import entries, motion_of
 from core.project import load
-from kindyna_gui import dialogs, main_window
+from kindyna_gui import dialogs
 from kindyna_gui.__main__ import main
-from kindyna_gui.main_window import MainWindow
+from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
-from kindyna_gui.session import Session
+from kindyna_gui.window import main_window
+from kindyna_gui.window.main_window import MainWindow
 
 DESIGNS = ("transfer_lift", "card_picker", "four_bar_coupler_cam", "lecture_six_bar")
 

@@ -8,8 +8,8 @@ import sys
 from PySide6.QtGui import QFontDatabase
 from PySide6.QtWidgets import QApplication
 
+from kindyna_gui.gc_timer import tidy_in_this_thread
 from kindyna_gui.pictures.style import font
-from kindyna_gui.tidying import tidy_in_this_thread
 
 
 def ensure_app(offscreen: bool = False) -> QApplication:

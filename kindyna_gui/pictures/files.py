@@ -16,13 +16,13 @@ from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 from core.output.centres import Snapshot
 from core.output.channels import Channel, channels, existing
 from core.study import Study
-from kindyna_gui.linkage_plots import quantities_for
+from kindyna_gui.graph.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.pictures.detail import UNSEEN
-from kindyna_gui.pictures.mechanism import MechanismScene
-from kindyna_gui.pictures.paper_sheet import MARGIN, PaperSheet
-from kindyna_gui.pictures.plot import CurvePlot
-from kindyna_gui.pictures.plot_curves import different
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.plots.curves import different
+from kindyna_gui.pictures.plots.detail import UNSEEN
+from kindyna_gui.pictures.plots.paper_sheet import MARGIN, PaperSheet
+from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
 from kindyna_gui.shown_kinds import has_cam, is_linkage
 
@@ -172,7 +172,7 @@ PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(
 
 def chart_file(chart: Chart, ending: str) -> bytes:
     """A chart of stability as a file, ``.png`` or ``.svg``."""
-    from kindyna_gui.pictures.chart import ChartPlot
+    from kindyna_gui.pictures.plots.stability_chart import ChartPlot
 
     vector = ending == ".svg"
     plot = ChartPlot(theme=LIGHT if vector else replace(LIGHT, ratio=RATIO))
@@ -195,7 +195,7 @@ def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
 
         return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
     from core.stability import Chart
-    from kindyna_gui.pictures.xy_sheet import figure_file
+    from kindyna_gui.pictures.plots.xy_sheet import figure_file
 
     if isinstance(drawn, Chart):
         return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}

@@ -21,8 +21,8 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import Sheet
-from kindyna_gui.pictures.mechanism import MechanismScene
 
 if TYPE_CHECKING:  # loading Pillow takes a while that the window need not wait for
     from PIL import Image

@@ -11,9 +11,9 @@ import numpy as np
 
 from core.instant_centres import velocity_polygon
 from core.output.centres import Snapshot
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.drawing.polygon import PolygonSheet
 from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg
-from kindyna_gui.pictures.mechanism import MechanismScene
-from kindyna_gui.pictures.polygon import PolygonSheet
 from kindyna_gui.pictures.style import LIGHT
 
 SHEET_OF_POLYGON = (640, 560)  # pixels

@@ -35,14 +35,14 @@ from PySide6.QtWidgets import QApplication, QWidget
 
 from core.design import get
 from core.project import load
-from kindyna_gui.docks import RIGHT, VIEWS, Dock, ViewRow, lazily
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
-from kindyna_gui.main_window import MainWindow
-from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.linkage.mechanism_view import MechanismView
+from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
-from kindyna_gui.plots_view import PlotView
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
-from kindyna_gui.segments_view import SegmentsView
+from kindyna_gui.window.docks import RIGHT, VIEWS, Dock, ViewRow, lazily
+from kindyna_gui.window.main_window import MainWindow
 
 ROOT = Path(__file__).parents[2]
 SIZE = (1440, 900)

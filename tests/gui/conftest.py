@@ -15,11 +15,11 @@ from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
 
 from kindyna_gui.background import Worker
-from kindyna_gui.docks import RIGHT, VIEWS
 from kindyna_gui.look import dress
-from kindyna_gui.main_window import open_window
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import example
+from kindyna_gui.window.docks import RIGHT, VIEWS
+from kindyna_gui.window.main_window import open_window
 
 PLOTS = tuple(name for name, row in VIEWS.items() if row.area == RIGHT)
 HARMLESS = (

@@ -19,17 +19,17 @@ from core.blend.apply import into_design
 from core.design import Design, Motion, Named, Segment, edited, faults
 from core.project import load
 from core.study import Study
-from kindyna_gui import blend_wizard
-from kindyna_gui.blend_asked import Asked, constants, count_text, open_candidates, plan, ranged, shown_names
-from kindyna_gui.blend_fields import NO_NUMBER, LiveBox
-from kindyna_gui.blend_first import first_asked
-from kindyna_gui.blend_questions import GOAL_TEXTS, Questions
-from kindyna_gui.blend_settings import curve_of
-from kindyna_gui.blend_wizard import BlendDialog
-from kindyna_gui.blend_words import begin_of, range_text
-from kindyna_gui.number_box import WordBox
+from kindyna_gui.blend import wizard as blend_wizard
+from kindyna_gui.blend.fields import NO_NUMBER, LiveBox
+from kindyna_gui.blend.first_request import first_asked
+from kindyna_gui.blend.questions import GOAL_TEXTS, Questions
+from kindyna_gui.blend.request import Asked, constants, count_text, open_candidates, plan, ranged, shown_names
+from kindyna_gui.blend.settings import curve_of
+from kindyna_gui.blend.texts import begin_of, range_text
+from kindyna_gui.blend.wizard import BlendDialog
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.places import example
-from kindyna_gui.session import Session
 
 PICKER_SPANS = (18.8468353936, 169.621518543, 14.8022699040, 96.7293761598)
 STANDING = with_drive(PUSHER, motion=Motion(0.0, (Segment(360.0, 0.0),)))

@@ -15,12 +15,12 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import join_angles, join_levels
 from core.project import dumps, load, loads
 from kindyna_gui import dialogs
-from kindyna_gui.blend_wizard import BlendDialog
-from kindyna_gui.motion_law_box import LawBox
-from kindyna_gui.number_box import NumberBox
+from kindyna_gui.blend.wizard import BlendDialog
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.motion.law_box import LawBox
+from kindyna_gui.motion.segments_model import LAW
+from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import LAW
-from kindyna_gui.segments_view import SegmentsView
 
 LEFT = Qt.MouseButton.LeftButton
 TRIES = 60

@@ -6,9 +6,9 @@ import re
 import pytest
 from window_user import Open, User, settle, wait_for
 
-from kindyna_gui.centres_view import CentresView
-from kindyna_gui.circle_view import CircleView
-from kindyna_gui.pictures.centre_parts import CentreMarks, KennedyLines
+from kindyna_gui.linkage.centres_view import CentresView
+from kindyna_gui.linkage.circle_view import CircleView
+from kindyna_gui.pictures.drawing.centre_parts import CentreMarks, KennedyLines
 from kindyna_gui.places import example
 
 

@@ -14,15 +14,15 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design, edited
 from core.output.channels import channels
 from core.study import Study
-from kindyna_gui.live_plot import LivePlot, LivePolar
-from kindyna_gui.pictures import plot_lines
-from kindyna_gui.pictures.detail import UNSEEN, level, needed
+from kindyna_gui.documents.session import SAMPLES
+from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.pictures.drawing.items import Loop, Silhouette
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import PICTURES, Sheet
-from kindyna_gui.pictures.items import Loop, Silhouette
-from kindyna_gui.pictures.mechanism import MechanismScene
-from kindyna_gui.pictures.plot_lines import CurveLine
-from kindyna_gui.pictures.polar import PolarPlot
-from kindyna_gui.session import SAMPLES
+from kindyna_gui.pictures.plots import lines as plot_lines
+from kindyna_gui.pictures.plots.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.plots.lines import CurveLine
+from kindyna_gui.pictures.plots.polar import PolarPlot
 
 EDGE = 26  # of 255: what antialiasing makes of a line that is off by UNSEEN pixels, and of rounding to 1/64 pixel
 # Qt draws hair lines piece by piece: where many pieces meet in a pixel it gets darker than one line would make it

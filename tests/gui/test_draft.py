@@ -11,9 +11,9 @@ from window_user import Open, User
 from core.design import Motion, Named, edited, faults, insert_segment, rise_gap, span_gap, stroke
 from core.errors import DesignError
 from core.project import dumps, load
+from kindyna_gui.documents.session import Session
+from kindyna_gui.motion.segments_model import JOIN, LAW, RISE, SPAN
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import JOIN, LAW, RISE, SPAN
-from kindyna_gui.session import Session
 
 LIFT = load(example("transfer_lift"))
 AT_REST = edited(LIFT, "motion.segments[1].law", "dwell")

@@ -7,9 +7,9 @@ from window_user import Open, User, pixel, settle
 
 from core.design import LAYOUTS, faults
 from core.project import load
-from kindyna_gui import gallery
-from kindyna_gui.canvas import joints_now
+from kindyna_gui.linkage.canvas import joints_now
 from kindyna_gui.places import example
+from kindyna_gui.window import gallery
 
 WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller": 15 + 20j}
 

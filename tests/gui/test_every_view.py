@@ -6,8 +6,8 @@ import pytest
 from window_user import Open, settle
 
 from core.project import load
-from kindyna_gui.docks import VIEWS
 from kindyna_gui.places import example
+from kindyna_gui.window.docks import VIEWS
 
 KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
 

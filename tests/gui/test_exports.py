@@ -1,4 +1,4 @@
-"""kindyna_gui.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
+"""kindyna_gui.documents.exports, export_dialogs, pictures.film: what leaves the program, whole or not at all."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -18,8 +18,16 @@ from core.output.export import files
 from core.output.report import report
 from core.project import load
 from core.study import Study
-from kindyna_gui import dialogs, export_dialogs
-from kindyna_gui.export_dialogs import FilmDialog, TablesDialog, TablesWanted, film_wanted, progress, tables_wanted
+from kindyna_gui import dialogs
+from kindyna_gui.documents.export_dialogs import (
+    FilmDialog,
+    TablesDialog,
+    TablesWanted,
+    film_wanted,
+    progress,
+    tables_wanted,
+)
+from kindyna_gui.documents.file_actions import export_dialogs
 from kindyna_gui.pictures.film import LEAST_DELAY, TICK, Camera, Film, shoot
 from kindyna_gui.places import example
 

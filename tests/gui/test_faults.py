@@ -1,4 +1,4 @@
-"""kindyna_gui.faults: what fails in a slot is said where it happened, stands in the log, and leaves the design as it was."""
+"""kindyna_gui.window.faults: what fails in a slot is said where it happened, stands in the log, and leaves the design as it was."""
 
 import sys
 
@@ -9,8 +9,8 @@ from PySide6.QtWidgets import QDialog, QLabel, QPlainTextEdit, QPushButton, QVBo
 from window_user import User, settle, wait_for
 
 from core.study import Study
-from kindyna_gui.fault_log import MOST_BYTES, OLDER_FILES, FaultLog, log_file, log_text
-from kindyna_gui.plots_view import PlotView
+from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.window.fault_log import MOST_BYTES, OLDER_FILES, FaultLog, log_file, log_text
 
 ROD = "follower.rod_mm"
 

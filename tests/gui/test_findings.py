@@ -10,15 +10,15 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import Motion, Named, Segment, with_drive
 from core.study import Study
-from kindyna_gui.certificate_view import PROVES, CertificateView
-from kindyna_gui.findings_view import FindingsView
-from kindyna_gui.flywheel_view import FlywheelView
-from kindyna_gui.number_box import NumberBox
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.tables import RowsTable
+from kindyna_gui.graph.flywheel_view import FlywheelView
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
-from kindyna_gui.plots_view import PlotView
 from kindyna_gui.screenshots import rest
-from kindyna_gui.tables import RowsTable
+from kindyna_gui.window.certificate_view import PROVES, CertificateView
+from kindyna_gui.window.findings_view import FindingsView
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""kindyna_gui.forms, fields: parameters are made from metadata, typed, stepped, refused and taken back."""
+"""kindyna_gui.forms.parameters_view, fields: parameters are made from metadata, typed, stepped, refused and taken back."""
 
 from html import escape
 from math import radians
@@ -12,11 +12,11 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
 from core.project import dumps, load, save
-from kindyna_gui.exports import Exports
-from kindyna_gui.forms import SECTIONS
-from kindyna_gui.number_box import NumberBox, WordBox
+from kindyna_gui.documents.exports import Exports
+from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.parameters_view import SECTIONS
+from kindyna_gui.labels import shortest
 from kindyna_gui.places import example
-from kindyna_gui.wording import shortest
 
 ROD, ARM, X = "follower.rod_mm", "follower.roller_arm_mm", "follower.pivot_x_mm"
 LIFT = load(example("transfer_lift"))

@@ -15,10 +15,10 @@ from core.design import LAYOUTS, faults
 from core.output.export import files
 from core.project import load
 from core.study import Study
-from kindyna_gui import gallery
-from kindyna_gui.export_dialogs import TablesDialog
+from kindyna_gui.documents.export_dialogs import TablesDialog
+from kindyna_gui.motion.segments_model import RISE
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import RISE
+from kindyna_gui.window import gallery
 
 # -- chosen by picture ------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.graph_view, graph_choice, pictures.polar: any channels in any plots, straight and polar."""
+"""kindyna_gui.graph.graph_view, graph_choice, pictures.polar: any channels in any plots, straight and polar."""
 
 from io import BytesIO
 from math import degrees, hypot, pi, radians
@@ -18,14 +18,14 @@ from core.output.channels import channels
 from core.output.export import csv
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
-from kindyna_gui.graph_choice import FIRST, ChannelTree, Choice, tip_of
-from kindyna_gui.graph_view import EMPTY, GraphView
-from kindyna_gui.live_plot import LivePlot, LivePolar
-from kindyna_gui.pictures.polar import PolarPlot
-from kindyna_gui.pictures.polar_sheet import columns_for, polar_file
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.graph_choice import FIRST, ChannelTree, Choice, tip_of
+from kindyna_gui.graph.graph_view import EMPTY, GraphView
+from kindyna_gui.graph.live_plot import LivePlot, LivePolar
+from kindyna_gui.pictures.plots.polar import PolarPlot
+from kindyna_gui.pictures.plots.polar_sheet import columns_for, polar_file
 from kindyna_gui.pictures.units import legible
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
+from kindyna_gui.window.player import Player
 
 JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)
 UNITS = {row.quantity: row.unit.symbol for row in channels(LIFT)}

@@ -16,11 +16,11 @@ from core.project import load, save
 from core.stability import Stability
 from kindyna_gui import screenshots, selftest
 from kindyna_gui.__main__ import main
-from kindyna_gui.docks import VIEWS
 from kindyna_gui.headless import COMMANDS
 from kindyna_gui.places import example, examples
 from kindyna_gui.settings import Settings
-from kindyna_gui.stability_view import FINE, StabilityView
+from kindyna_gui.stability.stability_view import FINE, StabilityView
+from kindyna_gui.window.docks import VIEWS
 
 PICKER = example("card_picker")
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 
 OPEN = """
 import sys, time
-from kindyna_gui.main_window import open_window
+from kindyna_gui.window.main_window import open_window
 from kindyna_gui.pictures.app import ensure_app
 
 app = ensure_app()
@@ -42,10 +42,10 @@ PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "exampl
 LATER = {
     "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.measured",
     "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
-    "kindyna_gui.certificate_view", "kindyna_gui.flywheel_view", "kindyna_gui.graph_choice",
-    "kindyna_gui.graph_panel", "kindyna_gui.graph_view", "kindyna_gui.headless", "kindyna_gui.help_view",
-    "kindyna_gui.linkage_menus", "kindyna_gui.pictures.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
-    "kindyna_gui.selftest", "kindyna_gui.stability_view",
+    "kindyna_gui.window.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
+    "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.window.help_view",
+    "kindyna_gui.linkage.menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
+    "kindyna_gui.selftest", "kindyna_gui.stability.stability_view",
 }  # fmt: skip
 STANDARD_NOT = {"difflib", "hmac", "secrets", "unittest"}
 
@@ -92,7 +92,7 @@ def test_of_the_standard_library_nothing_is_loaded_for_a_rare_need(loaded: set[s
 
 def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: set[str]) -> None:
     assert {name for name in loaded if name in LATER or name.rpartition(".")[0] in LATER} == set()
-    assert {"kindyna_gui.mechanism_view", "kindyna_gui.forms", "core.study"} <= loaded
+    assert {"kindyna_gui.linkage.mechanism_view", "kindyna_gui.forms.parameters_view", "core.study"} <= loaded
     # a name that does not exist guards nothing
     for name in LATER:
         path = ROOT.joinpath(*name.split("."))

@@ -155,7 +155,7 @@ import json, sys
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QPushButton
-from kindyna_gui import main_window
+from kindyna_gui.window import main_window
 from kindyna_gui.__main__ import main
 
 open_window = main_window.open_window

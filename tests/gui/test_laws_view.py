@@ -1,4 +1,4 @@
-"""kindyna_gui.laws_view, laws_model, laws_plot: every law with what it costs, drawn over each other, and used."""
+"""kindyna_gui.motion.laws_view, laws_model, laws_plot: every law with what it costs, drawn over each other, and used."""
 
 from io import BytesIO
 from itertools import pairwise
@@ -15,11 +15,11 @@ from window_user import Alone, Open, User, settle
 
 from core.laws import LAWS, peaks
 from core.study import evaluations
-from kindyna_gui.laws_model import ACCELERATION, COLUMNS, ENDS, JERK, NAME, TORQUE, VELOCITY, law_rows
-from kindyna_gui.laws_plot import QUANTITIES, STROKES, WIDE
-from kindyna_gui.laws_view import EMPTY, FIRST, LawsView, segment_texts
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
+from kindyna_gui.documents.session import Session
+from kindyna_gui.motion.laws_model import ACCELERATION, COLUMNS, ENDS, JERK, NAME, TORQUE, VELOCITY, law_rows
+from kindyna_gui.motion.laws_plot import QUANTITIES, STROKES, WIDE
+from kindyna_gui.motion.laws_view import EMPTY, FIRST, LawsView, segment_texts
+from kindyna_gui.window.player import Player
 
 
 @pytest.fixture

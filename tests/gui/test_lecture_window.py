@@ -10,9 +10,9 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTableView
 from window_user import Open, User, settle, wait_for
 
-from kindyna_gui.centres_view import CentresView
-from kindyna_gui.circle_view import CircleView
-from kindyna_gui.mechanism_view import MechanismView
+from kindyna_gui.linkage.centres_view import CentresView
+from kindyna_gui.linkage.circle_view import CircleView
+from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.places import example
 
 PRINT = 0.02  # cm, rpm, cm/s: the print rounds its intermediates

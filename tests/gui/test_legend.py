@@ -1,4 +1,4 @@
-"""kindyna_gui.pictures.legend, fixed_plot: names above a plot, however narrow it is."""
+"""kindyna_gui.pictures.plots.legend, fixed_plot: names above a plot, however narrow it is."""
 
 
 import pytest
@@ -10,18 +10,18 @@ from core.design import Design
 from core.output.channels import channel, channels
 from core.project import load
 from core.study import Study
-from kindyna_gui.graph_choice import Choice
-from kindyna_gui.graph_view import GraphView
-from kindyna_gui.live_plot import LivePlot
-from kindyna_gui.pictures.fixed_plot import RIGHT_MARGIN
-from kindyna_gui.pictures.legend import CUT, Entry, cut, rows_of
-from kindyna_gui.pictures.plot import CurvePlot
-from kindyna_gui.pictures.plot_parts import LEFT_WIDTH
-from kindyna_gui.pictures.polar_title import BUTTON, EDGE, told_in
-from kindyna_gui.pictures.xy import Line, XYPlot
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.graph_choice import Choice
+from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.pictures.plots.background import LEFT_WIDTH
+from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
+from kindyna_gui.pictures.plots.legend import CUT, Entry, cut, rows_of
+from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.polar_title import BUTTON, EDGE, told_in
+from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
+from kindyna_gui.window.player import Player
 
 pytestmark = pytest.mark.usefixtures("app")
 

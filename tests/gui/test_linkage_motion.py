@@ -11,13 +11,13 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import join_levels, motion_of, require_motion
 from core.project import load
-from kindyna_gui import measured_dialog
-from kindyna_gui.blend_wizard import BlendDialog
-from kindyna_gui.laws_view import LawsView
-from kindyna_gui.measured_dialog import MeasuredDialog
-from kindyna_gui.motion_editor import MotionEditor
+from kindyna_gui.blend.wizard import BlendDialog
+from kindyna_gui.measured import dialog as measured_dialog
+from kindyna_gui.measured.dialog import MeasuredDialog
+from kindyna_gui.motion.editor import MotionEditor
+from kindyna_gui.motion.laws_view import LawsView
+from kindyna_gui.motion.segments_model import LAW, RISE, SPAN
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import LAW, RISE, SPAN
 
 COUPLER = load(example("four_bar_coupler_cam"))
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.main_window, documents, settings: files, questions, layout, and what is computed for whom."""
+"""kindyna_gui.window.main_window, documents, settings: files, questions, layout, and what is computed for whom."""
 
 import gc
 import shutil
@@ -15,10 +15,10 @@ from core.project import load
 from core.study import evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, ask_to_save, show_faults
-from kindyna_gui.docks import VIEWS
-from kindyna_gui.main_window import MainWindow, open_window
 from kindyna_gui.places import example
 from kindyna_gui.settings import MOST_RECENT, Settings
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.main_window import MainWindow, open_window
 
 LIFT, PICKER = example("transfer_lift"), example("card_picker")
 ROD = "follower.rod_mm"

@@ -13,9 +13,9 @@ from window_user import User, settle, wait_for
 
 from core.design import Spline
 from core.project import load
-from kindyna_gui import measured_dialog
-from kindyna_gui.measured_asked import spelled, symbol
-from kindyna_gui.measured_dialog import MeasuredDialog
+from kindyna_gui.measured import dialog as measured_dialog
+from kindyna_gui.measured.dialog import MeasuredDialog
+from kindyna_gui.measured.request import spelled, symbol
 
 CHANCE = np.random.default_rng(8)
 ANGLES = np.arange(0.0, 360.0, 2.0)

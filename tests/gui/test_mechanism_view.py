@@ -1,4 +1,4 @@
-"""kindyna_gui.mechanism_view: the drawing follows the cam, keeps what is looked at, and computes only what it draws."""
+"""kindyna_gui.linkage.mechanism_view: the drawing follows the cam, keeps what is looked at, and computes only what it draws."""
 
 from collections.abc import Callable
 from io import BytesIO
@@ -16,11 +16,11 @@ from window_user import Alone, Open, User, plain, settle, wait_for
 
 from core.design import Design
 from core.study import evaluations
-from kindyna_gui.mechanism_view import MechanismView
-from kindyna_gui.pictures.mechanism import LAYERS
+from kindyna_gui.documents.session import Session
+from kindyna_gui.linkage.mechanism_view import MechanismView
+from kindyna_gui.pictures.drawing.mechanism import LAYERS
 from kindyna_gui.places import example
-from kindyna_gui.player import Player
-from kindyna_gui.session import Session
+from kindyna_gui.window.player import Player
 
 Show = Callable[..., MechanismView]
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.menus, submenus: every entry is there, does something, and has its own keys."""
+"""kindyna_gui.window.menus, submenus: every entry is there, does something, and has its own keys."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -10,9 +10,9 @@ from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
 from window_user import User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
-from kindyna_gui.docks import VIEWS
-from kindyna_gui.menus import MENUS, TOOLBAR, Item
 from kindyna_gui.places import examples
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.menus import MENUS, TOOLBAR, Item
 
 TITLES = ["File", "Edit", "Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "View", "Help"]
 

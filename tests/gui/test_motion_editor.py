@@ -1,4 +1,4 @@
-"""kindyna_gui.segments_view with motion_editor, motion_bar: the motion is drawn, cut, doubled and mirrored by hand."""
+"""kindyna_gui.motion.segments_view with motion_editor, motion_bar: the motion is drawn, cut, doubled and mirrored by hand."""
 
 from collections.abc import Callable
 from math import degrees
@@ -16,13 +16,13 @@ from core.project import load
 from core.study import Study
 from core.study.stages import evaluations
 from kindyna_gui.look import GOOD, QUIET, WRONG
-from kindyna_gui.motion_diagram import numbered, rooms_beside
-from kindyna_gui.motion_editor import MotionEditor
-from kindyna_gui.motion_grips import LEVEL, LINE, POINT
-from kindyna_gui.motion_marks import marks, wordings
-from kindyna_gui.pictures.plot_parts import spans as spans_of
+from kindyna_gui.motion.diagram import numbered, rooms_beside
+from kindyna_gui.motion.editor import MotionEditor
+from kindyna_gui.motion.grips import LEVEL, LINE, POINT
+from kindyna_gui.motion.marks import marks, wordings
+from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, TO
+from kindyna_gui.pictures.plots.background import spans as spans_of
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import LAW, RISE, SPAN, TO
 
 LIFT = load(example("transfer_lift"))
 NONE, SHIFT, CTRL, ALT = (

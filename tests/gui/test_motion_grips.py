@@ -1,9 +1,9 @@
-"""kindyna_gui.motion_grips: what can be taken hold of in a displacement diagram, and what a pull makes of it."""
+"""kindyna_gui.motion.grips: what can be taken hold of in a displacement diagram, and what a pull makes of it."""
 
 import pytest
 
 from core.design import LEAST_SPAN, Motion, Named, Segment
-from kindyna_gui.motion_grips import LEVEL, LINE, POINT, Grip, Pull, Scale, grip_at, meant, nudged, segment_at, snapped
+from kindyna_gui.motion.grips import LEVEL, LINE, POINT, Grip, Pull, Scale, grip_at, meant, nudged, segment_at, snapped
 
 DWELL, SINE = Named("dwell"), Named("modified-sine")
 LIFT = Motion(

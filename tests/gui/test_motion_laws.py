@@ -1,4 +1,4 @@
-"""kindyna_gui.motion_picker, motion_curve, motion_points: a law is picked from pictures, and its curve is shaped."""
+"""kindyna_gui.motion.law_picker, motion_curve, motion_points: a law is picked from pictures, and its curve is shaped."""
 
 import math
 
@@ -13,17 +13,17 @@ from window_user import Open, User, settle, wait_for
 from core.design import CURVES, End, Named, Point, Polynomial, Scca, Spline, edited
 from core.laws import LAWS, peaks
 from core.project import load
-from kindyna_gui.motion_fields import EndField, OptionalBox
-from kindyna_gui.motion_law_box import LawBox
-from kindyna_gui.motion_laws import OWN, found, groups, law_tip, peaks_text, short_label
-from kindyna_gui.motion_picker import LawPicker
-from kindyna_gui.motion_points import PointsTable
-from kindyna_gui.pictures.laws import curves_of, paint_law, prescribed
+from kindyna_gui.labels import law_label, name_of
+from kindyna_gui.motion.fields import EndField, OptionalBox
+from kindyna_gui.motion.law_box import LawBox
+from kindyna_gui.motion.law_list import OWN, found, groups, law_tip, peaks_text, short_label
+from kindyna_gui.motion.law_picker import LawPicker
+from kindyna_gui.motion.points import PointsTable
+from kindyna_gui.motion.segments_model import LAW
+from kindyna_gui.pictures.plots.law_icon import curves_of, paint_law, prescribed
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.pictures.units import short
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import LAW
-from kindyna_gui.wording import law_label, name_of
 
 LIFT = load(example("transfer_lift"))
 EVERY = (*LAWS, *CURVES)

@@ -19,10 +19,10 @@ from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Pair, Pose, Train
 from core.motion import Angles, MotionState
 from core.study import Study
+from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
+from kindyna_gui.pictures.drawing.shapes import BAR
 from kindyna_gui.pictures.files import Sheet, png
-from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.mechanism import LAYERS, MechanismScene
-from kindyna_gui.pictures.shapes import BAR
 from kindyna_gui.pictures.style import DARK, LIGHT, SMALL, font
 
 pytestmark = pytest.mark.usefixtures("app")

@@ -1,4 +1,4 @@
-"""kindyna_gui.player_bar, player_keys, speeds: the cam moved by buttons, slider, number, speed and keys."""
+"""kindyna_gui.window.player_bar, player_keys, speeds: the cam moved by buttons, slider, number, speed and keys."""
 
 from collections.abc import Iterator
 from math import degrees, pi, radians
@@ -11,12 +11,12 @@ from window_user import User, settle, wait_for
 
 from core.project import load
 from core.study import evaluations
+from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
-from kindyna_gui.player import Player
-from kindyna_gui.player_bar import PlayerBar, words
-from kindyna_gui.player_keys import PLAY, step_of
-from kindyna_gui.session import Session
-from kindyna_gui.speeds import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, speeds, usual
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.player_bar import PlayerBar, words
+from kindyna_gui.window.player_keys import PLAY, step_of
+from kindyna_gui.window.player_speeds import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, speeds, usual
 
 NONE = Qt.KeyboardModifier.NoModifier
 SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier

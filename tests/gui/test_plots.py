@@ -16,13 +16,13 @@ from PySide6.QtSvg import QSvgRenderer
 from core.design import Design, Motion, Named, Segment
 from core.output.channels import channel, channels
 from core.study import Study
+from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.files import paint, png, svg
-from kindyna_gui.pictures.items import Tag
-from kindyna_gui.pictures.plot import CurvePlot
-from kindyna_gui.pictures.plot_lines import CurveLine
-from kindyna_gui.pictures.plot_parts import angle_ticks, name_ticks, spans, value_ticks
-from kindyna_gui.pictures.ranges import shown_range, usual_range
-from kindyna_gui.pictures.readouts import beside, stacked
+from kindyna_gui.pictures.plots.background import angle_ticks, name_ticks, spans, value_ticks
+from kindyna_gui.pictures.plots.lines import CurveLine
+from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.ranges import shown_range, usual_range
+from kindyna_gui.pictures.plots.readouts import beside, stacked
 from kindyna_gui.pictures.style import FAMILIES, LIGHT, SMALL, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 
@@ -514,7 +514,7 @@ def test_a_plot_becomes_svg_without_pixels() -> None:
 
 
 def test_the_flywheel_gives_the_torque_picture_a_second_curve() -> None:
-    from kindyna_gui.pictures.plot_curves import different
+    from kindyna_gui.pictures.plots.curves import different
 
     rows = [channel(LIFT, slug) for slug in ("drive_torque_nm", "motor_torque_nm")]
     assert different(Study(LIFT, SAMPLES), rows) == rows[:1]

@@ -1,4 +1,4 @@
-"""kindyna_gui.plots_view, live_plot, shown: curves in docks, and the cam angle set by the mouse."""
+"""kindyna_gui.graph.plots_view, live_plot, shown: curves in docks, and the cam angle set by the mouse."""
 
 from collections.abc import Callable
 from io import BytesIO
@@ -19,11 +19,11 @@ from core.output.channels import channel
 from core.output.export import table
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
-from kindyna_gui.exports import numbers
+from kindyna_gui.documents.exports import numbers
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import measure, readable
-from kindyna_gui.player import Player
-from kindyna_gui.plots_view import PlotView
-from kindyna_gui.session import Session
+from kindyna_gui.window.player import Player
 
 Show = Callable[..., PlotView]
 JAMMED = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5)

@@ -1,4 +1,4 @@
-"""kindyna_gui.reads: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
+"""kindyna_gui.window.view_stages: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
 import pytest
 from PySide6.QtCore import QEvent, QObject
@@ -8,17 +8,17 @@ from window_user import Open, User, settle, wait_for
 from core.design import Design
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations, stages
-from kindyna_gui.docks import VIEWS
-from kindyna_gui.graph_choice import Choice
-from kindyna_gui.graph_view import GraphView
-from kindyna_gui.mechanism_view import MechanismView
-from kindyna_gui.pictures.plot import CurvePlot
+from kindyna_gui.graph.drawable import stages_of
+from kindyna_gui.graph.graph_choice import Choice
+from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.linkage.mechanism_view import MechanismView
+from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example
-from kindyna_gui.plots_view import PlotView
-from kindyna_gui.reads import READS
-from kindyna_gui.shown import stages_of
 from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.view_stages import READS
 
 NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
 NEEDS["dynamics"] = {*NEEDS["cam"], "dynamics"}

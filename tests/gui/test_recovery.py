@@ -10,9 +10,9 @@ from window_user import Open, User, settle, wait_for
 from core.design import edited
 from core.project import dumps, load
 from core.project.recovery import RecoveryFile, Unsaved
-from kindyna_gui.draft import Draft
+from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.recovery import recovery_folder
 from kindyna_gui.places import example
-from kindyna_gui.recovery import recovery_folder
 
 LIFT = load(example("transfer_lift"))
 LONGER = edited(LIFT, "follower.rod_mm", 850.0)

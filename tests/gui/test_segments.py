@@ -1,4 +1,4 @@
-"""kindyna_gui.segments_view, segments_model: the motion as a table that keeps itself whole."""
+"""kindyna_gui.motion.segments_view, segments_model: the motion as a table that keeps itself whole."""
 
 import pytest
 from PySide6.QtCore import QPoint, Qt
@@ -10,12 +10,12 @@ from core.design import CURVES, Motion, edited
 from core.laws import LAWS
 from core.project import load
 from core.study import Study
-from kindyna_gui.motion_marks import join_help, join_text
-from kindyna_gui.motion_picker import LawPicker
-from kindyna_gui.number_box import NumberBox
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.motion.law_picker import LawPicker
+from kindyna_gui.motion.marks import join_help, join_text
+from kindyna_gui.motion.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, readable
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.places import example
-from kindyna_gui.segments_model import FROM, JOIN, LAW, RISE, SPAN, TO, difference, readable
 
 LIFT = load(example("transfer_lift"))
 EDITING = QAbstractItemView.State.EditingState

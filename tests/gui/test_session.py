@@ -1,4 +1,4 @@
-"""kindyna_gui.session: one design, one undo stack; what is wrong changes nothing."""
+"""kindyna_gui.documents.session: one design, one undo stack; what is wrong changes nothing."""
 
 from pathlib import Path
 
@@ -8,8 +8,8 @@ from core.design import edited, get
 from core.errors import DesignError, FileError, KindynaError
 from core.project import dumps, load
 from core.study import evaluations
+from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.places import example
-from kindyna_gui.session import Refusal, Session
 
 LIFT = example("transfer_lift")
 ROD, ARM = "follower.rod_mm", "follower.roller_arm_mm"

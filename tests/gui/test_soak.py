@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import User
 
 from kindyna_gui.places import example, examples
-from kindyna_gui.player import FRAME_MS
+from kindyna_gui.window.player import FRAME_MS
 
 LOST = 40  # references to None that may come and go by chance
 WARM = 40  # frames until caches are filled

@@ -1,4 +1,4 @@
-"""kindyna_gui.stability_pages: verdicts, speeds and plots of the point that is looked at; the same as files."""
+"""kindyna_gui.stability.pages: verdicts, speeds and plots of the point that is looked at; the same as files."""
 
 from pathlib import Path
 
@@ -12,8 +12,8 @@ from window_user import Open, User, settle
 
 from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
-from kindyna_gui.pictures.xy_sheet import figure_file
-from kindyna_gui.stability_view import StabilityView
+from kindyna_gui.pictures.plots.xy_sheet import figure_file
+from kindyna_gui.stability.stability_view import StabilityView
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""kindyna_gui.stability_reading: what is told of the point under the mouse, at once and where it rests."""
+"""kindyna_gui.stability.point_reading: what is told of the point under the mouse, at once and where it rests."""
 
 import threading
 import time
@@ -11,10 +11,10 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, TURNS, page, pixel, unhurried, wait_until
 from window_user import Open, User, settle
 
-from core.cancellation import checkpoint
+from core.numerics.cancellation import checkpoint
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.look import GOOD, WRONG
-from kindyna_gui.stability_words import verdict_table, waiting_text
+from kindyna_gui.stability.texts import verdict_table, waiting_text
 
 
 @pytest.fixture

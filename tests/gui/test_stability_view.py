@@ -1,4 +1,4 @@
-"""kindyna_gui.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
+"""kindyna_gui.stability.stability_view: the chart, the shaft that a point needs, what an edit gives up."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -19,7 +19,7 @@ from core.study import Study, evaluations
 from kindyna_gui.background import Worker
 from kindyna_gui.pictures.files import chart_file
 from kindyna_gui.places import example
-from kindyna_gui.stability_view import COARSE, FINE, StabilityView
+from kindyna_gui.stability.stability_view import COARSE, FINE, StabilityView
 
 
 @pytest.fixture

@@ -7,7 +7,8 @@ import sys
 SCRIPT = """
 import json, sys
 from PySide6.QtCore import QEvent, QObject
-from kindyna_gui import __main__, main_window
+from kindyna_gui import __main__
+from kindyna_gui.window import main_window
 from kindyna_gui.pictures.app import ensure_app
 
 app = ensure_app(offscreen=True)
@@ -34,7 +35,7 @@ window.close()
 print(json.dumps(told))
 """
 
-LATE = ("pyqtgraph", "kindyna_gui.plots_view", "kindyna_gui.forms", "core.__main__", "kindyna_gui.headless")
+LATE = ("pyqtgraph", "kindyna_gui.graph.plots_view", "kindyna_gui.forms.parameters_view", "core.__main__", "kindyna_gui.headless")
 NEVER = (
     "scipy",
     "PIL",
@@ -46,10 +47,10 @@ NEVER = (
     "core.output.export",
     "core.output.report",
     "importlib.metadata",
-    "kindyna_gui.export_dialogs",
-    "kindyna_gui.graph_view",
-    "kindyna_gui.linkage_menus",
-    "kindyna_gui.pictures.construct",
+    "kindyna_gui.documents.export_dialogs",
+    "kindyna_gui.graph.graph_view",
+    "kindyna_gui.linkage.menus",
+    "kindyna_gui.pictures.drawing.construct",
     "kindyna_gui.pictures.film",
 )
 

@@ -15,12 +15,12 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QImage
 from window_user import Open, User, settle, wait_for
 
-from kindyna_gui import polygon_view
 from kindyna_gui.__main__ import main
-from kindyna_gui.pictures.labels import ink
-from kindyna_gui.pictures.polygon_places import Placing, Text
+from kindyna_gui.linkage import polygon_view
+from kindyna_gui.linkage.polygon_view import PolygonView
+from kindyna_gui.pictures.drawing.labels import ink
+from kindyna_gui.pictures.drawing.polygon_labels import Placing, Text
 from kindyna_gui.places import example
-from kindyna_gui.polygon_view import PolygonView
 
 CM = 10.0  # mm/s in cm/s
 

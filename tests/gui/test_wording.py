@@ -1,4 +1,4 @@
-"""kindyna_gui.wording: numbers and names as the window shows them."""
+"""kindyna_gui.labels: numbers and names as the window shows them."""
 
 import math
 
@@ -11,8 +11,8 @@ from core.design import NO_UNIT, UNITS
 from core.errors import KindynaError, NoAnswer
 from core.project import load
 from core.study import Study
+from kindyna_gui.labels import name_of, parsed, reason, sentence, shortest, step_text, value_text
 from kindyna_gui.places import example
-from kindyna_gui.wording import name_of, parsed, reason, sentence, shortest, step_text, value_text
 
 LIFT = load(example("transfer_lift"))
 MM = UNITS["mm"]

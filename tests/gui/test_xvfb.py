@@ -18,8 +18,8 @@ from pathlib import Path
 from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
-from kindyna_gui import main_window
-from kindyna_gui.plots_view import PlotView
+from kindyna_gui.window import main_window
+from kindyna_gui.graph.plots_view import PlotView
 
 open_window = main_window.open_window
 
@@ -93,7 +93,7 @@ def display() -> Iterator[str]:
 
 MANY_DESIGNS = """
 from PySide6.QtTest import QTest
-from kindyna_gui import main_window
+from kindyna_gui.window import main_window
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import examples
 

@@ -1,0 +1,245 @@
+"""The fields of the blend wizard: numbers that count while they are typed, settings with their feasible range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtGui import QPalette
+from PySide6.QtWidgets import QCheckBox, QGridLayout, QLabel, QSizePolicy, QToolButton, QWidget
+
+from core.blend import MAY_VANISH, Range
+from core.design import UNITS, Info, Unit
+from kindyna_gui.blend.request import POINT, Setting
+from kindyna_gui.blend.texts import UNASKED, begin_of, range_text
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.labels import parsed
+from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.note import Words
+
+NO_NUMBER = "A number is wanted, such as 12.5"
+CHECK, WHAT, BOX, UNIT, RANGE = range(5)  # columns of a row
+
+
+class LiveBox(NumberBox):
+    """A number box that tells every keystroke.
+
+    changed   what stands there is another number, or none
+    """
+
+    changed = Signal()
+
+    def __init__(self, info: Info, unit: Unit, name: str = "") -> None:
+        super().__init__(info, unit)
+        self._was: float | None = None
+        self.setAccessibleName(name or info.label)
+        self.entered.connect(self._take)
+        self.withdrawn.connect(self._tell)
+        self.lineEdit().textEdited.connect(self._tell)
+
+    @property
+    def number(self) -> float | None:
+        """What stands there; None where that is no number."""
+        return parsed(self.text(), self._unit)
+
+    def set_number(self, value: float) -> None:
+        """Show a number, as if it had always been there."""
+        self.show_value(value)
+        self._was = value
+
+    def set_step(self, step: float) -> None:
+        """How far an arrow goes."""
+        if step != self._info.step:
+            self._info = Info(self._info.label, self._info.help, self._info.low, self._info.high,
+                              self._info.open_low, step=step)  # fmt: skip
+
+    def fault(self) -> str:
+        """What is wrong with what stands there, in itself."""
+        value = self.number
+        if value is None:
+            return NO_NUMBER
+        return "" if self._info.admits(value) else f"Allowed: {self._info.allowed(self._unit)}".replace(">=", "≥")
+
+    def _take(self, value: float) -> None:
+        refused = self.refused
+        self.show_value(value)
+        self.set_refused(refused)
+        self._tell()
+
+    def _tell(self, *_: object) -> None:
+        if self.number != self._was:
+            self._was = self.number
+            self.changed.emit()
+
+
+def quiet(text: str = "") -> QLabel:
+    """A text in the quiet colour, on whatever paper it stands."""
+    label = QLabel(text)
+    coloured(label, QUIET)
+    label.setForegroundRole(QPalette.ColorRole.WindowText)
+    return label
+
+
+class Ranged(QObject):
+    """What every row has: number boxes, a feasible range, and what is wrong.
+
+    changed   another number, or ticked, or no longer
+    """
+
+    changed = Signal()
+
+    def __init__(self, name: str, symbol: str) -> None:
+        super().__init__()
+        self.name, self.symbol = name, symbol
+        self.ranges: Sequence[Range] | None = None
+        self.range = quiet()
+        self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.message = Words(WRONG)
+
+    def boxes(self) -> tuple[LiveBox, ...]:
+        """The editors of the row."""
+        raise NotImplementedError
+
+    @property
+    def used(self) -> bool:
+        """The row counts."""
+        return True
+
+    def show_ranges(self, ranges: Sequence[Range] | None) -> None:
+        """What the value may be; None where that is not known yet."""
+        self.ranges = ranges
+        known = range_text(ranges or (), self.symbol) if ranges or self.used else ""
+        text = UNASKED if ranges is None else known
+        self.range.setText(text)
+        self.range.setToolTip(text if ranges else "")
+
+    def show_fault(self, text: str) -> None:
+        """Tell what is wrong; nothing where the text is empty."""
+        self.message.tell(text)
+        self.boxes()[-1].set_refused(bool(text))
+
+
+class SettingRow(Ranged):
+    """One setting: ticked it counts."""
+
+    def __init__(self, setting: Setting, unit: Unit) -> None:
+        super().__init__(setting.name, setting.symbol)
+        info = Info(setting.label, setting.help, 0.0, open_low=setting.name not in MAY_VANISH)
+        self.share, self.usual, self.shown = setting.share, 1.0, False
+        self.check = QCheckBox(setting.label)
+        self.check.setToolTip(setting.help)
+        self.what = quiet()
+        self.box = LiveBox(info, unit)
+        self.unit = quiet(unit.symbol)
+        self.box.setEnabled(False)
+        self.box.lineEdit().clear()
+        self._valued = False
+        self.check.toggled.connect(self._toggled)
+        self.box.changed.connect(self.changed)
+
+    def boxes(self) -> tuple[LiveBox, ...]:
+        return (self.box,)
+
+    @property
+    def used(self) -> bool:
+        return self.check.isChecked()
+
+    @property
+    def value(self) -> float | None:
+        return self.box.number
+
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Take the rows ``row`` and ``row + 1`` of a grid."""
+        for column, widget in enumerate((self.check, self.what, self.box, self.unit, self.range)):
+            grid.addWidget(widget, row, column)
+        grid.addWidget(self.message, row + 1, WHAT, 1, RANGE)
+
+    def show(self, on: bool, what: str) -> None:
+        """Show or hide the row; what: which curve it is of."""
+        self.shown = on
+        self.what.setText(what)
+        for widget in (self.check, self.what, self.box, self.unit, self.range):
+            widget.setVisible(on)
+        if not on:
+            self.message.tell("")
+
+    def give(self, value: float) -> None:
+        """Tick it with a value, without telling."""
+        self._valued = True
+        self.box.set_number(value)
+        blocked = self.check.blockSignals(True)
+        self.check.setChecked(True)
+        self.check.blockSignals(blocked)
+        self.box.setEnabled(True)
+
+    def drop(self) -> None:
+        """Tick it no longer, without telling."""
+        blocked = self.check.blockSignals(True)
+        self.check.setChecked(False)
+        self.check.blockSignals(blocked)
+        self._rest()
+
+    def _rest(self) -> None:
+        """The value is not seen, but kept for the next ticking."""
+        if self.box.number is not None:
+            self.box.set_number(self.box.number)
+        self.box.setEnabled(False)
+        self.show_fault("")
+        self.box.lineEdit().clear()
+
+    def _toggled(self, on: bool) -> None:
+        if on:
+            begin = begin_of(self.ranges or (), self.share)
+            value = self.box.value if self._valued else begin if begin is not None else self.usual
+            self.give(value)
+            self.box.setFocus(Qt.FocusReason.OtherFocusReason)
+            self.box.selectAll()
+        else:
+            self._rest()
+        self.changed.emit()
+
+
+class PointRow(Ranged):
+    """A precision point: at a cam angle, a level above the lowest.
+
+    gone   take it away
+
+    paper: the widget that holds all of the row
+    """
+
+    gone = Signal()
+
+    def __init__(self, unit: Unit) -> None:
+        super().__init__(POINT, "level")
+        self.at = LiveBox(Info("Angle", "cam angle of the point", 0.0, 360.0, step=1.0), UNITS["deg"])
+        self.level = LiveBox(Info("Level", "displacement above the lowest level"), unit)
+        self.words = (quiet("At"), quiet("°  at the level"), quiet(unit.symbol))
+        self.close = QToolButton(autoRaise=True)
+        self.close.setIcon(icon("close"))
+        self.close.setToolTip("Take this point away")
+        self.close.setAccessibleName("Take this point away")
+        self.close.clicked.connect(self.gone)
+        for box in self.boxes():
+            box.changed.connect(self.changed)
+        self.paper = QWidget()
+        self.setParent(self.paper)  # goes with it
+        grid = QGridLayout(self.paper)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(2)
+        for column, widget in enumerate(self.widgets()):
+            grid.addWidget(widget, 0, column)
+        grid.setColumnStretch(self.widgets().index(self.range), 1)
+        grid.addWidget(self.message, 1, 0, 1, len(self.widgets()))
+
+    def boxes(self) -> tuple[LiveBox, ...]:
+        return self.at, self.level
+
+    def widgets(self) -> tuple[QWidget, ...]:
+        """From left to right; the message stands below."""
+        first, second, third = self.words
+        return first, self.at, second, self.level, third, self.range, self.close
+
+
+__all__ = ["NO_NUMBER", "LiveBox", "PointRow", "Ranged", "SettingRow", "quiet"]

@@ -1,0 +1,175 @@
+"""The first two questions of the blend wizard: which motion, as pictures, and where its velocity is constant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache, partial
+from itertools import pairwise
+from types import MappingProxyType
+
+from PySide6.QtCore import QPointF, QSize, Qt, Signal
+from PySide6.QtGui import QColor, QIcon, QPainter, QPainterPath, QPen, QPixmap
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QHBoxLayout,
+    QLabel,
+    QRadioButton,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.blend import CONSTANT_VELOCITY, MOTION_TYPES
+from kindyna_gui.blend.fields import quiet
+from kindyna_gui.blend.request import constants
+from kindyna_gui.pictures.style import BLUE, LIGHT
+
+TYPES: Mapping[str, str] = MappingProxyType(
+    {"DRD": "Rise", "DRD-return": "Return", "DRRD": "Rise, return", "RRR": "No dwell"}
+)
+"""Type of motion -> what stands under its picture."""
+
+SIZE = QSize(56, 30)
+_LOW, _HIGH = 24.0, 6.0
+LEVELS: Mapping[str, tuple[tuple[float, float, float], ...]] = MappingProxyType(
+    {
+        "DRD": ((4.0, 16.0, _LOW), (40.0, 52.0, _HIGH)),
+        "DRD-return": ((4.0, 16.0, _HIGH), (40.0, 52.0, _LOW)),
+        "DRRD": ((4.0, 12.0, _LOW), (28.0, 28.0, _HIGH), (44.0, 52.0, _LOW)),
+        "RRR": ((2.0, 2.0, _LOW), (15.0, 15.0, _HIGH), (28.0, 28.0, _LOW), (41.0, 41.0, _HIGH), (54.0, 54.0, _LOW)),
+    }
+)
+"""Type of motion -> where it stands still, from left to right: x from, x to, y [pixels]."""
+
+
+@cache
+def type_icon(motion_type: str) -> QIcon:
+    """The picture of a type of motion."""
+    made = QIcon()
+    for ratio in (1, 2):
+        picture = QPixmap(SIZE * ratio)
+        picture.setDevicePixelRatio(ratio)
+        picture.fill(Qt.GlobalColor.transparent)
+        painter = QPainter(picture)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(QPen(QColor(LIGHT.faint), 1.0))
+        painter.drawLine(QPointF(2.0, _LOW), QPointF(54.0, _LOW))
+        painter.setPen(QPen(QColor(BLUE), 1.8))
+        painter.drawPath(_path(motion_type))
+        painter.end()
+        made.addPixmap(picture)
+    return made
+
+
+def _path(motion_type: str) -> QPainterPath:
+    rows = LEVELS[motion_type]
+    path = QPainterPath(QPointF(rows[0][0], rows[0][2]))
+    for (_, left, y), (right, _, there) in pairwise(rows):
+        path.lineTo(left, y)
+        half = (left + right) / 2.0
+        path.cubicTo(half, y, half, there, right, there)
+    path.lineTo(rows[-1][1], rows[-1][2])
+    return path
+
+
+def heading(text: str) -> QLabel:
+    """The name of a question."""
+    label = QLabel(text)
+    font = label.font()
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
+class KindChoice(QWidget):
+    """Type of motion and constant velocity.
+
+    type_chosen   another type
+    changed       another constant velocity
+    """
+
+    type_chosen = Signal()
+    changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.label = quiet()
+        self.types: dict[str, QToolButton] = {}
+        self.constants: dict[str, QRadioButton] = {}
+        head = QHBoxLayout()
+        head.addWidget(heading("Motion type"))
+        head.addSpacing(8)
+        head.addWidget(self.label, 1)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(6)
+        column.addLayout(head)
+        column.addLayout(self._pictures())
+        column.addLayout(self._strokes())
+        self.answer("DRRD", "none")
+
+    def _pictures(self) -> QHBoxLayout:
+        group = QButtonGroup(self)
+        row = QHBoxLayout()
+        row.setSpacing(4)
+        for name, text in TYPES.items():
+            button = QToolButton(text=text, checkable=True)
+            button.setIcon(type_icon(name))
+            button.setIconSize(SIZE)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+            button.setToolTip(f"{MOTION_TYPES[name].label} ({name})")
+            button.setAccessibleName(MOTION_TYPES[name].label)
+            button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+            button.setMinimumHeight(56)
+            button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            button.clicked.connect(partial(self._choose, name))
+            group.addButton(button)
+            row.addWidget(button, 1)
+            self.types[name] = button
+        return row
+
+    def _strokes(self) -> QHBoxLayout:
+        group = QButtonGroup(self)
+        row = QHBoxLayout()
+        row.addWidget(heading("Constant velocity"))
+        row.addSpacing(8)
+        for name in CONSTANT_VELOCITY:
+            button = QRadioButton(name.capitalize())
+            button.setToolTip("No stretch of constant velocity" if name == "none" else f"A stretch of it: {name}")
+            button.clicked.connect(self.changed)
+            group.addButton(button)
+            row.addWidget(button)
+            self.constants[name] = button
+        row.addStretch(1)
+        return row
+
+    @property
+    def type(self) -> str:
+        return next(name for name, button in self.types.items() if button.isChecked())
+
+    @property
+    def constant(self) -> str:
+        return next(name for name, button in self.constants.items() if button.isChecked())
+
+    def answer(self, motion_type: str, constant: str) -> None:
+        """Show these answers, without telling."""
+        self.types[motion_type].setChecked(True)
+        self.constants[constant].setChecked(True)
+        self._show_type()
+
+    def _choose(self, name: str, *_: object) -> None:
+        self._show_type()
+        self.type_chosen.emit()
+
+    def _show_type(self) -> None:
+        """Only strokes that the motion has can have a constant velocity; one asked for goes to the stroke there is."""
+        able, was = constants(self.type), self.constant
+        self.label.setText(MOTION_TYPES[self.type].label)
+        for name, button in self.constants.items():
+            button.setEnabled(name in able)
+        if was not in able:
+            self.constants[next(name for name in able if name != "none")].setChecked(True)
+
+
+__all__ = ["TYPES", "KindChoice", "heading", "type_icon"]

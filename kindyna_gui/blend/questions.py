@@ -1,0 +1,272 @@
+"""The questions of the blend wizard, in the order of Yang's Fig. 4, with the feasible range beside every setting."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.blend import GOALS, BlendError
+from core.design import UNITS, Info
+from core.design.fields import LONGEST_MM
+from kindyna_gui.blend.fields import LiveBox, quiet
+from kindyna_gui.blend.kind import KindChoice, heading
+from kindyna_gui.blend.request import (
+    AUTOMATIC,
+    Asked,
+    count_text,
+    has_both,
+    open_candidates,
+    plan,
+)
+from kindyna_gui.blend.settings import SettingsArea
+from kindyna_gui.blend.texts import reason
+from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.note import Words
+from kindyna_gui.pictures.units import nice_below
+
+ANY_SEQUENCE = "chosen by the settings"
+GOAL_TEXTS: Mapping[str, str] = MappingProxyType(
+    {
+        "": "nothing",
+        "acceleration": "least peak acceleration",
+        "jerk": "least peak jerk",
+        "torque": "least inertia torque on the camshaft",
+    }
+)
+assert set(GOAL_TEXTS) == {"", *GOALS}
+
+
+class Questions(QWidget):
+    """All that can be answered.
+
+    changed   another answer, also while it is being typed
+    """
+
+    changed = Signal()
+
+    def __init__(self, unit: str) -> None:
+        super().__init__()
+        self.unit = unit
+        self._sequences: list[tuple[str, bool | None]] = [(AUTOMATIC, None)]
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(6)
+        self.kind = KindChoice()
+        self.kind.changed.connect(self._tell)
+        self.kind.type_chosen.connect(self._type_chosen)
+        column.addWidget(self.kind)
+        column.addLayout(self._sizes())
+        column.addLayout(self._settings_head())
+        self.settings = SettingsArea(unit)
+        self.settings.changed.connect(self._tell)
+        column.addWidget(self.settings, 1)
+        column.addLayout(self._choices())
+        self.general = Words(WRONG)
+        column.addWidget(self.general)
+
+    # -- building -------------------------------------------------------------------------------------------
+
+    def _sizes(self) -> QGridLayout:
+        length = Info("Stroke", "highest minus lowest position", 0.0, LONGEST_MM, open_low=True, step=1.0)
+        angle = partial(Info, low=0.0, high=360.0, step=1.0)
+        unit, degree = UNITS[self.unit], UNITS["deg"]
+        self.stroke = LiveBox(length, unit)
+        self.unequal = QCheckBox("Return stroke")
+        self.unequal.setToolTip("The return is as long as the rise unless this is ticked")
+        self.back = LiveBox(replace(length, label="Return stroke"), unit)
+        self.start = LiveBox(angle("From", "cam angle where the motion starts"), degree)
+        self.end = LiveBox(angle("To", "cam angle where the motion ends"), degree)
+        self._back_unit = quiet(unit.symbol)
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        grid.setColumnStretch(1, 1)
+        rows: tuple[tuple[str, tuple[QWidget, ...]], ...] = (
+            ("Stroke", (self.stroke, quiet(unit.symbol), self.unequal, self.back, self._back_unit)),
+            ("Cam angle", (self.start, quiet("°  to"), self.end, quiet("°"))),
+        )
+        self.size_faults = (Words(WRONG), Words(WRONG))
+        for i, (name, widgets) in enumerate(rows):
+            row = QHBoxLayout()
+            row.setSpacing(6)
+            for widget in widgets:
+                row.addWidget(widget)
+            row.addStretch(1)
+            grid.addWidget(heading(name), 2 * i, 0)
+            grid.addLayout(row, 2 * i, 1)
+            grid.addWidget(self.size_faults[i], 2 * i + 1, 1)
+        for box in (self.stroke, self.back, self.start, self.end):
+            box.changed.connect(self._tell)
+        self.unequal.toggled.connect(self._unequal_toggled)
+        return grid
+
+    def _settings_head(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.addWidget(heading("Settings"), 0, Qt.AlignmentFlag.AlignTop)
+        row.addSpacing(8)
+        self.count = QLabel(wordWrap=True)
+        self.count.setAlignment(Qt.AlignmentFlag.AlignTop)
+        self.count.setFixedHeight(2 * self.count.fontMetrics().lineSpacing())  # so that nothing moves
+        row.addWidget(self.count, 1)
+        return row
+
+    def _choices(self) -> QGridLayout:
+        self.sequence, self.goal = WordBox(), WordBox()
+        self.sequence.setToolTip("Curves, and how many settings they take")
+        self.goal.setToolTip("What is made of the freedom that the settings leave")
+        for goal, text in GOAL_TEXTS.items():
+            self.goal.addItem(text, goal)
+        for box in (self.sequence, self.goal):
+            box.activated.connect(self._tell)
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        grid.setColumnStretch(1, 1)
+        for i, (text, box) in enumerate((("Curves", self.sequence), ("Optimise", self.goal))):
+            label = heading(text)
+            label.setBuddy(box)
+            grid.addWidget(label, i, 0)
+            grid.addWidget(box, i, 1)
+        return grid
+
+    # -- what is answered -----------------------------------------------------------------------------------
+
+    def asked(self) -> Asked:
+        """The answers; what cannot be read as a number is left out, so ask ``find_faults`` first."""
+        sequence, mirrored = self.chosen_sequence
+        unequal = self.unequal.isChecked() and has_both(self.kind.type)
+        return Asked(
+            type=self.kind.type,
+            constant=self.kind.constant,
+            stroke=self.stroke.number or 0.0,
+            return_stroke=(self.back.number or 0.0) if unequal else 0.0,
+            start=self.start.number or 0.0,
+            end=self.end.number or 0.0,
+            given=self.settings.given,
+            points=self.settings.passed,
+            sequence=sequence,
+            mirrored=mirrored,
+            goal=self.goal.currentData(),
+            unit=self.unit,
+        )
+
+    def answer(self, asked: Asked) -> None:
+        """Show these answers, without telling."""
+        self.kind.answer(asked.type, asked.constant)
+        for box, value in (
+            (self.stroke, asked.stroke),
+            (self.back, asked.return_stroke or asked.stroke),
+            (self.start, asked.start),
+            (self.end, asked.end),
+        ):
+            box.set_number(value)
+        blocked = self.unequal.blockSignals(True)
+        self.unequal.setChecked(bool(asked.return_stroke))
+        self.unequal.blockSignals(blocked)
+        self.settings.answer(asked)
+        self._show_type()
+        self._fill_sequences(asked)
+        self.choose_sequence(asked.sequence, asked.mirrored)
+        self.goal.setCurrentIndex(self.goal.findData(asked.goal))
+        self.show_asked()
+
+    # -- what follows ---------------------------------------------------------------------------------------
+
+    def show_asked(self) -> None:
+        """Show what can be asked now: which sequences, which settings, how many are missing."""
+        self._fill_sequences(self.asked())
+        self.settings.show_asked(self.asked())
+        asked = self.asked()
+        self.count.setText(count_text(asked))
+        coloured(self.count, WRONG if plan(asked).missing < 0 else QUIET)
+        if asked.stroke > 0.0:
+            self.stroke.set_step(min(nice_below(asked.stroke / 20.0), 1.0))
+
+    def _fill_sequences(self, asked: Asked) -> None:
+        """List the sequences of the motion; the one chosen stays, if it is still among them."""
+        rows = open_candidates(asked)
+        symmetric = {str(row.sequence) for row in rows if row.family.mirrored}
+        named = [(str(row.sequence), row.family.mirrored if str(row.sequence) in symmetric else None) for row in rows]
+        texts = [ANY_SEQUENCE]
+        for (name, mirrored), row in zip(named, rows, strict=True):
+            wants = f"{row.freedom or 'no'} setting{'' if row.freedom == 1 else 's'}"
+            texts.append(f"{name}{', return mirrored' if mirrored else ''}   {wants}")
+        if texts == [self.sequence.itemText(i) for i in range(self.sequence.count())]:
+            return
+        kept = self.chosen_sequence
+        self._sequences = [(AUTOMATIC, None), *named]
+        self.sequence.clear()
+        self.sequence.addItems(texts)
+        self.choose_sequence(*kept)
+
+    @property
+    def chosen_sequence(self) -> tuple[str, bool | None]:
+        """The sequence and whether its return is mirrored, None where that is no question."""
+        return self._sequences[max(self.sequence.currentIndex(), 0)]
+
+    def choose_sequence(self, name: str, mirrored: bool | None) -> None:
+        """Choose it, or leave it to the settings where it is none of the motion's."""
+        at = self._sequences.index((name, mirrored)) if (name, mirrored) in self._sequences else 0
+        self.sequence.setCurrentIndex(at)
+
+    # -- faults ---------------------------------------------------------------------------------------------
+
+    def find_faults(self) -> bool:
+        """Tell what is wrong with the numbers in themselves, each beside its field; True where something is."""
+        self.general.tell("")
+        start, end = self.start.number, self.end.number
+        crossed = start is not None and end is not None and not start < end
+        angles = self.start.fault() or self.end.fault() or ("The end must lie behind the start" if crossed else "")
+        back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
+        strokes = self.stroke.fault() or back
+        for words, text in zip(self.size_faults, (strokes, angles), strict=True):
+            words.tell(text)
+        self.stroke.set_refused(bool(self.stroke.fault()))
+        self.back.set_refused(bool(back))
+        self.start.set_refused(bool(self.start.fault()))
+        self.end.set_refused(bool(self.end.fault()) or crossed)
+        return bool(self.settings.find_faults() or strokes or angles)
+
+    def show_error(self, error: BlendError) -> None:
+        """Tell why there is no such motion, beside the field at fault."""
+        if not self.settings.blame(error):
+            self.general.tell(reason(error))
+
+    # -- what the user does ---------------------------------------------------------------------------------
+
+    def _tell(self, *_: object) -> None:
+        self.changed.emit()
+
+    def _type_chosen(self) -> None:
+        self._show_type()
+        if self.kind.type == "RRR":  # without a dwell there is no other place to start and end
+            self.start.set_number(0.0)
+            self.end.set_number(360.0)
+        self._tell()
+
+    def _show_type(self) -> None:
+        for widget in (self.unequal, self.back, self._back_unit):
+            widget.setVisible(has_both(self.kind.type))
+        self.back.setEnabled(self.unequal.isChecked())
+
+    def _unequal_toggled(self, on: bool) -> None:
+        self.back.setEnabled(on)
+        if on and self.stroke.number is not None:
+            self.back.set_number(self.stroke.number)
+        self._tell()
+
+
+__all__ = ["GOAL_TEXTS", "Questions"]

@@ -1,0 +1,142 @@
+"""What the blend wizard tells, as texts: feasible ranges, the answer's figures, where it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
+from math import isfinite
+
+from core.blend import Blended, Range
+from core.design import UNITS, Motion
+from core.output.blend_text import changed_beside, curve_rows
+from kindyna_gui.labels import law_label, shortest
+from kindyna_gui.pictures.units import MINUS, measure, number, readable, short
+
+SAME = 1e-9  # a range narrower than this is one value
+DIGITS = 6
+UNASKED = "…"
+
+
+def rounded(value: float, inwards: bool, down: bool = False) -> float:
+    """A few digits; an end that is reached is rounded inwards, so that it can be typed, unless it misses a round number
+    by no more than rounding."""
+    nearest = float(Context(prec=DIGITS, rounding=ROUND_HALF_EVEN).create_decimal(value))
+    if not inwards or abs(nearest - value) <= SAME * abs(value):
+        return nearest
+    return float(Context(prec=DIGITS, rounding=ROUND_FLOOR if down else ROUND_CEILING).create_decimal(value))
+
+
+def _text(value: float) -> str:
+    return shortest(value).replace("-", MINUS)
+
+
+def is_one(ranges: Sequence[Range]) -> bool:
+    """Whether there is but one value."""
+    low, high = (ranges[0].low, ranges[-1].high) if ranges else (0.0, 1.0)
+    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
+
+
+def range_text(ranges: Sequence[Range], name: str) -> str:
+    """``0 < h1 ≤ 19``; what there is where the others leave nothing, or but one value."""
+    if not ranges:
+        return "nothing fits"
+    if is_one(ranges):
+        return f"= {_text(rounded(ranges[0].low, False))}, given by the rest"
+    return " or ".join(_one(found, name) for found in ranges)
+
+
+def _one(found: Range, name: str) -> str:
+    least = 0.0 if isfinite(found.high) and abs(found.low) <= SAME * abs(found.high) else found.low
+    low = rounded(least, not found.low_open)
+    less, most = "<" if found.low_open else "≤", "<" if found.high_open else "≤"
+    if not isfinite(found.high):
+        return f"{name} {'>' if found.low_open else '≥'} {_text(low)}"
+    return f"{_text(low)} {less} {name} {most} {_text(rounded(found.high, not found.high_open, down=True))}"
+
+
+def begin_of(ranges: Sequence[Range], share: float) -> float | None:
+    """A round value inside the widest of the ranges, about that share of the way; None where there is none."""
+    if not ranges:
+        return None
+    if is_one(ranges):
+        return rounded(ranges[0].low, False)
+    widest = max(ranges, key=lambda r: r.high - r.low)
+    low, high = widest.low, widest.high
+    if not isfinite(high):
+        return rounded(low * 3.0 if low > 0.0 else 1.0, False)
+    wanted = low + share * (high - low)
+    for digits in (1, 2, 3, 6):
+        value = float(Context(prec=digits, rounding=ROUND_HALF_EVEN).create_decimal(wanted))
+        if low < value < high:
+            return value
+    return wanted
+
+
+def reason(error: Exception) -> str:
+    """Why there is no such motion; a small letter stays small, for h1 is a height and H1 a curve."""
+    return str(error).replace(">=", "≥").replace("<=", "≤")
+
+
+# -- the answer -------------------------------------------------------------------------------------------
+
+HEADINGS = ("Curve", "Height {u}", "Span °", "From °", "To °", "From {u}", "To {u}")
+
+
+def table(blended: Blended) -> list[tuple[str, ...]]:
+    """Rows as Yang's Fig. 4 has them: curve, height, span, and where it starts and ends."""
+    return [
+        (row.curve, *(number(value, 4) for value in (abs(row.rise), row.span, row.angle, row.angle + row.span)),
+         *(number(value, 4) for value in (row.level, row.level + row.rise)))
+        for row in curve_rows(blended)
+    ]  # fmt: skip
+
+
+def figures(blended: Blended, rpm: float) -> list[str]:
+    """Constant velocities and the largest acceleration, by cam angle and at the speed of the shaft."""
+    unit, rate = UNITS[blended.request.unit].symbol, 6.0 * rpm  # degrees of cam angle in a second
+    told = []
+    for segment in blended.segments:
+        if segment.curve.law in ("cv1", "cv2"):
+            speed = abs(segment.rise) / segment.span_deg
+            shown = _at_speed(speed * rate, f"{unit}/s")
+            told.append(
+                f"{segment.curve.law.upper()} runs at {short(speed)} {unit}/° ({shown}) for {short(segment.span_deg)}°"
+            )
+    peak = blended.solution.peak_acceleration
+    told.append(
+        f"Largest acceleration {short(peak)} {unit}/°² ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"
+    )
+    return told
+
+
+def _at_speed(value: float, symbol: str) -> str:
+    rung = readable(symbol, value)
+    return measure(value / rung.size, rung.symbol)
+
+
+def effect(before: Motion, after: Motion, blended: Blended) -> str:
+    """What else of the motion comes to move otherwise, in a sentence."""
+    if not any(s.rise and s not in blended.segments for s in after.segments):
+        return "These curves and the dwells about them make the whole turn."
+    if not any(s.rise for s in before.segments):
+        return "Nothing else moves yet, so the same curves run backwards bring the follower back."
+    changed = changed_beside(before, after, blended)
+    if changed is None:
+        return "The rest of the motion stays."
+    n, segment = changed
+    height = f"{_text(round(segment.rise, 6))} {UNITS[after.unit].symbol}"
+    return f"The rest stays, but segment {n}, {law_label(segment.curve.law)}, then rises by {height} to come back."
+
+
+__all__ = [
+    "HEADINGS",
+    "UNASKED",
+    "begin_of",
+    "effect",
+    "figures",
+    "is_one",
+    "range_text",
+    "reason",
+    "rounded",
+    "table",
+]

@@ -1,0 +1,242 @@
+"""The blend wizard: Yang's questions on the left, the motion that answers them on the right, with every keystroke."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+
+from PySide6.QtCore import QSize, QTimer
+from PySide6.QtWidgets import (
+    QButtonGroup,
+    QHBoxLayout,
+    QRadioButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.blend import Blended, BlendError, best, blend, feasible_ranges
+from core.blend.apply import in_place, over_the_turn
+from core.design import Design, faults, require_motion
+from core.errors import KindynaError
+from kindyna_gui.background import Background, Job
+from kindyna_gui.blend.answer import AnswerPanel
+from kindyna_gui.blend.fields import PointRow, Ranged
+from kindyna_gui.blend.first_request import first_asked
+from kindyna_gui.blend.kind import heading
+from kindyna_gui.blend.questions import Questions
+from kindyna_gui.blend.request import Asked, has_both, plan, ranged
+from kindyna_gui.blend.texts import effect, reason
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.labels import name_of, sentence, shortest
+
+PAUSE_MS = 250  # of typing, before the best is searched for
+SLOW_MS = 150  # after which a range that is still being computed is no longer shown as it was
+LAST = "The last motion that was feasible"
+QUESTIONS_WIDTH, USUAL, LEAST = 500, QSize(1180, 740), QSize(1040, 560)
+PLACES: Mapping[str, Callable[[Design, Blended], Design]] = MappingProxyType({"turn": over_the_turn, "here": in_place})
+
+
+class BlendDialog(PutDialog):
+    """Asks for a blended motion and puts it into the design as one step.
+
+    What is typed is answered at once; while it cannot be answered the last good answer stays, veiled.
+    """
+
+    def __init__(self, session: Session, parent: QWidget | None = None) -> None:
+        super().__init__(session, "Blend a motion", parent)
+        motion = require_motion(session.design)
+        self.blended: Blended | None = None  # of what is asked now
+        self.design: Design | None = None  # with it
+        self.questions = Questions(motion.unit)
+        self.panel = AnswerPanel(motion.unit)
+        self.answers, self.ranges = Background(self), Background(self)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
+        self._waiting: list[Ranged] = []  # for their ranges
+        self._asked_rows: tuple[Ranged, ...] = ()
+        self._lay_out()
+        self._connect()
+        asked = first_asked(motion, min(session.segment, len(motion.segments) - 1))
+        self.questions.answer(asked)
+        others = [s for s in motion.segments if s.rise]
+        moving = sum(s.rise for s in others if s.rise > 0.0)
+        alone = not others or (has_both(asked.type) and moving <= asked.stroke + 1e-9)
+        self.places["turn" if alone else "here"].setChecked(True)
+        self.panel.show_before(session.study)
+        self.questions.kind.types[asked.type].setFocus()
+        self.ask()
+
+    # -- building -------------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        asked = QVBoxLayout()
+        asked.addWidget(self.questions, 1)
+        asked.addLayout(self._places())
+        self.frame(asked, QUESTIONS_WIDTH, self.panel, USUAL, LEAST)
+
+    def _places(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.addWidget(heading("Place"))
+        row.addSpacing(8)
+        self.places = {"turn": QRadioButton("the whole turn"), "here": QRadioButton()}
+        self.places["turn"].setToolTip("Dwell, these curves, dwell: nothing else is left of the motion")
+        self.places["here"].setToolTip("What the motion does between these cam angles makes way, the rest stays")
+        group = QButtonGroup(self)
+        for button in self.places.values():
+            group.addButton(button)
+            row.addWidget(button)
+            button.clicked.connect(self._place)
+        row.addStretch(1)
+        return row
+
+    def _connect(self) -> None:
+        self.questions.changed.connect(self._soon.start)
+        self._soon.timeout.connect(self.ask)
+        self._pause.timeout.connect(self._ask_for_the_best)
+        self._slow.timeout.connect(self._is_slow)
+        self.answers.result.connect(self._answered)
+        self.ranges.result.connect(self._ranged)
+
+    # -- asking ---------------------------------------------------------------------------------------------
+
+    def ask(self) -> None:
+        """Answer what is asked now."""
+        questions = self.questions
+        self.stop()
+        questions.show_asked()
+        asked = questions.asked()
+        self._name_places(asked)
+        self.blended = self.design = None
+        self.put_button.setEnabled(False)
+        missing = plan(asked).missing
+        if questions.find_faults():
+            self._veil(LAST)
+            return
+        self._waiting = questions.settings.shown_rows()
+        self._slow.start()
+        if asked.goal and not missing:
+            self._pause.start()  # the ranges wait for it
+            return
+        self._ask_for_ranges(asked)
+        if missing:
+            self._veil(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
+        else:
+            self.answers.start([(asked, partial(blend, asked.request))])
+
+    @property
+    def busy(self) -> bool:
+        """Something that is shown is still to come."""
+        return self._soon.isActive() or self._pause.isActive() or self.answers.busy or self.ranges.busy
+
+    def stop(self) -> None:
+        """Forget what is being computed."""
+        for timer in (self._soon, self._pause, self._slow):
+            timer.stop()
+        for each in (self.answers, self.ranges):
+            each.stop()
+
+    def _ask_for_the_best(self) -> None:
+        asked = self.questions.asked()
+        self._veil(f"Looking for the least {asked.goal}")
+        self.answers.start([(asked, partial(best, asked.request, asked.goal))])
+
+    def _ask_for_ranges(self, asked: Asked) -> None:
+        """The field at hand first; then what takes least: while a setting is missing those that are still open."""
+        rows, request = list(self._waiting), ranged(asked)
+        wanted = plan(asked).missing == 0
+        focused = self.focusWidget()
+        rows = sorted(rows, key=lambda row: (focused not in row.boxes(), row.used != wanted))
+        jobs: list[Job] = []
+        for row in rows:
+            at = (row.at.number or 0.0,) if isinstance(row, PointRow) else ()
+            jobs.append((self._waiting.index(row), partial(feasible_ranges, request, row.name, *at)))
+        self._asked_rows = tuple(self._waiting)
+        self.ranges.start(jobs)
+
+    # -- answers --------------------------------------------------------------------------------------------
+
+    def _ranged(self, number: int, found: object) -> None:
+        row = self._asked_rows[number]
+        self._waiting.remove(row)
+        row.show_ranges(found if isinstance(found, list) else ())
+
+    def _is_slow(self) -> None:
+        """What was told before holds no longer, and what holds now is not known yet."""
+        for row in self._waiting:
+            row.show_ranges(None)
+        if self.answers.busy:
+            self._veil("Looking for it")
+
+    def _answered(self, asked: Asked, found: Blended | KindynaError) -> None:
+        if asked.goal:
+            self._ask_for_ranges(asked)
+        if isinstance(found, Blended):
+            self.blended = found
+            self._place()
+            return
+        self._veil(LAST)
+        if isinstance(found, BlendError):
+            self.questions.show_error(found)
+        else:
+            self.questions.general.tell(reason(found))
+
+    def _veil(self, text: str) -> None:
+        self.tell("")
+        self.panel.veil.draw(text)
+
+    def _place(self, *_: object) -> None:
+        """Put the answer into a design that is not in place yet, and show it."""
+        self.design = None
+        if self.blended is not None:
+            try:
+                design = PLACES[self._where](self._session.design, self.blended)
+            except KindynaError as error:
+                self.tell(sentence(str(error)), wrong=True)
+                self.panel.show_answer(self.blended, None, self._session.study)
+            else:
+                self._show(design, self.blended)
+        self.put_button.setEnabled(self.design is not None)
+
+    def _show(self, design: Design, blended: Blended) -> None:
+        before = require_motion(self._session.design)
+        wrong = [f"{name_of(design, fault.path)}: {fault.problem}" for fault in faults(design)]
+        self.tell("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
+        self.panel.show_answer(blended, design, self._session.study)
+        self.design = None if wrong else design
+
+    @property
+    def _where(self) -> str:
+        return next(name for name, button in self.places.items() if button.isChecked())
+
+    def _name_places(self, asked: Asked) -> None:
+        """A rise or a return alone is no whole turn."""
+        self.places["here"].setText(f"{shortest(asked.start)}° … {shortest(asked.end)}° only, the rest stays")
+        self.places["turn"].setEnabled(has_both(asked.type) and asked.return_stroke in (0.0, asked.stroke))
+        if not self.places["turn"].isEnabled():
+            self.places["here"].setChecked(True)
+
+    # -- the end --------------------------------------------------------------------------------------------
+
+    def accept(self) -> None:
+        """Put the motion into the design, where there is one."""
+        if self.design is not None and self.blended is not None:
+            self.put(self.design, f"Blend {'-'.join(self.blended.curves)}")
+
+    def done(self, result: int) -> None:
+        self.stop()
+        for each in (self.answers, self.ranges):
+            each.close()
+        super().done(result)
+
+
+def open_blend(session: Session, parent: QWidget) -> BlendDialog:
+    """Open the wizard over a window; it is gone once it is closed."""
+    dialog = BlendDialog(session, parent)
+    dialog.open_once()
+    return dialog
+
+
+__all__ = ["BlendDialog", "open_blend"]

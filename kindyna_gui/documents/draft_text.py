@@ -1,0 +1,74 @@
+"""An unfinished motion in words: by how much it misses, which values are amiss, and what would close it."""
+
+from __future__ import annotations
+
+from core.design import UNITS, Design, Motion, Segment, lacks, require_motion, rise_gap, span_gap
+from core.errors import KindynaError
+from core.motion import Join, program
+from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.refusal import faults_told
+from kindyna_gui.labels import law_label, name_of, segment_of, sentence, value_text
+
+WHOLE = "motion.segments"
+"""Where it is said that the whole motion makes no turn, or does not come back."""
+
+
+def misses(draft: Draft, design: Design) -> list[str]:
+    """A sentence for each thing that keeps the motion from being shown; design: as typed."""
+    motion, deg, own = draft.motion, UNITS["deg"], UNITS[draft.motion.unit]
+    rows = []
+    if gap := span_gap(motion):
+        total = value_text(360.0 + gap, deg)
+        rows.append(
+            f"spans add up to {total}, {value_text(abs(gap), deg)} {'more' if gap > 0.0 else 'less'} than a turn"
+        )
+    if gap := rise_gap(motion):
+        rows.append(f"the follower ends {value_text(abs(gap), own)} {'above' if gap > 0.0 else 'below'} its start")
+    rows += [f"{name}: {text}" for path, name, text in faults_told(design, lacks(design)) if path != WHOLE]
+    rows += [draft.reason] if draft.reason else []
+    at = segment_of(draft.path)
+    if at is not None and rows and not rows[0].startswith(name_of(design, draft.path)):
+        rows[0] = f"{name_of(design, draft.path)}: {rows[0]}"
+    return [sentence(row) for row in rows]
+
+
+def amiss(draft: Draft, design: Design) -> frozenset[str]:
+    """The paths of the values that keep the motion from being whole: the one typed last, and laws that do not fit."""
+    paths = {fault.path for fault in lacks(design) if fault.path != WHOLE}
+    return frozenset({*paths, draft.path} if segment_of(draft.path) is not None else paths)
+
+
+def joins_of(draft: Draft) -> tuple[Join, ...]:
+    """The joins of an unfinished motion; none where its spans make no turn, or a curve has no answer."""
+    try:
+        return () if span_gap(draft.motion) else program(draft.motion).joins
+    except KindynaError:
+        return ()
+
+
+def closing_words(draft: Draft, closing: Design) -> str:
+    """What would close it: ``segment 4: Modified sine, -40 mm``."""
+    before, after = list(draft.motion.segments), list(require_motion(closing).segments)
+    new = -1
+    if len(after) > len(before):
+        new = next((i for i, segment in enumerate(before) if segment != after[i]), len(before) - 1) + 1
+        before.insert(new, after[new])
+    rows = [
+        f"{'a new ' if i == new else ''}segment {i + 1}: {_changes(None if i == new else before[i], segment, draft.motion)}"
+        for i, segment in enumerate(after)
+        if i == new or segment != before[i]
+    ]
+    return "; ".join(rows)
+
+
+def _changes(before: Segment | None, after: Segment, motion: Motion) -> str:
+    """Law, span and rise of a segment, as far as they are others than before."""
+    texts = [law_label(after.curve.law)] if before is None or before.curve.law != after.curve.law else []
+    if before is None or before.span_deg != after.span_deg:
+        texts.append(value_text(float(f"{after.span_deg:.6g}"), UNITS["deg"]))
+    if before is None or before.rise != after.rise:
+        texts.append(value_text(float(f"{after.rise:.6g}"), UNITS[motion.unit]))
+    return ", ".join(texts)
+
+
+__all__ = ["amiss", "closing_words", "joins_of", "misses"]

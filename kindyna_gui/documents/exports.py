@@ -1,0 +1,180 @@
+"""What leaves the program besides the design itself: tables, report, pictures, animation, numbers of a plot.
+
+Each asks first, writes whole or not at all, and tells what it has done or why it could not. What writes is imported
+when something is to be written: the window need not wait for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import pi
+from pathlib import Path
+from typing import TypeVar
+
+from PySide6.QtCore import QObject, Qt, Signal
+from PySide6.QtWidgets import QApplication, QWidget
+
+from core.design import Design
+from core.errors import KindynaError
+from core.numerics.cancellation import checkpoint
+from core.output.channels import Channel
+from core.project.files import write, write_all
+from core.study import SAMPLES, Study
+from kindyna_gui import dialogs
+from kindyna_gui.documents.session import Session
+from kindyna_gui.pictures.drawing.mechanism import LAYERS
+from kindyna_gui.settings import Settings
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+Content = bytes | str
+Made = TypeVar("Made")
+
+
+def numbers(design: Design, rows: Sequence[Channel]) -> str:
+    """The channels as a table at the full resolution of the core, as the core writes them."""
+    from core.output.export import csv
+
+    study = Study(design)
+    names = [study.angle_column, *(row.slug for row in rows)]
+    return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
+
+
+def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
+    """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
+    from core.output.export import files
+
+    made = files(Study(design, samples))
+    checkpoint()  # the last at which it may be cancelled
+    write_all(folder, made)
+    return list(made)
+
+
+def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, paints: bool = False) -> str:
+    """Write one file; what has been done, empty where nothing was: no path, or a fault, which is then shown.
+
+    paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
+    """
+    from kindyna_gui.documents.file_actions import export_dialogs
+
+    if path is None:
+        return ""
+    try:
+        made = _patiently(make) if paints else export_dialogs.beside(parent, f"Writing {path.name}", make)
+        if made is None:
+            return f"{path.name} was cancelled; nothing is written"
+        write(path, made)
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be written.", str(error).splitlines())
+        return ""
+    Settings().folder = path.parent
+    return f"Wrote {path}"
+
+
+def _patiently(make: Callable[[], Made]) -> Made:
+    """Do something under the waiting cursor."""
+    QApplication.setOverrideCursor(Qt.CursorShape.WaitCursor)
+    try:
+        return make()
+    finally:
+        QApplication.restoreOverrideCursor()
+
+
+def save_picture(view: View, name: str) -> None:
+    """Ask for a file and write a view's picture there; where the view has nothing to show, say why."""
+    view.pull()
+    if view.no_picture:
+        dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
+        return
+    path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
+    told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
+    if told:
+        view.told.emit(told)
+
+
+def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
+    """Ask for a file and write the channels' numbers there; where there are none, say why."""
+    if not rows:
+        dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())
+        return
+    design = view.session.design
+    path = dialogs.table_to_save(view, Settings().folder / f"{name}.csv")
+    told = written(view, path, lambda: numbers(design, rows))
+    if told:
+        view.told.emit(told)
+
+
+class Exports(QObject):
+    """What the menu File > Export does.
+
+    told   (str): what has been done, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, player: Player, window: QWidget) -> None:
+        super().__init__(window)
+        self._session, self._player, self._window = session, player, window
+        self._settings = Settings()
+        self.layers: Callable[[], dict[str, bool]] = lambda: {name: row.shown for name, row in LAYERS.items()}
+
+    @property
+    def _name(self) -> str:
+        """A name for files: that of the design's own file, else of the design."""
+        path = self._session.path
+        stem = path.stem if path is not None else self._session.design.name
+        return "".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_") or "design"
+
+    def tables(self) -> None:
+        """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
+        from kindyna_gui.documents.file_actions import export_dialogs
+
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
+        if wanted is None:
+            return
+        design = self._session.design
+        try:
+            made = export_dialogs.beside(
+                self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
+            )
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "The tables cannot be exported.", str(error).splitlines())
+            return
+        if made is None:
+            self.told.emit("The export of the tables was cancelled; nothing is written")
+            return
+        self._settings.folder = wanted.folder
+        self.told.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
+
+    def report(self) -> None:
+        """The report as plain text."""
+        from core.output.report import report
+
+        path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
+        design = self._session.design
+        self._tell(written(self._window, path, lambda: report(Study(design))))
+
+    def animation(self) -> None:
+        """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
+        from kindyna_gui.documents.file_actions import export_dialogs
+        from kindyna_gui.pictures.film import shoot
+
+        seconds = 2.0 * pi / (abs(self._player.omega) * self._player.speed)
+        wanted = export_dialogs.film_wanted(self._window, self._settings.folder, self._name, seconds)
+        if wanted is None:
+            return
+        path, film = wanted
+        try:
+            with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
+                data = shoot(self._session.design, film, self.layers(), go_on)
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "The mechanism cannot be drawn.", str(error).splitlines())
+            return
+        if data is None:
+            self.told.emit("The animation was cancelled; nothing is written")
+        else:
+            self._tell(written(self._window, path, lambda: data, paints=True))
+
+    def _tell(self, text: str) -> None:
+        if text:
+            self.told.emit(text)

@@ -1,0 +1,219 @@
+"""Opening and saving: the design's file and the examples."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QObject, Signal
+from PySide6.QtGui import QDropEvent
+from PySide6.QtWidgets import QApplication, QWidget
+
+from core.design import FOLLOWER_KINDS, Design, Named, Segment, stroke, with_drive
+from core.errors import KindynaError
+from core.project import differences, load
+from core.project.on_disk import OnDisk
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
+from kindyna_gui.documents.difference_text import difference_text
+from kindyna_gui.documents.draft_text import closing_words, misses
+from kindyna_gui.documents.session import Session
+from kindyna_gui.places import examples
+from kindyna_gui.settings import Settings
+
+NEW_LAW = "modified-sine"
+"""Of the rise and the return that a new design begins with."""
+
+
+class Documents(QObject):
+    """What the menu File does. Nothing is left behind unsaved without asking; what fails is told with all faults.
+
+    told   (str): what has been done, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
+        super().__init__(window)
+        self._session, self._settings, self._window = session, settings, window
+
+    @property
+    def name(self) -> str:
+        """Of the file, else of the design."""
+        path = self._session.path
+        return path.name if path is not None else self._session.design.name
+
+    # -- leaving ------------------------------------------------------------------------------------------
+
+    def settle(self) -> None:
+        """Let the field that is being typed into take its value."""
+        focused = QApplication.focusWidget()
+        if focused is not None and self._window.isAncestorOf(focused):
+            focused.clearFocus()
+            if focused.isVisible():
+                focused.setFocus()
+
+    def may_leave(self) -> bool:
+        """Ask what to do with unsaved changes; False where the user would rather stay."""
+        self.settle()
+        if not self._session.modified:
+            return True
+        answer = dialogs.ask_to_save(self._window, self.name)
+        return self.save() if answer is Answer.SAVE else answer is Answer.DISCARD
+
+    # -- opening ------------------------------------------------------------------------------------------
+
+    def new(self, kind: str) -> None:
+        """A design of this kind of follower to begin with: lengths and stroke of the first example of that kind, and a
+        whole motion."""
+        if not self.may_leave():
+            return
+        for _, path in examples():
+            design = load(path)
+            if design.drive.kind == kind:
+                self._session.start(_begun(design, FOLLOWER_KINDS[kind].label))
+                self.told.emit(f"Began with the lengths of {path.stem} and a motion of four segments to be changed")
+                return
+
+    def open_file(self) -> None:
+        """Ask for a file and open it."""
+        if self.may_leave():
+            path = dialogs.design_to_open(self._window, self._settings.folder)
+            if path is not None:
+                self._open(path)
+
+    def open_path(self, path: Path) -> bool:
+        """Open this file."""
+        return self.may_leave() and self._open(path)
+
+    def open_example(self, path: Path) -> None:
+        """Begin with an example; saving it asks for a name."""
+        if self.may_leave():
+            try:
+                self._session.start(load(path))
+            except KindynaError as error:
+                self._tell(f"{path.name} cannot be opened.", error)
+
+    def begin(self, design: Design, name: str) -> None:
+        """Begin with a design that has no file yet; Undo brings the one before back."""
+        self._session.begin(design, f"Begin with {name}")
+        self.told.emit(f"Began with {name}; Undo brings the design before back")
+
+    def _open(self, path: Path) -> bool:
+        try:
+            self._session.open(path)
+        except KindynaError as error:
+            self._settings.drop_recent(path)
+            self._tell(f"{path.name} cannot be opened.", error)
+            return False
+        self._settings.add_recent(path)
+        self.told.emit(f"Opened {path}")
+        return True
+
+    # -- saving -------------------------------------------------------------------------------------------
+
+    def save(self) -> bool:
+        """Save to the design's own file; where it has none, ask for one."""
+        if not self._whole():
+            return False
+        path = self._session.path
+        if path is None:
+            return self._save_as()
+        if self._session.on_disk() is OnDisk.CHANGED:
+            return self._save_over_change(path)
+        return self._save(path)
+
+    def overwrite(self) -> bool:
+        """Save to the design's own file, whatever another program has written there."""
+        if not self._whole():
+            return False
+        return self._save_as() if self._session.path is None else self._save(self._session.path)
+
+    def save_as(self) -> bool:
+        """Ask for a file and save to it."""
+        return self._whole() and self._save_as()
+
+    def _whole(self) -> bool:
+        """Let the field that is being typed into take its value, and ask what to do with a motion that is not finished;
+        True where there is a whole one to be saved."""
+        self.settle()
+        session = self._session
+        if session.draft is None:
+            return True
+        closing = session.closing
+        words = "" if closing is None else closing_words(session.draft, closing)
+        answer = dialogs.ask_unfinished(self._window, misses(session.draft, session.typed), words)
+        return session.close_draft() if answer is Unfinished.CLOSE else answer is Unfinished.LAST_WHOLE
+
+    def _save_as(self) -> bool:
+        stem = self._session.design.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
+        suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
+        path = dialogs.design_to_save(self._window, suggestion)
+        return path is not None and self._save(path)
+
+    def reload(self) -> None:
+        """Read the design's file again; what it replaces comes back with Undo."""
+        self.settle()
+        path = self._session.path
+        if path is None:
+            self.told.emit("This design has no file yet that could be read again")
+            return
+        try:
+            self._session.reload()
+        except KindynaError as error:
+            self._tell(f"{path.name} cannot be read again.", error)
+        else:
+            self.told.emit(f"Read {path} again; Undo brings back what was here before")
+
+    def _save_over_change(self, path: Path) -> bool:
+        """Ask what to do with a file that another program has changed; True where the design is saved."""
+        answer = dialogs.ask_on_conflict(self._window, path.name, self._differences(path))
+        if answer is OnConflict.OVERWRITE:
+            return self._save(path)
+        if answer is OnConflict.SAVE_AS:
+            return self._save_as()
+        if answer is OnConflict.RELOAD:
+            self.reload()
+        return False
+
+    def _differences(self, path: Path) -> list[str]:
+        """What differs between a file and the design, a line each."""
+        design = self._session.design
+        try:
+            found = load(path)
+        except KindynaError as error:
+            return ["What it holds now is no design:", *str(error).splitlines()]
+        lines = (difference_text(found, design, each) for each in differences(found, design))
+        return [f"{name}: file {there}, here {here}" for name, there, here in lines]
+
+    def _save(self, path: Path) -> bool:
+        try:
+            self._session.save(path)
+        except KindynaError as error:
+            self._tell(f"{path.name} cannot be saved.", error)
+            return False
+        self._settings.add_recent(path)
+        beside = "; the unfinished motion is not in it" if self._session.draft is not None else ""
+        self.told.emit(f"Saved {path}{beside}")
+        return True
+
+    def _tell(self, what: str, error: KindynaError) -> None:
+        dialogs.show_faults(self._window, what, str(error).splitlines())
+
+
+def _begun(design: Design, label: str) -> Design:
+    """The design with a motion to begin with: dwell, rise, dwell and return of a quarter turn each, from the base
+    position to its stroke and back."""
+    height = stroke(design.drive.motion)
+    segments = tuple(Segment(90.0, rise, Named(law)) for rise, law in (
+        (0.0, "dwell"), (height, NEW_LAW), (0.0, "dwell"), (-height, NEW_LAW),
+    ))  # fmt: skip
+    assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
+    renamed = replace(design, name=f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
+    return with_drive(renamed, motion=replace(design.drive.motion, start=0.0, segments=segments))
+
+
+def dropped_design(event: QDropEvent) -> Path | None:
+    """The design file that is dragged, None where it is something else."""
+    files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
+    return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None

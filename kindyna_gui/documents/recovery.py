@@ -1,0 +1,191 @@
+"""Unsaved work survives the end of the process: it is on the disk soon after each change, and is offered at the next start."""
+
+from __future__ import annotations
+
+import os
+import signal
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, Signal
+
+from core.design import Design
+from core.errors import KindynaError
+from core.project import dumps, recovery
+from core.project.recovery import Found, Unsaved
+from kindyna_gui import dialogs
+from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.recovery_writer import RecoveryWriter
+from kindyna_gui.places import state_folder
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+LOOK_MS = 1500  # after a change: has it been written?
+ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
+
+
+def recovery_folder() -> Path:
+    """Where the unsaved work of every window is kept."""
+    return state_folder() / "recovery"
+
+
+def _unsaved(design: Design, path: Path | None, draft: Draft | None) -> Unsaved:
+    return recovery.now(dumps(design), path, None if draft is None else draft.state())
+
+
+def _end(writer: RecoveryWriter, *_: object) -> None:
+    writer.leave()
+
+
+class Recovery(QObject):
+    """Keeps the unsaved work of one window on the disk while there is any, and offers that of processes that have died.
+
+    told   (str): what has been done, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._session = window, window.session
+        self._writer: RecoveryWriter | None = None
+        self._handed: tuple[object, ...] | None = None
+        self._failure = ""
+        self._look = QTimer(self, singleShot=True, interval=LOOK_MS)
+        self._look.timeout.connect(self._tell_failure)
+
+    # -- keeping ------------------------------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Keep unsaved work from now on."""
+        for changed in (self._session.design_changed, self._session.draft_changed, self._session.file_changed):
+            changed.connect(self.note)
+
+    def note(self) -> None:
+        """The design, its file, or what is unsaved has changed."""
+        session = self._session
+        path = session.path.absolute() if session.path is not None else None
+        state = (session.design, path, session.draft) if session.modified else None
+        if state == self._handed:
+            return
+        self._handed = state
+        if self._writer is None:
+            self._writer = RecoveryWriter(recovery_folder())
+            self._writer.start()
+            self.destroyed.connect(partial(_end, self._writer))
+        self._writer.hand(None if state is None else partial(_unsaved, *state))
+        self._look.start()
+
+    def write_now(self) -> bool:
+        """Wait until the unsaved work is on the disk; False where it cannot be written."""
+        self.note()
+        return self._writer is None or self._writer.flush()
+
+    def close(self) -> None:
+        """The window is closed, and nothing is unsaved, or not wanted."""
+        if self._writer is not None:
+            self._writer.close()
+            self._writer = None
+
+    def _tell_failure(self) -> None:
+        failure = self._writer.failure if self._writer is not None else ""
+        if failure and failure != self._failure:
+            self.told.emit(f"Unsaved work would be lost if the program ended now: {failure}")
+        self._failure = failure
+
+    # -- offering -----------------------------------------------------------------------------------------
+
+    def offer(self, asked: bool = False) -> None:
+        """Ask what to do with the unsaved work of processes that have died.
+
+        asked: the user wants to know, also where there is none
+        """
+        found = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
+        if asked and not found:
+            self.told.emit("There is no unsaved work of an earlier run")
+        try:
+            self._ask(found)
+        finally:
+            for each in found:
+                each.release()
+
+    def _is_saved(self, found: Found) -> bool:
+        """Whether the file holds all of it; then it is removed."""
+        from kindyna_gui.documents.recovery_dialog import compare
+
+        saved = not compare(found.unsaved).lost
+        if saved:
+            found.discard()
+        return saved
+
+    def offer_again(self) -> None:
+        """The same, from the menu."""
+        if self._window.documents.may_leave():
+            self.offer(asked=True)
+
+    def _ask(self, found: list[Found]) -> None:
+        """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
+        while found:
+            choice, chosen = dialogs.ask_to_recover(self._window, found)
+            if choice is dialogs.OnRecovery.DISCARD:
+                found.remove(chosen)
+                chosen.discard()
+                continue
+            if choice is dialogs.OnRecovery.OPEN and chosen.unsaved.path is not None:
+                self._window.documents.open_path(chosen.unsaved.path)
+            elif choice is dialogs.OnRecovery.RECOVER and self._recover(chosen):
+                found.remove(chosen)
+            return
+
+    def _recover(self, chosen: Found) -> bool:
+        """Put recovered work in place; True where it is in this window's own recovery file, and the other is removed."""
+        unsaved = chosen.unsaved
+        path = None if unsaved.path is None else str(unsaved.path)
+        try:
+            self._session.restore({"design": unsaved.design, "path": path, "modified": True, "draft": unsaved.draft})
+        except KindynaError as error:
+            dialogs.show_faults(self._window, "This work cannot be recovered.", str(error).splitlines())
+            return False
+        if not self.write_now():
+            self._tell_failure()
+            return False
+        chosen.discard()
+        self.told.emit("Recovered; it is still to be saved")
+        return True
+
+
+def write_before_the_end(app: QCoreApplication, keeper: Recovery) -> None:
+    """On a signal that ends the process, write unsaved work first.
+
+    Qt waits in C, where Python handles no signal: a pipe that Python writes to at once wakes it up.
+    """
+
+    def end(number: int, _: FrameType | None) -> None:
+        try:
+            keeper.write_now()
+        finally:
+            signal.signal(number, signal.SIG_DFL)
+            os.kill(os.getpid(), number)
+
+    def drain(*_: object) -> None:
+        with suppress(BlockingIOError):
+            os.read(read, 64)
+
+    if os.name == "posix":
+        read, write = os.pipe()
+        for handle in (read, write):
+            os.set_blocking(handle, False)
+        signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+        notifier = QSocketNotifier(read, QSocketNotifier.Type.Read, app)
+        notifier.activated.connect(drain)
+    for name in ENDING:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is not signal.SIG_IGN:  # as ``nohup`` does
+            signal.signal(number, end)
+
+
+__all__ = ["Recovery", "recovery_folder", "write_before_the_end"]

@@ -1,0 +1,1 @@
+"""Forms and tables: one row for each value of the design."""

@@ -1,0 +1,279 @@
+"""One value of the design as a row of a form: name, editor, unit, mark of assumption, and what is wrong with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from html import escape
+from typing import Any
+
+from PySide6.QtCore import QEvent, QObject, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+
+from core.design import Design, Entry, Info, Unit, get, is_assumed
+from core.errors import DesignError
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.forms.field_parts import Mark, NameLabel
+from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
+from kindyna_gui.labels import choice_text, choice_tip, no_number, sentence, step_text
+from kindyna_gui.look import QUIET, WRONG, coloured
+
+COLUMNS = 4  # of a form: name, editor, unit, mark
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What a row shows: path, what is known of it, unit, and where its value stands in a design."""
+
+    path: str
+    info: Info
+    unit: Unit
+    read: Callable[[Design], Any]
+    can_be_assumed: bool = True
+
+    @classmethod
+    def of(cls, entry: Entry) -> Spec:
+        return cls(entry.path, entry.info, entry.unit, lambda design: get(design, entry.path))
+
+
+def label_html(label: str) -> str:
+    """A label with its subscripts: ``C_s``."""
+    return re.sub(r"_(\w)", r"<sub>\1</sub>", escape(label))
+
+
+def tip_html(spec: Spec) -> str:
+    """Help, allowed range and path."""
+    rows = [f"<b>{label_html(spec.info.label)}</b>"]
+    if spec.info.help:
+        rows.append(escape(spec.info.help))
+    rows.append(escape(sentence(f"allowed: {spec.info.allowed(spec.unit)}")))
+    rows.append(f"<span style='color:{QUIET}'>{escape(spec.path)}</span>")
+    return "<br>".join(rows)
+
+
+class Field(QObject):
+    """A row bound to the session: what is entered is an edit, what is refused is told underneath."""
+
+    trouble_changed = Signal()
+
+    def __init__(self, session: Session, spec: Spec) -> None:
+        super().__init__()
+        self.session, self.spec = session, spec
+        self._blame: dict[str, str] = {}
+        self.label = NameLabel(label_html(spec.info.label), not spec.info.choices)
+        self.label.setToolTip(tip_html(spec))
+        self.unit: QLabel | None = None if spec.info.choices else QLabel(spec.unit.symbol)
+        if self.unit is not None:
+            coloured(self.unit, QUIET)
+        self.message = QLabel(wordWrap=True)
+        coloured(self.message, WRONG)
+        self.message.hide()
+        self.mark: Mark | None = Mark() if spec.can_be_assumed else None
+        if self.mark is not None:
+            self.mark.clicked.connect(self._assume)
+        self.editor: NumberBox | WordBox = self._word_box() if spec.info.choices else self._number_box()
+        self.editor.setToolTip(self.label.toolTip())
+        self.editor.setAccessibleName(spec.info.label)
+        self.label.setBuddy(self.editor)
+        session.refused.connect(self._refused)
+        session.accepted.connect(self._accepted)
+        session.restored.connect(self._restored)
+
+    def _number_box(self) -> NumberBox:
+        box = NumberBox(self.spec.info, self.spec.unit)
+        box.entered.connect(self._enter)
+        box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        box.finished.connect(self.session.end_gesture)
+        self.label.dragged.connect(box.stepBy)
+        self.label.released.connect(self._label_released)
+        return box
+
+    def _word_box(self) -> WordBox:
+        box = WordBox()
+        for word in self.spec.info.choices:
+            box.addItem(choice_text(word), word)
+            if choice_tip(word):
+                box.setItemData(box.count() - 1, choice_tip(word), Qt.ItemDataRole.ToolTipRole)
+        box.activated.connect(self._choose)
+        box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
+        self.label.released.connect(box.setFocus)
+        return box
+
+    def add_to(self, grid: QGridLayout, row: int) -> None:
+        """Take the rows ``row`` and ``row + 1`` of a grid."""
+        grid.addWidget(self.label, row, 0)
+        grid.addWidget(self.editor, row, 1, 1, 2 if self.spec.info.choices else 1)
+        if self.unit is not None:
+            grid.addWidget(self.unit, row, 2)
+        if self.mark is not None:
+            grid.addWidget(self.mark, row, COLUMNS - 1)
+        grid.addWidget(self.message, row + 1, 0, 1, COLUMNS)
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def refresh(self, design: Design) -> None:
+        """Show the design's value, unless something wrong, or unfinished, stands there."""
+        if self.mark is not None:
+            assumed = is_assumed(design, self.spec.path)
+            told = "assumed, not taken from a source" if assumed else "taken from a source"
+            self.mark.setChecked(assumed)
+            self.mark.setToolTip(f"{self.spec.info.label} is {told}; click to change")
+        if not self._untaken():
+            self._show(design)
+
+    def _untaken(self) -> bool:
+        typing = isinstance(self.editor, NumberBox) and self.editor.typing
+        return self.editor.refused or typing
+
+    def _show(self, design: Design) -> None:
+        value = self.spec.read(design)
+        if isinstance(self.editor, NumberBox):
+            self.editor.show_value(value)
+        else:
+            self.editor.setCurrentIndex(self.editor.findData(value))
+            self.editor.set_refused(False)
+            tip = choice_tip(value)
+            self.editor.setToolTip(f"{value}: {tip}<br>{self.label.toolTip()}" if tip else self.label.toolTip())
+
+    def _refused(self, refusal: Refusal) -> None:
+        text = refusal.at(self.spec.path)
+        if text:
+            self._blame[refusal.path] = text
+        else:
+            self._blame.pop(refusal.path, None)
+        if refusal.path == self.spec.path:
+            self.editor.set_refused(True)
+        self._tell()
+
+    def _accepted(self, path: str) -> None:
+        self._blame.pop(path, None)
+        if path == self.spec.path and not self.gone:
+            self._show(self.session.typed)
+        self._tell()
+
+    def _restored(self) -> None:
+        """What was typed is void; the design in place may be of another kind, so its value waits for ``refresh``."""
+        self._blame.clear()
+        self.editor.set_refused(False)
+        if isinstance(self.editor, NumberBox):
+            self.editor.show_value(self.editor.value)
+        self._tell()
+
+    def _tell(self) -> None:
+        text = "\n".join(self._blame.values())
+        if text != self.message.text() or self.message.isHidden() == bool(text):
+            self.message.setText(text)
+            self.message.setVisible(bool(text))
+            self.trouble_changed.emit()
+
+    @property
+    def trouble(self) -> str:
+        """What is wrong here, empty where nothing is."""
+        return "\n".join(self._blame.values())
+
+    # -- to the session -----------------------------------------------------------------------------------
+
+    @property
+    def gone(self) -> bool:
+        """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
+        of its name may outlast it."""
+        try:
+            self.spec.read(self.session.typed)
+        except (KeyError, DesignError):
+            return True
+        return False
+
+    def edit(self, value: Any, text: str) -> None:
+        """Put a value into the design in place, where it has this field; text names the step."""
+        if not self.gone:
+            self.session.edit(self.spec.path, value, text)
+
+    def _enter(self, value: Any) -> None:
+        spec = self.spec
+        if not spec.info.admits(value):
+            self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")
+        else:
+            self.edit(value, step_text(spec.info.label, value, spec.unit))
+
+    def _choose(self, index: int) -> None:
+        assert isinstance(self.editor, WordBox)
+        self._enter(self.editor.itemData(index))
+        self.session.end_gesture()
+
+    def _assume(self, on: bool) -> None:
+        if self.gone:
+            return
+        name = self.spec.info.label
+        text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
+        self.session.mark_assumed(self.spec.path, on, text)
+
+    def _label_released(self) -> None:
+        self.session.end_gesture()
+        self.editor.setFocus(Qt.FocusReason.MouseFocusReason)
+        self.select()
+
+    # -- for the form -------------------------------------------------------------------------------------
+
+    def focus(self) -> None:
+        self.editor.setFocus(Qt.FocusReason.OtherFocusReason)
+        self.select()
+
+    def select(self) -> None:
+        if isinstance(self.editor, NumberBox):
+            self.editor.selectAll()
+
+    def widgets(self) -> tuple[QWidget, ...]:
+        every = (self.label, self.editor, self.unit, self.mark, self.message)
+        return tuple(widget for widget in every if widget is not None)
+
+
+class NameField(NameBox):
+    """The name of the design."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.setPlaceholderText("Name of the design")
+        self.setAccessibleName("Name")
+        self.setToolTip("Name of the design, as reports show it")
+        self.editingFinished.connect(self._enter)
+        session.restored.connect(self._restored)
+
+    @property
+    def typing(self) -> bool:
+        return self.text() != self._session.design.name
+
+    def refresh(self, design: Design) -> None:
+        if not self.refused and self.text() != design.name:
+            self.setText(design.name)
+            self.setCursorPosition(0)
+
+    def _enter(self) -> None:
+        name = self.text()
+        self.set_refused(not name.strip())
+        if self.refused:
+            self._session.refuse("name", "a design needs one")
+        elif self.typing:
+            self._session.edit("name", name, f"Change name to {name}")
+        self._session.end_gesture()
+
+    def _restored(self) -> None:
+        self.set_refused(False)
+        self.refresh(self._session.design)
+
+    def event(self, event: QEvent) -> bool:
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
+            asked = any(event.matches(key) for key in UNDO_KEYS)
+            if asked and not self.typing:
+                event.ignore()
+                return False
+        return super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape and self.typing:
+            self._restored()
+        else:
+            super().keyPressEvent(event)

@@ -1,0 +1,292 @@
+"""A spin box that shows every digit of its number and changes none that was not touched."""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+from typing import Any
+
+from PySide6.QtCore import QEvent, QRectF, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFocusEvent,
+    QFontMetrics,
+    QHelpEvent,
+    QKeyEvent,
+    QKeySequence,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+    QValidator,
+    QWheelEvent,
+)
+from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QStyle, QStyleOptionFrame, QToolTip, QWidget
+
+from core.design import NO_UNIT, Info, Unit
+from kindyna_gui.forms.text_keys import TextKeys
+from kindyna_gui.labels import parsed, rounded_to, shortest, value_text
+from kindyna_gui.look import WRONG
+
+UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
+_ELSEWHERE = (
+    Qt.FocusReason.PopupFocusReason,
+    Qt.FocusReason.MenuBarFocusReason,
+    Qt.FocusReason.ActiveWindowFocusReason,
+)
+_PADDING = 2  # of a line's text from its sides, pixels
+_BUTTONS = 28  # pixels for the arrows and the frame
+
+
+def row_height(widget: QWidget) -> int:
+    """Of every editor, so that the rows of a form are even."""
+    return widget.fontMetrics().height() + 8
+
+
+class RedFrame:
+    """For widgets whose text was refused: a red frame, drawn over the style's own."""
+
+    _refused = False
+
+    def set_refused(self, on: bool) -> None:
+        if on != self._refused:
+            self._refused = on
+            self.update()  # type: ignore[attr-defined]
+
+    @property
+    def refused(self) -> bool:
+        return self._refused
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        super().paintEvent(event)  # type: ignore[misc]
+        if self._refused:
+            assert isinstance(self, QWidget)
+            painter = QPainter(self)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            painter.setPen(QPen(QColor(WRONG), 1.6))
+            painter.drawRoundedRect(QRectF(self.rect()).adjusted(0.8, 0.8, -0.8, -0.8), 2.0, 2.0)
+            painter.end()
+
+
+class WordBox(RedFrame, QComboBox):
+    """A combo box that lets the wheel scroll the form until it has been chosen.
+
+    withdrawn   Escape: what was chosen, and refused, is taken back
+    """
+
+    withdrawn = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.setMinimumContentsLength(6)
+        self.setFixedHeight(row_height(self))
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape and self.refused:
+            self.withdrawn.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+class NameBox(TextKeys, RedFrame, QLineEdit):
+    """A line of text."""
+
+
+class _Line(QLineEdit):
+    """The line inside of a number box. What it has no room for is painted rounded, its first digits first, until it is
+    typed into; its text keeps every digit."""
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        box = self.parentWidget()
+        short = box.shortened if isinstance(box, NumberBox) else ""
+        if not short:
+            super().paintEvent(event)
+            return
+        option = QStyleOptionFrame()
+        self.initStyleOption(option)
+        painter = QPainter(self)
+        self.style().drawPrimitive(QStyle.PrimitiveElement.PE_PanelLineEdit, option, painter, self)
+        painter.setPen(self.palette().color(QPalette.ColorRole.Text))
+        painter.drawText(self.contentsRect().adjusted(_PADDING, 0, -_PADDING, 0), self.alignment(), short)
+        painter.end()
+
+
+class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
+    """A number of one field.
+
+    Arrows, wheel (only when chosen) and arrow keys step it; typed text counts on Enter or when the focus leaves.
+    Escape, or undo while typing, takes back what was typed. A wrong text stays until it is right or taken back.
+
+    entered      (float): a step was made, or a typed number confirmed
+    unreadable   a text that is no number was confirmed
+    finished     the gesture is over: Enter, mouse released, focus left
+    withdrawn    what was typed is taken back
+    """
+
+    entered = Signal(float)
+    unreadable = Signal()
+    finished = Signal()
+    withdrawn = Signal()
+
+    def __init__(self, info: Info, unit: Unit = NO_UNIT, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setLineEdit(_Line(self))
+        self._info, self._unit = info, unit
+        self._value = 0.0
+        self._tried = ""  # the text that was last confirmed or shown
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        self.setAccelerated(True)
+        self.setKeyboardTracking(False)
+        self.setFixedHeight(row_height(self))
+        self.setMinimumWidth(QFontMetrics(self.font()).horizontalAdvance("-1234.567") + _BUTTONS)
+        self.show_value(0.0)
+
+    # -- the number ---------------------------------------------------------------------------------------
+
+    @property
+    def value(self) -> float:
+        """The number last shown or entered."""
+        return self._value
+
+    def show_value(self, value: float) -> None:
+        """Show a number in place of whatever stands there."""
+        self._value = value
+        self._tried = shortest(value)
+        self.set_refused(False)
+        if self.text() != self._tried:
+            chosen = self.lineEdit().selectedText() == self.text() != ""
+            self.lineEdit().setText(self._tried)
+            if chosen:
+                self.lineEdit().selectAll()
+
+    @property
+    def shortened(self) -> str:
+        """The number as it is painted where its field is too narrow for it: rounded to what the field holds; '' where
+        all of it is seen, or something is being typed or was refused."""
+        if self.hasFocus() or self.pending:
+            return ""
+        line = self.lineEdit()
+        metrics, room = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
+        if metrics.horizontalAdvance(self.text()) <= room:
+            return ""
+        return rounded_to(self._value, lambda text: metrics.horizontalAdvance(text) <= room)
+
+    @property
+    def typing(self) -> bool:
+        """Something was typed that is not confirmed yet."""
+        return self.text() != self._tried
+
+    @property
+    def pending(self) -> bool:
+        """What stands there is not the number in place: it is being typed, or was refused."""
+        return self.text() != shortest(self._value)
+
+    def confirm(self) -> None:
+        """Take the text for the number meant."""
+        if not self.pending:
+            mended = self.refused
+            self.show_value(self._value)
+            if mended:  # the number in place was typed over what was refused
+                self.withdrawn.emit()
+            return
+        self._tried = self.text()
+        number = parsed(self.text(), self._unit)
+        if number is None:
+            self.unreadable.emit()
+        else:
+            self.entered.emit(number)
+
+    def withdraw(self) -> None:
+        """Forget the text; the number in place shows again."""
+        self.show_value(self._value)
+        self.lineEdit().selectAll()
+        self.withdrawn.emit()
+
+    # -- steps --------------------------------------------------------------------------------------------
+
+    def step_of(self, value: float) -> float:
+        """The field's own step, else about a hundredth of the value, rounded to a power of ten."""
+        if self._info.step:
+            return self._info.step
+        return 10.0 ** (math.floor(math.log10(abs(value))) - 2) if value else 1.0
+
+    def stepped(self, value: float, steps: int) -> float:
+        """The value so many steps on, in decimals as a reader would add them, within the range."""
+        moved = float(Decimal(shortest(value)) + steps * Decimal(shortest(self.step_of(value))))
+        moved = min(max(moved, self._info.low), self._info.high) + 0.0
+        return value if self._info.open_low and moved <= self._info.low else moved
+
+    def stepBy(self, steps: int) -> None:
+        number = parsed(self.text(), self._unit)
+        start = self._value if number is None else number
+        moved = self.stepped(start, steps)
+        if moved == start:
+            return
+        self.lineEdit().setText(shortest(moved))
+        self.lineEdit().selectAll()
+        self._tried = self.text()
+        self.entered.emit(moved)
+
+    def stepEnabled(self) -> QAbstractSpinBox.StepEnabledFlag:
+        both = QAbstractSpinBox.StepEnabledFlag.StepUpEnabled | QAbstractSpinBox.StepEnabledFlag.StepDownEnabled
+        return QAbstractSpinBox.StepEnabledFlag.StepNone if self.isReadOnly() else both
+
+    def validate(self, text: str, position: int) -> Any:
+        """Any text may be typed; what is wrong is told on Enter."""
+        return QValidator.State.Acceptable, text, position
+
+    # -- gestures -----------------------------------------------------------------------------------------
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+            self.confirm()
+            self.finished.emit()
+            self.lineEdit().selectAll()
+        elif (event.key() == Qt.Key.Key_Escape and self.pending) or (
+            event.matches(QKeySequence.StandardKey.Undo) and self.typing
+        ):
+            self.withdraw()
+        else:
+            super().keyPressEvent(event)
+
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        super().focusOutEvent(event)
+        if event.reason() in _ELSEWHERE:
+            return
+        if self.typing:
+            self.confirm()
+        self.finished.emit()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        super().mouseReleaseEvent(event)
+        self.finished.emit()
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        if self.hasFocus():
+            super().wheelEvent(event)
+        else:
+            event.ignore()
+
+    def event(self, event: QEvent) -> bool:
+        """The line inside claims the keys of undo; that is right only while something is being typed. The tip of a
+        number that is shown rounded begins with all its digits."""
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self.shortened:
+            full = value_text(self._value, self._unit)
+            QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
+            return True
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
+            asked = any(event.matches(key) for key in UNDO_KEYS)
+            if asked and not self.typing:
+                event.ignore()
+                return False
+        return super().event(event)

@@ -1,0 +1,89 @@
+"""A dialog that asks on the left, shows on the right what comes of it, and puts that into the design."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLayout, QVBoxLayout, QWidget
+
+from core.design import Design
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.note import Words
+
+AROUND = QSize(40, 60)  # left free on the screen, with frame and title
+
+
+class PutDialog(QDialog):
+    """Two columns above a line of words and the buttons.
+
+    Subclasses call ``frame`` once and implement ``accept`` with ``put``.
+
+    told         what would become of the design, or what is wrong
+    put_button   enabled by the subclass while there is something to put
+    """
+
+    def __init__(self, session: Session, title: str, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setWindowTitle(title)
+        self._session = session
+        self.told = Words(QUIET)
+        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
+        self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
+        self.put_button.setText("&Put into the design")
+        self.buttons.accepted.connect(self.accept)
+        self.buttons.rejected.connect(self.reject)
+
+    def frame(self, asked: QLayout, width: int, shown: QWidget | QLayout, usual: QSize, least: QSize) -> None:
+        """asked: what stands on the left, so many pixels wide; usual: the size where the screen has room for it."""
+        asked.setContentsMargins(0, 0, 0, 0)
+        asked.setSpacing(6)
+        left = QWidget()
+        left.setLayout(asked)
+        left.setFixedWidth(width)
+        middle = QHBoxLayout()
+        middle.setSpacing(12)
+        middle.addWidget(left)
+        if isinstance(shown, QLayout):
+            middle.addLayout(shown, 1)
+        else:
+            middle.addWidget(shown, 1)
+        foot = QHBoxLayout()
+        foot.addWidget(self.told, 1)
+        foot.addWidget(self.buttons)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(12, 10, 12, 10)
+        column.addLayout(middle, 1)
+        column.addLayout(foot)
+        self.setMinimumSize(least)
+        self.resize(usual.boundedTo(self.screen().availableGeometry().size() - AROUND))
+
+    def tell(self, text: str, wrong: bool = False) -> None:
+        coloured(self.told, WRONG if wrong else QUIET)
+        self.told.tell(text)
+
+    def put(self, design: Design, step: str) -> None:
+        """Put a design in place as one step of this name and close; where the session refuses it, say why and stay."""
+        session, refused = self._session, []
+
+        def listen(refusal: Refusal) -> None:
+            refused.extend(f"{name}: {text}" for _, name, text in refusal.told)
+
+        session.refused.connect(listen)
+        session.end_gesture()
+        done = session.put(design, step)
+        session.refused.disconnect(listen)
+        session.end_gesture()
+        if done:
+            super().accept()
+        else:
+            session.withdraw("")
+            self.tell(sentence("; ".join(refused)), wrong=True)
+
+    def open_once(self) -> None:
+        """Over its window; gone once it is closed."""
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.open()
+
+
+__all__ = ["PutDialog"]

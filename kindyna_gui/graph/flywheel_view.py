@@ -1,0 +1,107 @@
+"""The flywheel: what it would have to be, and what the one fitted makes of speed and torque."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QHBoxLayout, QPushButton
+
+from core.design import UNITS
+from core.output.summary import speeds
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import step_text
+from kindyna_gui.pictures.sizes import ROUNDING, torque_size
+from kindyna_gui.pictures.units import digits, readable
+from kindyna_gui.shown_kinds import NO_WHEEL, with_shaft
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import READS
+
+HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
+_PEAKS = {
+    "drive_torque": "Cam torque",
+    "driver_torque": "Driver torque",
+    "motor_torque": "Motor torque, with the flywheel fitted",
+}
+
+
+def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> Row:
+    """floor: size below which the value is what rounding leaves of a zero."""
+    value = 0.0 if abs(value) <= floor else value
+    rung = readable(symbol, abs(value))
+    return Row((label, digits(value / rung.size, 5), rung.symbol), tip=tip)
+
+
+FIELD = "shaft.flywheel_inertia_kg_m2"
+DIGITS = 5  # of what the sizing shows, and puts into the design
+
+
+class FlywheelView(View):
+    """The figures of the flywheel, and the button that fits the one they ask for."""
+
+    stages = READS["flywheel"]
+    pause_ms = 200
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = RowsTable(HEADINGS)
+        self.use_button = QPushButton("Use this flywheel")
+        self.use_button.clicked.connect(self._use)
+        self._needed = 0.0
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 4, 6, 4)
+        row.addWidget(self.use_button)
+        row.addStretch(1)
+        self.set_column(self.table, row, grows=self.table)
+
+    def refresh(self, study: Study) -> None:
+        design = with_shaft(study.design, NO_WHEEL)
+        wheel, shaft = study.flywheel, design.shaft
+        floor = ROUNDING * torque_size(study)
+        tiny = floor / (shaft.speed_fluctuation * study.omega**2)
+        self._needed = float(f"{wheel.needed_inertia:.{DIGITS}g}") if wheel.needed_inertia > tiny else 0.0
+        percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
+        self.use_button.setEnabled(self._needed not in (0.0, shaft.flywheel_inertia_kg_m2))
+        self.use_button.setToolTip(f"Fit {digits(self._needed, DIGITS)} kg·m², which {percent} asks for")
+        swing_tip = "largest surplus of work the flywheel has to take up"
+        inertia_tip = "at the camshaft, all turning parts together"
+        self.table.show_rows([
+            _row("Mean torque", wheel.mean_torque, "N·m", floor=floor),
+            _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
+            _row(f"Inertia for {percent}", wheel.needed_inertia, "kg·m²", inertia_tip, tiny),
+            _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
+            *self._reached(study),
+            *self._peaks(study, floor),
+        ])  # fmt: skip
+
+    def _reached(self, study: Study) -> list[Row]:
+        """What the flywheel fitted makes of the speed."""
+        found = speeds(study)
+        if found is None:
+            tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
+            least = _row("Least inertia with which it does not", study.flywheel.least_inertia, "kg·m²", tip)
+            return [Row(("The motor stalls", "", ""), tip=tip), least]
+        rpm = UNITS["rpm"].factor
+        return [
+            Row(("Fluctuation reached", digits(100.0 * (found[1] - found[0]) / study.omega, 4), "%"), tip="(highest - lowest)/mean"),
+            Row(("Speed, lowest", digits(found[0] / rpm, DIGITS), "rpm")),
+            Row(("Speed, highest", digits(found[1] / rpm, DIGITS), "rpm")),
+        ]  # fmt: skip
+
+    def _peaks(self, study: Study, floor: float) -> list[Row]:
+        known = study.quantities("dynamics")
+        names = [name for name in _PEAKS if name in known and known[name].exists(study)]
+        if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it
+            names.remove("driver_torque")
+        found = study.extremes("dynamics", tuple(names))
+        rows = []
+        for name in names:
+            rows.append(_row(f"{_PEAKS[name]}, lowest", found[name].low.value, "N·m", floor=floor))
+            rows.append(_row(f"{_PEAKS[name]}, highest", found[name].high.value, "N·m", floor=floor))
+        return rows
+
+    def _use(self) -> None:
+        """One step of the undo stack."""
+        if self._needed:
+            self.session.edit(FIELD, self._needed, step_text("Flywheel inertia", self._needed, UNITS["kg_m2"]))
+            self.session.end_gesture()

@@ -1,0 +1,87 @@
+"""Plots on the screen: a click or a drag anywhere in it sets the cam angle."""
+
+from __future__ import annotations
+
+from math import radians
+
+from PySide6.QtCore import QPointF, Qt, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtWidgets import QWidget
+
+from kindyna_gui.pictures.plots.detail import UNSEEN
+from kindyna_gui.pictures.plots.plot import CurvePlot
+from kindyna_gui.pictures.plots.polar import PolarPlot
+
+TIP = "Click or drag to set the cam angle; right click to export"
+
+
+class LivePlot(CurvePlot):
+    """Curves over one turn under the mouse.
+
+    angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
+    """
+
+    angle_moved = Signal(float)
+    unseen = UNSEEN
+
+    def __init__(self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True) -> None:
+        super().__init__(parent, names=names, angles=angles)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.setToolTip(TIP)
+        self.keep_axes()
+
+    def angle_at(self, pixel: QPointF) -> float:
+        """The cam angle [deg] at a place of the widget [pixels], 0 ... 360 also beside the axes."""
+        place = self.getViewBox().mapSceneToView(self.mapToScene(pixel.toPoint()))
+        return min(max(float(place.x()), 0.0), 360.0)
+
+    def pixel_at(self, angle: float) -> QPointF:
+        """Where a cam angle [deg] stands in the widget [pixels], in the middle of the plot's height."""
+        frame = self.frame()
+        place = self.getViewBox().mapViewToScene(QPointF(angle, (frame.low + frame.high) / 2.0))
+        return QPointF(self.mapFromScene(place))
+
+    def _go(self, event: QMouseEvent) -> None:
+        if self.readings():
+            self.angle_moved.emit(radians(self.angle_at(event.position())))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._go(event)
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self._go(event)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        event.ignore()  # the keys belong to the player
+
+
+class LivePolar(PolarPlot):
+    """Curves in polar form under the mouse."""
+
+    unseen = UNSEEN
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self.setToolTip(TIP)
+
+    def _go(self, event: QMouseEvent) -> None:
+        if self.readings():
+            self.angle_moved.emit(radians(self.angle_at(event.position())))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self._go(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self._go(event)

@@ -1,0 +1,101 @@
+"""Curves over one turn, one plot in each dock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeyEvent, QPalette
+
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.documents.exports import save_numbers, save_picture
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.drawable import missing, rows_of, split, stages_of
+from kindyna_gui.graph.linkage_plots import lacking, quantities_for
+from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.look import QUIET
+from kindyna_gui.note import Note
+from kindyna_gui.shown_kinds import is_linkage
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.player_keys import obey
+
+LEAST_WIDTH = 240  # below it labels and axes no longer fit
+
+
+class PlotView(View):
+    """One plot of a few quantities of one unit; those that a design lacks are named with the reason."""
+
+    def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
+        super().__init__(session, player)
+        self.usual = tuple(quantities)
+        self.plot = LivePlot()
+        self.plot.setMinimumWidth(LEAST_WIDTH)
+        self.note = Note(QUIET, margin=3)
+        self.note.setIndent(6)
+        self.rows: tuple[Channel, ...] = ()
+        self.message = ""  # in place of the curves
+        self.set_column(self.plot, self.note, grows=self.plot)
+        self.content.setBackgroundRole(QPalette.ColorRole.Base)
+        self.content.setAutoFillBackground(True)
+        self.plot.angle_moved.connect(self._turn)
+        self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+        for text, slot in (
+            ("Export picture...", lambda: save_picture(self, self.usual[0])),
+            ("Export numbers...", lambda: save_numbers(self, self.rows, self.usual[0])),
+        ):
+            action = QAction(text, self.plot)
+            action.triggered.connect(slot)
+            self.plot.addAction(action)
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What is shown of the design in place."""
+        return quantities_for(self.session.study, self.usual)
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Those that the quantities shown need."""
+        return stages_of(self.quantities)
+
+    def refresh(self, study: Study) -> None:
+        if is_linkage(study.design):
+            _ = study.linkage  # where it stands nowhere, that is the reason
+        drawn, told = split(study, rows_of(study, self.quantities))
+        self.rows = tuple(drawn)
+        self.plot.name_angle(study)
+        self.message = "" if drawn else "\n".join(told) or self._missing(study)
+        if drawn:
+            self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
+        else:
+            self.plot.show_message(self.message)
+        self.note.tell("; ".join(told) if drawn else "")
+
+    def _missing(self, study: Study) -> str:
+        return lacking(study, self.usual) if is_linkage(study.design) else missing(self.usual)
+
+    def follow(self, theta: float) -> None:
+        self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
+
+    def _turn(self, theta: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(theta)
+
+    @property
+    def no_picture(self) -> str:
+        return super().no_picture or self.message
+
+    def picture(self, ending: str) -> bytes:
+        """The plot on paper, without the cursor."""
+        from kindyna_gui.pictures.files import curves_file
+
+        self.pull()
+        return curves_file(self.session.study, [self.rows], ending)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+__all__ = ["PlotView"]

@@ -1,0 +1,1 @@
+"""The mechanism: drawing, instant centres, circle diagram, velocity polygon."""

@@ -1,0 +1,192 @@
+"""A window on the scene of the mechanism: zoom, pan, and joints that are taken with the mouse."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
+from PySide6.QtWidgets import QFrame, QGraphicsView
+
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+
+NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
+FURTHEST, CLOSEST = 0.05, 400.0  # zoom, in parts of the scale at which the mechanism fits
+HALF_EMPTY = 0.45  # a fitted picture is fitted anew once the mechanism fills less than this part of it
+REACH = 9.0  # pixels from a joint within which it is taken
+REST_MS = 250  # after an edit or a move, before labels look for better sides
+_GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
+
+
+def joints_now(scene: MechanismScene) -> dict[str, complex]:
+    """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
+    from core.followers.joints import joints_of  # which takes longer to load than the picture to draw
+
+    reading = scene.reading
+    if reading is None:
+        return {}
+    wanted, found = joints_of(reading.study.design), {}
+    for body in reading.bodies.values():
+        for name, place in body.points.items():
+            if name in wanted:
+                found[name] = complex(body.track(place)[scene.index])
+    return found
+
+
+class Canvas(QGraphicsView):
+    """A window on a scene in mm, y upwards: wheel zooms about the mouse, drag pans, double click fits.
+
+    Qt's own scroll bars and transformation anchors are left aside: what is visible is a centre and a scale, so that
+    neither an edit nor a change of size can move it.
+
+    taken, dragged, dropped   a joint was taken by its name, drawn to a place [mm], let go
+
+    fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
+    """
+
+    taken, dragged, dropped = Signal(str), Signal(str, complex), Signal(str)
+
+    def __init__(self, scene: MechanismScene) -> None:
+        super().__init__(scene)
+        self._joint = ""
+        self._scene = scene
+        self.fitted = True
+        self._centre, self._scale = QPointF(), 1.0
+        self._grip: QPointF | None = None
+        self.rest = QTimer(self, singleShot=True, interval=REST_MS)
+        self.rest.timeout.connect(scene.lay_labels)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setRenderHints(QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing)
+        # nearly everything moves in every frame, and lines of constant width reach beyond what Qt takes for their bounds
+        self.setViewportUpdateMode(QGraphicsView.ViewportUpdateMode.FullViewportUpdate)
+        self.setTransformationAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setResizeAnchor(QGraphicsView.ViewportAnchor.NoAnchor)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setCursor(Qt.CursorShape.ArrowCursor)
+        self.viewport().setMouseTracking(True)
+
+    # -- what is visible ----------------------------------------------------------------------------------
+
+    @property
+    def scale_now(self) -> float:
+        """Pixels per mm."""
+        return self._scale
+
+    @property
+    def visible(self) -> QRectF:
+        """What is visible [mm]."""
+        rect = QRectF(0.0, 0.0, self.viewport().width() / self._scale, self.viewport().height() / self._scale)
+        rect.moveCenter(self._centre)
+        return rect
+
+    def look_at(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
+        """Show what is around a point, at so many pixels per mm; labels may find better sides once all is at rest."""
+        self._centre, self._scale = centre, scale
+        self.setTransform(QTransform.fromScale(scale, -scale))
+        visible = self.visible
+        self.setSceneRect(visible)
+        self._scene.look_at(visible, scale, keep_labels)
+        if keep_labels:
+            self.rest.start()
+
+    def fit(self, keep_labels: bool = False) -> None:
+        """Show the whole mechanism."""
+        visible, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
+        self.look_at(visible.center(), scale, keep_labels)
+        self.fitted = True
+
+    def look_again(self) -> None:
+        """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
+        if self.fitted and not self._joint:  # under the hand the picture stays
+            wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
+            if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
+                self.look_at(wanted.center(), scale, keep_labels=True)
+
+    def zoom(self, factor: float, about: QPointF) -> None:
+        """Zoom by a factor; what stands at a place of the viewport [pixels] stays there."""
+        _, usual = self._scene.fit(self.viewport().width(), self.viewport().height())
+        scale = min(max(self._scale * factor, FURTHEST * usual), CLOSEST * usual)
+        kept = self._place(about)
+        offset = (self._centre - kept) * (self._scale / scale)
+        self.look_at(kept + offset, scale, keep_labels=True)
+        self.fitted = False
+
+    def _place(self, pixel: QPointF) -> QPointF:
+        """The place of the scene [mm] at a place of the viewport [pixels]."""
+        x = pixel.x() - self.viewport().width() / 2.0
+        y = pixel.y() - self.viewport().height() / 2.0
+        return self._centre + QPointF(x / self._scale, -y / self._scale)
+
+    def _drawn_at(self, pixel: QPointF) -> QPointF:
+        """The same of what Qt has drawn there: it puts the scene on whole pixels."""
+        inverse, _ = self.viewportTransform().inverted()
+        return inverse.map(pixel)
+
+    def joint_at(self, pixel: QPointF) -> str:
+        """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
+        at = self._drawn_at(pixel)
+        found = joints_now(self._scene)
+        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in found.items()}
+        best = min(near, key=lambda name: near[name], default="")
+        return best if best and near[best] <= REACH else ""
+
+    # -- events -------------------------------------------------------------------------------------------
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        turned = event.angleDelta().y() or event.pixelDelta().y()
+        if turned:
+            self.zoom(STEP ** (turned / NOTCH), event.position())
+        event.accept()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
+        if joint:
+            self._joint = joint
+            self.taken.emit(joint)
+        elif event.button() in _GRIPS:
+            self._grip = event.position()
+            self.setCursor(Qt.CursorShape.ClosedHandCursor)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self._joint:
+            at = self._drawn_at(event.position())
+            self.dragged.emit(self._joint, complex(at.x(), at.y()))
+            return
+        if self._grip is None:
+            over = self.joint_at(event.position())
+            self.setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.ArrowCursor)
+            return
+        if event.position() == self._grip:
+            return
+        moved = event.position() - self._grip
+        self._grip = event.position()
+        self.look_at(
+            self._centre - QPointF(moved.x() / self._scale, -moved.y() / self._scale), self._scale, keep_labels=True
+        )
+        self.fitted = False
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        if self._joint and event.button() == Qt.MouseButton.LeftButton:
+            name, self._joint = self._joint, ""
+            self.dropped.emit(name)
+            self.look_again()
+        elif event.button() in _GRIPS:
+            self._grip = None
+            self.setCursor(Qt.CursorShape.ArrowCursor)
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.fit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        event.ignore()  # the arrow keys would scroll; they belong to the player
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        if self.fitted:
+            self.fit(keep_labels=True)
+        else:
+            self.look_at(self._centre, self._scale, keep_labels=True)
+
+
+__all__ = ["REST_MS", "Canvas", "joints_now"]

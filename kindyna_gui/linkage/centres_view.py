@@ -1,0 +1,190 @@
+"""All instant centres, angular velocities and points of a linkage at the angle at hand, as tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
+
+from core.errors import KindynaError
+from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+MM, RPM = 1e3, math.pi / 30.0
+DECIMALS = 6  # of lengths in mm and of velocities; rounding is far below
+_CENTRES = (
+    Heading("Centre"),
+    Heading("x, mm", number=True),
+    Heading("y, mm", number=True),
+    Heading("Found", wide=True),
+)
+_LINKS = (
+    Heading("Link"), Heading("ω, rad/s", number=True), Heading("ω, rpm", number=True), Heading("ω : driver", number=True),
+    Heading("Advantage", number=True), Heading("", wide=True),
+)  # fmt: skip
+_POINTS = (
+    Heading("Point"), Heading("x, mm", number=True), Heading("y, mm", number=True), Heading("vx, mm/s", number=True),
+    Heading("vy, mm/s", number=True), Heading("|v|, mm/s", number=True), Heading("", wide=True),
+)  # fmt: skip
+_DIFFERENCES = (
+    Heading("Vector"), Heading("Link", number=True), Heading("vx, mm/s", number=True), Heading("vy, mm/s", number=True),
+    Heading("|v|, mm/s", number=True), Heading("", wide=True),
+)  # fmt: skip
+ABSENT = "Instant centres are listed of linkages; those of a cam and its follower are drawn in the mechanism."
+
+
+def plain(value: float) -> str:
+    """A number with as many decimals as are certain; what is not a number is a dash."""
+    return "\u2013" if math.isnan(value) else digits(value, 8) if abs(value) >= 1e-9 else "0"
+
+
+def label(links: tuple[int, int]) -> str:
+    """``I13``, with a comma where a number has two digits."""
+    return f"I{links[0]}{',' if max(links) > 9 else ''}{links[1]}"
+
+
+def found_by(row: CentreRow) -> str:
+    """How a centre is found: at sight, by its pair, or where which two lines cross."""
+    if not row.lines:
+        return "at sight"
+    a, b = row.links
+    lines = [f"{label(_rising(a, t))}\u2013{label(_rising(b, t))}" for t in row.lines[:2]]
+    return " \u00d7 ".join(lines)
+
+
+def _rising(a: int, b: int) -> tuple[int, int]:
+    return (a, b) if a < b else (b, a)
+
+
+def _centre(row: CentreRow) -> Row:
+    if row.place is not None:
+        x, y = plain(row.place.real * MM), plain(row.place.imag * MM)
+    elif row.direction is not None:
+        x, y = "at infinity", f"{plain(math.degrees(row.direction))}°"
+    else:
+        x, y = "none", "at rest"
+    return Row(
+        (label(row.links), x, y, found_by(row)),
+        tip=f"Instant centre of links {row.links[0]} and {row.links[1]}; found {found_by(row)}",
+    )
+
+
+def _link(row: LinkRow) -> Row:
+    cells = (str(row.link), *(plain(v) for v in (row.omega, row.omega / RPM, row.ratio, row.advantage)), "")
+    return Row(
+        cells,
+        tip="Angular velocity counter-clockwise; ratio to the driver's, and torque for a torque of 1 at the driver",
+    )
+
+
+def _point(row: PointRow) -> Row:
+    z, v = row.place * MM, row.velocity * MM
+    return Row((row.name, *(plain(part) for part in (z.real, z.imag, v.real, v.imag, abs(v))), ""))
+
+
+def _difference(row: DifferenceRow) -> Row:
+    slides = row.link != row.on
+    p, a = (f"{row.p}{row.link}", f"{row.a}{row.on}") if slides else (row.p, row.a)
+    v = row.v_pa * MM
+    on = f"link {row.on} under it, on which link {row.link} slides" if slides else f"{a}, both on link {row.link}"
+    return Row(
+        (f"V {p}{a}", str(row.link), *(plain(part) for part in (v.real, v.imag, abs(v))), ""),
+        tip=f"Velocity of {p} against {on}: V {p} = V {a} + V {p}{a}",
+    )
+
+
+class CentresView(View):
+    """Four tables that follow the player, and the distance between any two centres."""
+
+    stages = ("linkage",)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.now: Position | None = None
+        self.centres, self.links, self.points = RowsTable(_CENTRES), RowsTable(_LINKS), RowsTable(_POINTS)
+        self.differences = RowsTable(_DIFFERENCES)
+        self.tabs = QTabWidget(documentMode=True)
+        for table, title in (
+            (self.centres, "Centres"),
+            (self.links, "Links"),
+            (self.points, "Points"),
+            (self.differences, "Differences"),
+        ):
+            table.setWordWrap(False)
+            self.tabs.addTab(table, title)
+        self.one, self.other = self._chooser("First centre"), self._chooser("Second centre")
+        self.distance, self.transmission = QLabel(), QLabel(wordWrap=True)
+        self.distance.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        coloured(self.transmission, QUIET)
+        row = QHBoxLayout()
+        row.setContentsMargins(8, 2, 8, 0)
+        row.addWidget(QLabel("From"))
+        row.addWidget(self.one)
+        row.addWidget(QLabel("to"))
+        row.addWidget(self.other)
+        row.addWidget(self.distance, 1)
+        foot = QHBoxLayout()
+        foot.setContentsMargins(8, 0, 8, 4)
+        foot.addWidget(self.transmission)
+        self.set_column(self.tabs, row, foot, grows=self.tabs, spacing=3)
+
+    def _chooser(self, name: str) -> QComboBox:
+        box = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
+        box.setAccessibleName(name)
+        box.setToolTip("The distance between two centres at this angle")
+        box.activated.connect(lambda _: self._tell_distance())
+        return box
+
+    def refresh(self, study: Study) -> None:
+        if not study.design.drive.is_linkage:
+            raise NotHere(ABSENT)
+        self._show(study, self.player.theta)
+
+    def follow(self, theta: float) -> None:
+        study = self.session.study
+        if not study.design.drive.is_linkage:
+            return
+        try:
+            self._show(study, theta)
+        except KindynaError as error:
+            self.transmission.setText(sentence(str(error)))
+
+    def _show(self, study: Study, theta: float) -> None:
+        self.now = position(study, theta)
+        self.centres.update_rows([_centre(row) for row in self.now.centres])
+        self.links.update_rows([_link(row) for row in self.now.links])
+        self.points.update_rows([_point(row) for row in self.now.points])
+        self.differences.update_rows([_difference(row) for row in self.now.differences])
+        self._fill([row.links for row in self.now.centres])
+        self._tell_distance()
+        told = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in self.now.transmission)
+        self.transmission.setText(f"Transmission angle: {told}" if told else "")
+
+    def _fill(self, keys: Sequence[tuple[int, int]]) -> None:
+        """The centres to choose from; at first the driver's pole and the next link's."""
+        for box, first in ((self.one, 0), (self.other, 1)):
+            if [box.itemData(i) for i in range(box.count())] != list(keys):
+                box.clear()
+                for key in keys:
+                    box.addItem(label(key), key)
+                box.setCurrentIndex(min(first, box.count() - 1))
+
+    def _tell_distance(self) -> None:
+        one, other = self.one.currentData(), self.other.currentData()
+        if self.now is None or one is None or other is None:
+            return
+        gap = self.now.distance(tuple(one), tuple(other)) * MM
+        self.distance.setText(f"{plain(gap)} mm" if math.isfinite(gap) else "infinite")
+
+
+__all__ = ["CentresView"]

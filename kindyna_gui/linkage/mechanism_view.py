@@ -1,0 +1,173 @@
+"""The mechanism to scale, as it moves: fit, zoom, pan, layers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import ceil, log10
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeyEvent
+
+from core.errors import KindynaError, NoAnswer
+from core.instant_centres import CHAINS
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import reason
+from kindyna_gui.linkage.canvas import Canvas
+from kindyna_gui.note import Note
+from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
+from kindyna_gui.pictures.drawing.places import MM
+from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.shown_kinds import has_cam, is_linkage
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.player_keys import obey
+from kindyna_gui.window.view_stages import READS
+
+
+class MechanismView(View):
+    """The drawing in the middle of the window."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        self.scene = MechanismScene()
+        self.canvas = Canvas(self.scene)
+        super().__init__(session, player)
+        self.note = Note()
+        self.set_column(self.canvas, self.note, grows=self.canvas)
+        self.setFocusProxy(self.canvas)
+        self._fit_wanted = True
+        self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
+        self._actions = {name: self._action(name, layer.label) for name, layer in EVERY_LAYER.items()}
+        session.started.connect(self._another_design)
+        session.step_changed.connect(self._show_step)
+        self.canvas.taken.connect(self._take_joint)
+        self.canvas.dragged.connect(self._drag_joint)
+        self.canvas.dropped.connect(self._drop_joint)
+
+    def _action(self, name: str, label: str) -> QAction:
+        action = QAction(label, self, checkable=True, checked=self._layers_wanted[name])
+        action.setObjectName(f"layer:{name}")
+        action.setStatusTip(f"Show or hide in the drawing: {label.lower()}")
+        action.toggled.connect(partial(self.show_layer, name))
+        return action
+
+    @property
+    def stages(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Forces are computed only while they are drawn."""
+        return READS["mechanism with forces" if self._layers_wanted["forces"] else "mechanism"]
+
+    # -- what is drawn ------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        self._take_layers()
+        self._say_what_lacks(study)
+        self.scene.show_step(self.session.step if is_linkage(study.design) else None, draw=False)
+        self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
+        self.canvas.rest.start()
+        if self._fit_wanted:
+            self.canvas.fit()
+            self._fit_wanted = False
+        else:
+            self.canvas.look_again()
+
+    def _say_what_lacks(self, study: Study) -> None:
+        """A linkage without a cam is still drawn, with the reason below it."""
+        told = ""
+        try:
+            _ = study.cam if has_cam(study) else None
+        except NoAnswer as error:
+            told = f"No cam: {reason(study.design, error)}"
+        self.note.tell(told)
+
+    def follow(self, theta: float) -> None:
+        self._take_layers()
+        self.scene.set_angle(theta)
+
+    def fit(self) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self.canvas.fit()
+        else:
+            self._fit_wanted = True
+
+    # -- joints -------------------------------------------------------------------------------------------
+
+    def _take_joint(self, name: str) -> None:
+        self.player.play(False)
+        self.session.end_gesture()
+
+    def _drag_joint(self, name: str, place: complex) -> None:
+        """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
+        from core.followers.joints import joints_of, move_joint
+
+        design, joint = self.session.design, joints_of(self.session.design)[name]
+        train = self.session.at(self.player.theta).linkage
+        decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
+        try:
+            moved = move_joint(design, train, name, place / MM, decimals)
+        except KindynaError as error:
+            self.session.refuse(joint.field, reason(design, error))
+        else:
+            self.session.put(moved, f"Move {joint.label}", joint.field)
+
+    def _drop_joint(self, name: str) -> None:
+        from core.followers.joints import joints_of
+
+        self.session.end_gesture()
+        self.session.withdraw(joints_of(self.session.design)[name].field)
+
+    def _another_design(self) -> None:
+        self._fit_wanted = True
+
+    def _show_step(self) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self.scene.show_step(self.session.step)
+
+    # -- layers -------------------------------------------------------------------------------------------
+
+    def layer_actions(self) -> list[QAction]:
+        return [self._actions[name] for name in layers_of(self.session.study)]
+
+    def show_layer(self, name: str, shown: bool) -> None:
+        """Show or hide one of ``EVERY_LAYER``."""
+        self._layers_wanted[name] = shown
+        self.wake()
+
+    def _take_layers(self) -> None:
+        for name, shown in self._layers_wanted.items():
+            if self.scene.layer_wanted(name) != shown:
+                self.scene.set_layer(name, shown)
+                if self.canvas.fitted and name in CHAINS:  # their list stands above the mechanism
+                    self.canvas.fit(keep_labels=True)
+
+    # -- as a file ----------------------------------------------------------------------------------------
+
+    def settle(self) -> None:
+        """Do now what waits until all is at rest."""
+        if self.canvas.rest.isActive():
+            self.canvas.rest.stop()
+            self.scene.lay_labels()
+
+    def picture(self, ending: str) -> bytes:
+        """What is visible, in the size it has on the screen; a PNG has twice the dots."""
+        from kindyna_gui.pictures.files import ENLARGED, RATIO, Sheet, png, svg
+
+        self.pull()
+        vector = ending == ".svg"
+        scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
+        for name, shown in self._layers_wanted.items():
+            scene.set_layer(name, shown)
+        scene.update_study(self.session.study)
+        scene.set_angle(self.player.theta)
+        look = None if self.canvas.fitted else (self.canvas.visible, self.canvas.scale_now)
+        sheet = Sheet(scene, self.canvas.viewport().width(), self.canvas.viewport().height(), look)
+        return svg(sheet, self.session.design.name) if vector else png(sheet)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_F and not event.modifiers():
+            self.fit()
+        elif not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+__all__ = ["Canvas", "MechanismView"]

@@ -1,0 +1,103 @@
+"""Menus of a linkage: which link leads it and how, and where the roller of its cam is."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QAction, QActionGroup
+from PySide6.QtWidgets import QMenu
+
+from core.design import CRANK, Design, Driver
+from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from kindyna_gui.labels import driver_text
+from kindyna_gui.window.player import TURN
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+
+def fill_drivers(window: MainWindow, menu: QMenu) -> None:
+    """Every link that can lead the linkage, at speed or by a motion."""
+    design = _linkage(window, menu)
+    if design is None:
+        return
+    group, now = QActionGroup(menu), design.drive.mechanism.driver
+    for driver in drivers(design):
+        action = _choice(menu, group, driver_text(driver).replace("the motion", "a motion"), _same(driver, now))
+        loses = _loses(design, driver)
+        action.setStatusTip(f"The linkage goes on from the position in which it stands now{f', without {loses}' if loses else ''}")
+        action.triggered.connect(partial(_drive, window, driver))
+
+
+def _same(one: Driver, other: Driver) -> bool:
+    return (one.link, one.kind) == (other.link, other.kind)
+
+
+def _loses(design: Design, driver: Driver) -> str:
+    """What of the design goes with another driver: a crank at speed has neither motion nor cam."""
+    if driver.kind != CRANK or design.drive.motion is None:
+        return ""
+    return "its motion" if design.drive.cam is None else "its motion and its cam"
+
+
+def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
+    """Let another link lead; the drawing stays as it stands."""
+    session, player = window.session, window.player
+    if _same(driver, session.design.drive.mechanism.driver):
+        return
+    before = session.design
+    player.play(False)
+
+    def changed() -> Design:
+        return with_driver(before, driver, session.at(player.theta).linkage)
+
+    train = session.at(player.theta).linkage
+    step, loses = f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}", _loses(before, driver)
+    window.designing.change(changed, f"{step}, without {loses}" if loses else step)
+    if session.design is not before:
+        if loses:
+            window.status.tell(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
+        player.set_theta(driver_place(session.design.drive.mechanism, train) % TURN if driver.kind == CRANK else 0.0)
+
+
+def fill_rollers(window: MainWindow, menu: QMenu) -> None:
+    """No cam, or one under a roller at any point that moves; greyed where a crank turns at speed."""
+    design = _linkage(window, menu)
+    if design is None:
+        return
+    group, cam = QActionGroup(menu), design.drive.cam
+    none = _choice(menu, group, "No cam", cam is None)
+    none.triggered.connect(partial(_change, window, without_roller(design), "Take the cam away"))
+    menu.addSeparator()
+    for link, point in roller_places(design):
+        here = cam is not None and cam.point == point
+        action = _choice(menu, group, f"{point} on link {link}", here)
+        action.setEnabled(design.drive.motion is not None)
+        told = "A cam about the origin under a roller here makes the linkage follow its motion"
+        action.setStatusTip(told if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver")
+        if design.drive.motion is not None and not here:
+            made = with_roller(design, link, point)
+            action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))
+
+
+def _change(window: MainWindow, design: Design, text: str, *_: object) -> None:
+    window.designing.change(lambda: design, text)
+
+
+def _linkage(window: MainWindow, menu: QMenu) -> Design | None:
+    """The design, where it is a linkage; else the menu is not there."""
+    design = window.session.design
+    menu.menuAction().setVisible(design.drive.is_linkage)
+    return design if design.drive.is_linkage else None
+
+
+def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QAction:
+    action = menu.addAction(text)
+    action.setCheckable(True)
+    action.setChecked(checked)
+    group.addAction(action)
+    return action
+
+
+__all__ = ["fill_drivers", "fill_rollers"]

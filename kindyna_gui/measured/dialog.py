@@ -1,0 +1,254 @@
+"""A measured table becomes the motion: how it is read on the left, what comes of it on the right, with every change."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from PySide6.QtCore import QModelIndex, QSize
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QFileDialog,
+    QFormLayout,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import Info, require_motion
+from core.errors import KindynaError
+from core.measured import Fit, figures, into_design
+from core.project.files import read_bytes
+from kindyna_gui import dialogs
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.labels import sentence
+from kindyna_gui.measured.faults import FoundTable, counted, found_in, found_wrong
+from kindyna_gui.measured.form import ReadingForm
+from kindyna_gui.measured.plot import MeasuredPlot
+from kindyna_gui.measured.request import Answer, Asked, Reader, spelled, symbol
+from kindyna_gui.settings import Settings
+
+TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
+LEFT_WIDTH, USUAL, LEAST = 330, QSize(1080, 720), QSize(900, 560)
+ANY_NUMBER, NOT_NEGATIVE = Info("Lowest position"), Info("Measuring error", low=0.0)
+
+
+class MeasuredDialog(PutDialog):
+    """Shows what a table holds and what motion comes of it, and puts that into the design as one step."""
+
+    def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
+        super().__init__(session, "Import measured motion", parent)
+        self._path = path
+        motion = require_motion(session.design)
+        self._unit = motion.unit
+        self._reader = self._read(data)
+        self._rest = Asked()
+        self.answer = Answer()
+        self.form = ReadingForm(motion.unit)
+        self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
+        self.keep_all = QCheckBox("Keep all rows, wrong ones too")
+        self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
+        self.rows_plot, self.residual_plot = MeasuredPlot(angles=False), MeasuredPlot(angles=True)
+        self.found = FoundTable()
+        self._lay_out()
+        self._connect()
+        self.ask()
+
+    def _read(self, data: bytes) -> Reader:
+        return Reader(self._path.name, data, self._unit, self._session.design.speed_rpm)
+
+    # -- building -------------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        left = QVBoxLayout()
+        left.addLayout(self._head())
+        left.addWidget(self.form)
+        left.addSpacing(8)
+        left.addWidget(_bold("Fit"))
+        left.addLayout(self._numbers())
+        left.addWidget(self.keep_all)
+        left.addSpacing(8)
+        left.addWidget(_bold("Result"))
+        self.figures = QFormLayout()
+        self.figures.setVerticalSpacing(3)
+        self._figures: dict[str, QLabel] = {}
+        left.addLayout(self.figures)
+        left.addStretch(1)
+        right = QVBoxLayout()
+        right.setSpacing(2)
+        right.addWidget(self.rows_plot, 5)
+        right.addWidget(self.residual_plot, 3)
+        right.addWidget(self.found, 3)
+        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+
+    def _head(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        name = _bold(self._path.name)
+        name.setToolTip(str(self._path))
+        name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
+        self.again = QPushButton("&Read again")
+        self.again.setToolTip("After the file was mended")
+        self.again.setAutoDefault(False)
+        row.addWidget(name, 1)
+        row.addWidget(self.again)
+        return row
+
+    def _numbers(self) -> QGridLayout:
+        grid = QGridLayout()
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        self.units = {"error": QLabel(), "lowest": QLabel(symbol(self._unit))}
+        self.estimate = QPushButton("&Estimate")
+        self.estimate.setToolTip("What the scatter of the rows tells, at least the rounding of the last digit")
+        self.estimate.setAutoDefault(False)
+        rows = (("Measuring &error", self.error, "error"), ("&Lowest position", self.lowest, "lowest"))
+        for row, (label, box, name) in enumerate(rows):
+            told = QLabel(label)
+            told.setBuddy(box)
+            grid.addWidget(told, row, 0)
+            grid.addWidget(box, row, 1)
+            grid.addWidget(self.units[name], row, 2)
+        grid.addWidget(self.estimate, 0, 3)
+        grid.setColumnStretch(1, 1)
+        self.error.setToolTip("Standard deviation of one measured value; 0 lays the curve through all rows")
+        self.lowest.setToolTip("Where the follower stands at its lowest; the whole motion moves with it")
+        return grid
+
+    def _connect(self) -> None:
+        self.form.changed.connect(self._read_otherwise)
+        self.error.entered.connect(self._state_error)
+        self.lowest.entered.connect(lambda value: self._ask(lowest=value))
+        for box in (self.error, self.lowest):
+            box.unreadable.connect(lambda box=box: box.set_refused(True))
+        self.estimate.clicked.connect(lambda: self._ask(error=None))
+        self.keep_all.toggled.connect(lambda on: self._ask(keep_all=on))
+        self.again.clicked.connect(self._read_again)
+        self.found.clicked.connect(self._point_out)
+        self.found.activated.connect(self._point_out)
+
+    # -- asking ---------------------------------------------------------------------------------------------
+
+    def ask(self) -> None:
+        """Read and fit as asked, and show what comes of it."""
+        self.answer = self._reader.ask(self.form.asked(self._rest))
+        answer = self.answer
+        self.form.show_read(answer.sheet, answer.layout)
+        self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
+        self.put_button.setEnabled(not answer.faults)
+        for widget in (self.error, self.lowest, self.estimate, self.keep_all):
+            widget.setEnabled(answer.fit is not None or answer.refused)
+        if answer.fit is not None:
+            self._show_fit(answer.fit)
+            if answer.faults:
+                self.tell(sentence(answer.faults[0].text), wrong=True)
+        elif answer.refused:  # the last curve stays
+            self.error.set_refused(True)
+            self.tell(sentence(answer.faults[0].text), wrong=True)
+        else:
+            self._show_faults()
+
+    def _ask(self, **changes: float | bool | None) -> None:
+        self._rest = replace(self._rest, **changes)  # type: ignore[arg-type]
+        self.ask()
+
+    def _state_error(self, value: float) -> None:
+        if value >= 0.0:
+            self._ask(error=value)
+        else:
+            self.error.set_refused(True)
+            self.tell("Measuring error: allowed: 0 or more", wrong=True)
+
+    def _read_otherwise(self) -> None:
+        """In other units, or another column: neither error nor level mean what they meant."""
+        self._rest = replace(self._rest, error=None, lowest=None)
+        self.ask()
+
+    def _read_again(self) -> None:
+        try:
+            self._reader = self._read(read_bytes(self._path))
+        except KindynaError as error:
+            dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
+        else:
+            self.ask()
+
+    # -- showing --------------------------------------------------------------------------------------------
+
+    def _show_fit(self, fit: Fit) -> None:
+        self.rows_plot.show_rows(fit)
+        self.residual_plot.show_residuals(fit)
+        self.error.show_value(fit.error)
+        self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._rest.lowest is None else fit.lowest)
+        self._show_figures(figures(fit))
+        self.found.show_found(found_in(fit))
+        self.tell("The motion of the design is replaced; Undo brings it back.")
+
+    def _show_faults(self) -> None:
+        faults = self.answer.faults
+        self.found.show_found(found_wrong(faults))
+        self._show_figures([])
+        self.rows_plot.show_message("Nothing can be drawn before the table can be read")
+        self.residual_plot.show_message("")
+        self.tell(counted(faults), wrong=True)
+
+    def _show_figures(self, rows: list[tuple[str, str]]) -> None:
+        """What the fit came to; what stands beside it already is left out."""
+        shown = dict(row for row in rows if row[0] != "measuring error")
+        for name in shown:
+            if name not in self._figures:
+                self._figures[name] = QLabel(wordWrap=True)
+                self.figures.addRow(sentence(name), self._figures[name])
+        for name, label in self._figures.items():
+            label.setText(spelled(shown.get(name, "")))
+
+    def _point_out(self, index: QModelIndex) -> None:
+        for plot in (self.rows_plot, self.residual_plot):
+            plot.point_out(self.found.angle(index.row()))
+
+    # -- the end --------------------------------------------------------------------------------------------
+
+    def accept(self) -> None:
+        """Put the motion into the design, where the table gives one."""
+        if self.answer.fit is not None and not self.answer.faults:
+            self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
+
+
+def _bold(text: str) -> QLabel:
+    label = QLabel(text)
+    font = label.font()
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
+# -- the questions, as functions that tests can answer ----------------------------------------------------
+
+
+def table_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """The measured table to import, None where the user thinks better of it."""
+    name, _ = QFileDialog.getOpenFileName(parent, "Import measured motion", str(folder), f"{TABLES};;All files (*)")
+    return Path(name) if name else None
+
+
+def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
+    """Ask for a table and open the dialog over a window; it is gone once it is closed."""
+    path = table_to_open(parent, Settings().folder)
+    if path is None:
+        return None
+    try:
+        data = read_bytes(path)
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return None
+    Settings().folder = path.parent
+    dialog = MeasuredDialog(session, path, data, parent)
+    dialog.open_once()
+    return dialog
+
+
+__all__ = ["MeasuredDialog", "import_measured", "table_to_open"]

@@ -1,0 +1,110 @@
+"""How a measured table is read: delimiter, columns and units as detected, each of which can be corrected."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+
+from core.measured import ANGLE_UNITS, DECIMALS, DELIMITERS, QUANTITIES, TIME_UNITS, Layout, Sheet, Wish, value_units
+from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.measured.request import Asked, symbol
+
+_WORDS: Mapping[str, str] = MappingProxyType(
+    {"deg": "degrees", "rad": "radians", "turns": "turns", "s": "seconds", "ms": "milliseconds"}
+)
+_ROWS = (
+    ("delimiter", "Between cells"),
+    ("decimal", "Decimal mark"),
+    ("angle_column", "Cam angle"),
+    ("angle_unit", "in"),
+    ("column", "Values"),
+    ("quantity", "are"),
+    ("value_unit", "in"),
+)
+
+
+class ReadingForm(QWidget):
+    """One box for each thing that is detected.
+
+    changed   the user has corrected one
+    """
+
+    changed = Signal()
+
+    def __init__(self, motion_unit: str) -> None:
+        super().__init__()
+        self._motion_unit = motion_unit
+        self._said: dict[str, str] = {}
+        self.boxes: dict[str, WordBox] = {}
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(8)
+        grid.setVerticalSpacing(4)
+        for row, (name, label) in enumerate(_ROWS):
+            box = self.boxes[name] = WordBox()
+            told = QLabel(label)
+            told.setBuddy(box)
+            grid.addWidget(told, row, 0)
+            grid.addWidget(box, row, 1)
+            box.activated.connect(lambda _, name=name: self._say(name))
+        grid.setColumnStretch(1, 1)
+        self._fill("delimiter", [(key, f"{key.capitalize()}") for key in DELIMITERS])
+        self._fill("decimal", [(key, f"{key.capitalize()}  ( {mark} )") for key, mark in DECIMALS.items()])
+        self._fill("angle_unit", [(unit, _WORDS[unit]) for unit in (*ANGLE_UNITS, *TIME_UNITS)])
+        self._fill("quantity", [(name, f"{name}s" if name != "velocity" else "velocities") for name in QUANTITIES])
+
+    def asked(self, rest: Asked) -> Asked:
+        """The rest of what is asked with what was corrected here."""
+        said = self._said
+        wish = Wish(
+            **{name: said.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
+        )
+        return replace(rest, delimiter=said.get("delimiter", ""), decimal=said.get("decimal", ""), wish=wish)
+
+    def show_read(self, sheet: Sheet | None, how: Layout | None) -> None:
+        """What was read: that is what the boxes show."""
+        if sheet is not None:
+            self._choose("delimiter", sheet.delimiter)
+            self._choose("decimal", sheet.decimal)
+            names = [(str(i + 1), f"{i + 1}  {name}".rstrip()) for i, name in enumerate(sheet.names)]
+            for name in ("angle_column", "column"):
+                self._fill(name, names)
+        self._choose("angle_column", str(how.angle_column + 1) if how else self._said.get("angle_column", ""))
+        self._choose("column", str(how.value_column + 1) if how else self._said.get("column", ""))
+        quantity = how.quantity if how else self._said.get("quantity", "")
+        self._choose("angle_unit", how.angle_unit if how else self._said.get("angle_unit", ""))
+        self._choose("quantity", quantity)
+        units = value_units(quantity or QUANTITIES[0], self._motion_unit)
+        self._fill("value_unit", [(unit, symbol(unit)) for unit in units])
+        self._choose("value_unit", how.unit.name if how else self._said.get("value_unit", ""))
+
+    def forget(self) -> None:
+        """All as detected again."""
+        self._said.clear()
+
+    def _say(self, name: str) -> None:
+        """What the user says of one thing voids what was said of those that hang on it."""
+        self._said[name] = self.boxes[name].currentData()
+        void: Mapping[str, Sequence[str]] = {
+            "delimiter": ("column", "angle_column", "angle_unit", "value_unit", "quantity"),
+            "column": ("value_unit", "quantity"),
+            "angle_column": ("angle_unit",),
+            "quantity": ("value_unit",),
+        }
+        for other in void.get(name, ()):
+            self._said.pop(other, None)
+        self.changed.emit()
+
+    def _fill(self, name: str, rows: Sequence[tuple[str, str]]) -> None:
+        box = self.boxes[name]
+        if [(box.itemData(i), box.itemText(i)) for i in range(box.count())] != list(rows):
+            box.clear()
+            for data, text in rows:
+                box.addItem(text, data)
+
+    def _choose(self, name: str, data: str) -> None:
+        self.boxes[name].setCurrentIndex(self.boxes[name].findData(data))

@@ -1,0 +1,1 @@
+"""The motion: displacement diagram, table of segments, curves and laws."""

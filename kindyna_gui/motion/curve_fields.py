@@ -1,0 +1,158 @@
+"""What the curve of the chosen segment takes besides span and rise: crossover, widths, ends, points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from core.design import Design, Motion, Named, Polynomial, Scca, Spline, entries, require_motion
+from core.laws import find_law, peaks
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.fields import Field, Spec
+from kindyna_gui.forms.number_box import row_height
+from kindyna_gui.labels import law_label, segment_of
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.motion.fields import CurveField, EndField, end_specs
+from kindyna_gui.motion.points import PointsTable
+from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.window.player import Player
+
+_CURVE_KEYS = ("crossover", "cv_fraction", "ramp_fraction", "flat_fraction")
+_ENDS = ("start", "end")
+
+
+def crosses(motion: Motion, index: int) -> bool:
+    """Whether the place where the segment turns from acceleration to deceleration can be chosen."""
+    curve = motion.segments[index].curve
+    law = find_law(curve.law) if isinstance(curve, Named) else None
+    return law is not None and law.symmetric and peaks(law).ca > 0.0
+
+
+def kind_of_form(motion: Motion, index: int) -> type | None:
+    """The kind of curve whose form is shown; None where the curve takes nothing more."""
+    curve = motion.segments[index].curve
+    return None if isinstance(curve, Named) and not crosses(motion, index) else type(curve)
+
+
+class CurveForm(QWidget):
+    """The form of one segment's curve; made anew only for another kind of curve or another segment.
+
+    told   (str): what is wrong with a point of a spline, empty when nothing is
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__()
+        self._session, self._player = session, player
+        self._shown: tuple[int, type | str] = (-1, "")
+        self.fields: dict[str, Field] = {}
+        self.points: PointsTable | None = None
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(10, 3, 6, 0)
+        self._column.setSpacing(2)
+        self._place = Rebuilt(session, player)
+        self._column.addWidget(self._place)
+        self.setMinimumHeight(row_height(self) + 5)  # one row always, so that choosing a segment moves nothing
+
+    def show_segment(self, design: Design, index: int) -> None:
+        """Show the curve of a segment."""
+        motion = require_motion(design)
+        kind = kind_of_form(motion, index)
+        wanted = (index, kind or motion.segments[index].curve.law)
+        if wanted != self._shown:
+            self._shown = wanted
+            self._build(design, index, kind)
+        for field in self.fields.values():
+            field.refresh(design)
+        if self.points is not None:
+            self.points.show_segment(design, index)
+
+    def _build(self, design: Design, index: int, kind: type | None) -> None:
+        self._paper = QWidget()
+        self.fields, self.points = {}, None
+        if kind is None:
+            self._nothing(design, index)
+        else:
+            FORMS[kind](self, design, index)
+        self._place.replace(self._paper)
+
+    def _nothing(self, design: Design, index: int) -> None:
+        told = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
+        coloured(told, QUIET)
+        self._grid().addWidget(told, 0, 0)
+
+    # -- forms --------------------------------------------------------------------------------------------
+
+    def _rows(self, design: Design, index: int) -> None:
+        """Crossover, or widths: a row each."""
+        grid = self._grid()
+        for entry in entries(design, "motion"):
+            if segment_of(entry.path) == index and entry.path.rpartition(".")[2] in _CURVE_KEYS:
+                field = self._keep(CurveField(self._session, Spec.of(entry)))
+                field.add_to(grid, 2 * len(self.fields))
+        grid.setColumnStretch(1, 1)
+
+    def _ends(self, design: Design, index: int) -> None:
+        """Velocity, acceleration and jerk at both ends: a row for each end, units in the headings."""
+        grid, motion = self._grid(), require_motion(design)
+        for row, end in enumerate(_ENDS, 1):
+            name = QLabel(f"{end.capitalize()} ")
+            grid.addWidget(name, 2 * row, 0)
+            for column, spec in enumerate(end_specs(motion, f"motion.segments[{index}].{end}"), 1):
+                field = self._keep(EndField(self._session, spec))
+                field.editor.setMinimumWidth(1)
+                field.editor.setAccessibleName(f"{end.capitalize()}, {spec.info.label.lower()}")
+                if row == 1:
+                    head = QLabel(f"{spec.info.label} {spec.unit.symbol}")
+                    coloured(head, QUIET)
+                    grid.addWidget(head, 0, column, Qt.AlignmentFlag.AlignRight)
+                    grid.setColumnStretch(column, 1)
+                for unused in (field.label, field.unit):
+                    if unused is not None:
+                        unused.setParent(self._paper)
+                        unused.hide()
+                grid.addWidget(field.editor, 2 * row, column)
+                grid.addWidget(field.message, 2 * row + 1, 0, 1, 4)
+
+    def _points(self, design: Design, index: int) -> None:
+        """The points of a spline: a table."""
+        self.points = PointsTable(self._session, self._player)
+        self.points.model.told.connect(self.told)
+        self._grid().addWidget(self.points, 0, 0)
+
+    def _grid(self) -> QGridLayout:
+        grid = QGridLayout(self._paper)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(2)
+        return grid
+
+    def _keep(self, field: Field) -> Field:
+        field.setParent(self._paper)  # goes with it
+        self.fields[field.spec.path] = field
+        return field
+
+    # -- for the view -------------------------------------------------------------------------------------
+
+    def focus_field(self, path: str) -> bool:
+        """Bring the entry of a path before the reader; False where it is not here."""
+        field = self.fields.get(path)
+        if field is not None:
+            field.focus()
+            return True
+        if self.points is not None and ".points" in path:
+            self.points.table.setFocus(Qt.FocusReason.OtherFocusReason)
+            return True
+        return False
+
+
+FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
+    {Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points}
+)
+"""Kind of curve -> what lays out its form."""
+
+__all__ = ["CurveForm", "crosses", "kind_of_form"]

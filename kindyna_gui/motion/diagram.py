@@ -1,0 +1,281 @@
+"""The displacement over one turn with what can be taken hold of, the marks of the joins, and the motion before the
+last edit: a picture that is kept and only changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFontMetricsF, QPainter
+from PySide6.QtWidgets import QWidget
+
+from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.labels import shortest, value_text
+from kindyna_gui.look import CHOSEN, WRONG
+from kindyna_gui.look import LINE as FAINT
+from kindyna_gui.motion.grips import LEVEL, LINE, Grip, Scale, places
+from kindyna_gui.motion.marks import Mark, marks
+from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.plots.background import Z_CURVE, Z_REFERENCE, Span, spans
+from kindyna_gui.pictures.plots.plot import Curve, CurvePlot
+from kindyna_gui.pictures.plots.ranges import peak, shown_range
+from kindyna_gui.pictures.style import DASHED, SMALL, THIN, brush, font
+from kindyna_gui.pictures.units import readable, short, with_unit
+
+FLAT = 50.0  # shown above and below a motion that stands still, in its unit
+ANGLES = 21  # height of the numbers below, pixels
+RADIUS = 4.0  # of a join's point, pixels
+LETTER = 10  # height of a mark's letter, pixels
+ROW = 11.0  # from mark to mark
+BESIDE = 4.0  # of the marks from their line
+
+
+@dataclass(frozen=True)
+class Label:
+    """Where a join is drawn to; ``refused``: it cannot be there; ``right``: it is the join at 360 degrees."""
+
+    text: str
+    refused: bool = False
+    right: bool = False
+
+
+class MotionDiagram(CurvePlot):
+    """The diagram without its reactions: ``show_motion`` draws a study, the attributes below what is pointed out.
+
+    chosen   the chosen segment
+    over     what the mouse is over, or draws at
+    label    beside the drawn join
+    """
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._axes["bottom"].show_title("", self._theme.ink)  # the room is wanted for the curve
+        self._axes["bottom"].setHeight(ANGLES)
+        self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
+        self.chosen = 0
+        self.over: Grip | None = None
+        self.label: Label | None = None
+        self.motion: Motion | None = None
+        self._marks: list[tuple[Mark, ...]] = []
+        self._held: tuple[float, float] | None = None
+        self._now, self._was = self._curve(Z_CURVE), self._curve(Z_REFERENCE)
+        self._was.setPen(self._theme.pen(self._theme.quiet, THIN, DASHED))
+
+    def _curve(self, z: float) -> pg.PlotCurveItem:
+        item = pg.PlotCurveItem(antialias=True)
+        item.setZValue(z)
+        self._view.addItem(item, ignoreBounds=True)
+        return item
+
+    # -- what is drawn ------------------------------------------------------------------------------------
+
+    def show_motion(self, study: Study, channel: Channel, before: np.ndarray | None) -> None:
+        """Draw the displacement of a study; before: that of the motion before the last edit at as many equally spaced
+        cam angles (n,) [the channel's unit], None where there is none."""
+        values = channel.values(study)
+        motion = require_motion(study.design)
+        self._angles = np.append(np.rad2deg(study.theta), 360.0)
+        self._curves, self._there = [Curve(channel, values, self._theme.family(channel.family))], None
+        shown = [values] if before is None else [values, before]
+        low, high = shown_range(shown, (channel.family,), ())
+        if all(row.min() == row.max() for row in shown):  # room to lay out a motion in
+            low, high = float(values[0]) - FLAT, float(values[0]) + FLAT
+        if self._held is None:
+            self.rung = readable(channel.unit.symbol, peak(shown))
+        else:  # while a join is drawn the picture may grow, but what the hand draws at stays under it
+            low, high = min(low, self._held[0]), max(high, self._held[1])
+        self._now.setPen(self._theme.pen(self._curves[0].colour))
+        self._put(self._now, values)
+        self._was.setVisible(before is not None)
+        if before is not None:
+            self._put(self._was, before)
+        self._spans = spans(motion)
+        self.motion, self._marks = motion, [marks(join, motion) for join in study.program.joins]
+        size = self.rung.size
+        self._view.setRange(yRange=(low / size, high / size), padding=0.0)
+        self._view.updateMatrix()  # else it is found out of date in painting, and all is painted again
+        self._lay()
+        self.point_out()
+
+    def _put(self, item: pg.PlotCurveItem, values: np.ndarray) -> None:
+        item.setData(self._angles, np.append(values, values[:1]) / self.rung.size, skipFiniteCheck=True)
+
+    def hold(self, on: bool) -> None:
+        """Keep the range of levels while a join is drawn, but for what grows out of it."""
+        frame, size = self.frame(), self.rung.size
+        self._held = (frame.low * size, frame.high * size) if on else None
+
+    def point_out(self) -> None:
+        """What is chosen, or under the mouse, has changed."""
+        self.scene().update()  # with the curves, in one go
+
+    def _names(self, width: float) -> list[tuple[float, str]]:
+        return numbered(self._spans, width)
+
+    # -- where it is --------------------------------------------------------------------------------------
+
+    def scale_now(self) -> Scale:
+        """How the diagram is laid out at present."""
+        box, frame, size = self._view.sceneBoundingRect(), self.frame(), self.rung.size
+        return Scale(box.left(), box.right(), box.top(), box.bottom(), frame.low * size, frame.high * size)
+
+    def place_of(self, angle: float, level: float) -> QPointF:
+        """Where a cam angle [deg] and a level [the motion's unit] stand in the widget [pixels]."""
+        scale = self.scale_now()
+        return QPointF(self.mapFromScene(QPointF(scale.x(angle), scale.y(level))))
+
+    def place_of_join(self, join: int) -> QPointF:
+        """Where the point of a join stands in the widget [pixels]."""
+        assert self.motion is not None
+        return self.place_of(join_angles(self.motion)[join], join_levels(self.motion)[join])
+
+    # -- painting -----------------------------------------------------------------------------------------
+
+    def drawForeground(self, painter: QPainter, rect: QRectF) -> None:
+        """Everything that is pointed out, over the curves; scene and pixels are one."""
+        if self.motion is None:
+            return
+        painter.save()
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        scale = self.scale_now()
+        there = list(places(self.motion, scale))
+        self._paint_chosen(painter, scale, there)
+        self._paint_lines(painter, scale, there)
+        self._paint_spline_points(painter, scale)
+        self._paint_marks(painter, scale, there)
+        self._paint_points(painter, there)
+        self._paint_label(painter, scale, there)
+        painter.restore()
+
+    def _paint_chosen(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+        """A bar above the chosen segment; the level line of a dwell that is pointed at."""
+        if self.chosen < len(there) - 1:
+            left, right = there[self.chosen][1], there[self.chosen + 1][1]
+            painter.fillRect(QRectF(left, scale.top - 1.0, right - left, 3.0), QColor(CHOSEN))
+        if self.over is not None and self.over.kind == LEVEL:
+            _, left, y = there[self.over.segment]
+            painter.setPen(self._theme.pen(CHOSEN, 3.0))
+            painter.drawLine(QPointF(left, y), QPointF(there[self.over.segment + 1][1], y))
+
+    def _paint_lines(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)  # upright, and much faster
+        for join, x, _ in there[1:-1]:
+            pointed = self.over is not None and self.over.join == join and self.over.kind != LEVEL
+            painter.setPen(self._theme.pen(CHOSEN, 2.0) if pointed else self._theme.pen(FAINT))
+            painter.drawLine(QPointF(x, scale.top), QPointF(x, scale.bottom))
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+
+    def _paint_points(self, painter: QPainter, there: Sequence[tuple[int, float, float]]) -> None:
+        own = (self.chosen + 1) % max(len(there) - 1, 1)
+        for join, x, y in there:
+            pointed = self.over is not None and self.over.join == join and self.over.kind != LINE
+            colour = CHOSEN if pointed or join == own else self._curves[0].colour
+            painter.setPen(self._theme.pen(colour, 1.5))
+            painter.setBrush(brush(colour if pointed else self._theme.paper))
+            radius = RADIUS + (1.0 if pointed else 0.0)
+            painter.drawEllipse(QPointF(x, y), radius, radius)
+
+    def _paint_spline_points(self, painter: QPainter, scale: Scale) -> None:
+        """What splines must pass through: a small square each."""
+        assert self.motion is not None
+        painter.setPen(self._theme.pen(self._curves[0].colour))
+        painter.setBrush(brush(self._theme.paper))
+        begins, levels = join_angles(self.motion), join_levels(self.motion)
+        for begin, level, segment in zip(begins, levels, self.motion.segments, strict=True):
+            for point in segment.curve.points if isinstance(segment.curve, Spline) else ():
+                if point.value is not None:
+                    x, y = scale.x(begin + point.at_deg), scale.y(level + point.value)
+                    painter.drawRect(QRectF(x - 2.5, y - 2.5, 5.0, 5.0))
+
+    def _paint_marks(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+        """s v a j beside each line, in that half of the height where its point is not."""
+        height = ROW * 4.0
+        if scale.bottom - scale.top < height + 12.0:
+            return
+        painter.setFont(font(LETTER))
+        rooms = rooms_beside([x for _, x, _ in there])
+        for k, ((_, x, y), (left, room)) in enumerate(zip(there[1:], rooms, strict=True)):
+            top = scale.bottom - height - 3.0 if y < (scale.top + scale.bottom) / 2.0 else scale.top + 5.0
+            self._paint_stack(painter, self._marks[k], x, top, left, room - 2.0 * BESIDE)
+
+    def _paint_stack(
+        self, painter: QPainter, row: Sequence[Mark], x: float, top: float, left: bool, room: float
+    ) -> None:
+        """One below the other, each as long as there is room beside the line at ``x``."""
+        metrics = QFontMetricsF(painter.font())
+        for k, mark in enumerate(row):
+            told = (f"Δ{mark.letter} {mark.sized}", f"Δ{mark.letter} {mark.size}") if mark.loud else ()
+            short = f"Δ{mark.letter}" if mark.jumps else mark.letter
+            text = next((t for t in told if metrics.horizontalAdvance(t) <= room), short)
+            width = metrics.horizontalAdvance(text)
+            box = QRectF(x - BESIDE - width if left else x + BESIDE, top + k * ROW, width, ROW)
+            painter.fillRect(box.adjusted(-1.0, 0.0, 1.0, 0.0), brush(self._theme.paper, 0.75))
+            painter.setPen(QColor(mark.colour))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+    def _paint_label(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+        if self.label is None or self.over is None:
+            return
+        _, x, y = there[-1 if self.label.right else self.over.join]
+        width, height = text_size(self.label.text)
+        left = x + 9.0 if x + 14.0 + width <= scale.right else x - 9.0 - width
+        up = y - 8.0 - height if y - 12.0 - height >= scale.top else y + 8.0
+        box = QRectF(max(left, scale.left + 2.0), up, width, height).adjusted(-3.0, -1.0, 3.0, 1.0)
+        painter.fillRect(box, brush(self._theme.paper, 0.92))
+        painter.setFont(font(SMALL))
+        painter.setPen(QColor(WRONG if self.label.refused else CHOSEN))
+        painter.drawText(box, Qt.AlignmentFlag.AlignCenter, self.label.text)
+
+
+def label_text(motion: Motion, angle: float | None, level: float | None, join: int) -> str:
+    """``76.5°  −150 mm``: where a join is drawn to."""
+    at = join_angles(motion)[join] if angle is None else angle
+    height = join_levels(motion)[join] if level is None else level
+    return f"{shortest(at)}°  {with_unit(short(height), UNITS[motion.unit].symbol)}"
+
+
+def step_name(before: Design, after: Design, join: int) -> str:
+    """The step of the undo stack: ``Move start of segment 3 to 80°, -10 mm``; only what has changed is told."""
+    was, now = require_motion(before), require_motion(after)
+    told = [
+        value_text(values(now)[join], UNITS[unit])
+        for values, unit in ((join_angles, "deg"), (join_levels, now.unit))
+        if values(was)[join] != values(now)[join]
+    ]
+    return f"Move start of segment {join + 1} to {', '.join(told)}"
+
+
+def numbered(rows: Sequence[Span], width: float) -> list[tuple[float, str]]:
+    """Number and name of each segment where there is room for both, else its number, if there is room for that."""
+    ticks = []
+    for number, span in enumerate(rows, 1):
+        room = (span.end - span.start) / 360.0 * width
+        for text in (f"{number}  {span.name}", str(number)):
+            if text_size(text)[0] + 6.0 <= room:
+                ticks.append(((span.start + span.end) / 2.0, text))
+                break
+    return ticks
+
+
+def rooms_beside(ends: Sequence[float]) -> list[tuple[bool, float]]:
+    """For each line but the first, at rising places: whether its marks stand to the left, and how wide they may be.
+
+    They stand in the wider segment, those of the last before it; two that face each other share a segment.
+    """
+    last = len(ends) - 1
+    lefts = [k == last or ends[k] - ends[k - 1] > ends[k + 1] - ends[k] for k in range(1, last + 1)]
+    rooms = []
+    for k, left in enumerate(lefts):
+        room = ends[k + 1] - ends[k] if left else ends[k + 2] - ends[k + 1]
+        other = k - 1 if left else k + 1
+        facing = 0 <= other <= last - 1 and lefts[other] is not left
+        rooms.append((left, room / 2.0 if facing else room))
+    return rooms
+
+
+__all__ = ["Label", "MotionDiagram", "label_text", "numbered", "rooms_beside", "step_name"]

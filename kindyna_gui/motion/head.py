@@ -1,0 +1,105 @@
+"""Start and stroke of the motion, side by side."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+
+from core.design import UNITS, Design, Info, entries, require_motion, span_gap, stroke, with_motion, with_stroke
+from core.design.fields import LONGEST_MM
+from core.errors import KindynaError
+from core.motion.extremes import true_stroke
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.fields import Field, Spec
+from kindyna_gui.labels import segment_of
+from kindyna_gui.rebuilt import Rebuilt
+
+STROKE = Info(
+    "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
+)
+STILL_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
+LEAST = 74  # width of a number, pixels
+
+
+def stroke_of(design: Design) -> float:
+    """Highest minus lowest position; of a motion that is not whole, of the ends of its segments."""
+    motion = require_motion(design)
+    try:
+        return true_stroke(motion) if span_gap(motion) == 0.0 else stroke(motion)
+    except KindynaError:  # a spline whose points contradict each other
+        return stroke(motion)
+
+
+class StrokeField(Field):
+    """The stroke: all levels grow with it."""
+
+    def edit(self, value: Any, text: str) -> None:
+        if not self.gone:
+            design, now = self.session.typed, stroke_of(self.session.typed)
+            changed = with_motion(design, with_stroke(require_motion(design), value, now))
+            self.session.lay_out(changed, text, self.spec.path)
+
+
+class MotionHead(QWidget):
+    """The fields that belong to no segment; made anew where the motion has another unit."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.fields: dict[str, Field] = {}
+        self.moves = False  # there is a stroke to be changed
+        self._place = Rebuilt(session)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.addWidget(self._place)
+
+    def show_motion(self, design: Design) -> None:
+        """Show start and stroke of a design's motion."""
+        motion = require_motion(design)
+        specs = self._specs(design)
+        if [spec.path for spec in specs] != list(self.fields):
+            self._build(specs)
+        for field in self.fields.values():
+            field.refresh(design)
+        self.moves = stroke_of(design) != 0.0
+        field = self.fields[f"motion.stroke_{motion.unit}"]
+        field.editor.setEnabled(self.moves)
+        field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
+
+    @staticmethod
+    def _specs(design: Design) -> list[Spec]:
+        unit = require_motion(design).unit
+        start = [Spec.of(e) for e in entries(design, "motion") if segment_of(e.path) is None]
+        path = f"motion.stroke_{unit}"
+        return [*start, Spec(path, STROKE, UNITS[unit], stroke_of, can_be_assumed=False)]
+
+    def _build(self, specs: list[Spec]) -> None:
+        paper = QWidget()
+        row = QHBoxLayout(paper)
+        row.setContentsMargins(10, 5, 6, 2)
+        row.setSpacing(10)
+        self.fields = {}
+        for spec in specs:
+            field = (StrokeField if spec.info is STROKE else Field)(self._session, spec)
+            field.setParent(paper)  # goes with it
+            grid = QGridLayout()
+            grid.setHorizontalSpacing(5)
+            grid.setVerticalSpacing(2)
+            grid.setColumnStretch(1, 1)
+            field.add_to(grid, 0)
+            field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
+            row.addLayout(grid, 1)
+            self.fields[spec.path] = field
+        self._place.replace(paper)
+
+    def focus_field(self, path: str) -> bool:
+        """Bring the field of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""
+        for own, field in self.fields.items():
+            if own == path or own.rpartition("_")[0] == path:
+                field.focus()
+                return True
+        return False
+
+
+__all__ = ["MotionHead"]

@@ -1,0 +1,254 @@
+"""A law is picked from small pictures: by mouse, by arrow keys, or by typing a part of its name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, QVBoxLayout, QWidget
+
+from kindyna_gui.labels import law_label
+from kindyna_gui.look import CHOSEN, LINE, QUIET, coloured
+from kindyna_gui.motion.law_list import found, groups, law_tip, peaks_text
+from kindyna_gui.pictures.drawing.items import wrapped
+from kindyna_gui.pictures.plots.law_icon import paint_law
+from kindyna_gui.pictures.style import LIGHT, SMALL, font
+
+COLUMNS = 4
+CELL = QSize(142, 106)
+PICTURE = QRect(12, 10, 118, 42)  # within a cell
+HEADING, MARGIN = 24, 6  # heights in pixels
+ROOM = 430  # height of the list, pixels
+STEPS: Mapping[int, tuple[int, int]] = MappingProxyType(
+    {
+        Qt.Key.Key_Left: (-1, 0),
+        Qt.Key.Key_Right: (1, 0),
+        Qt.Key.Key_Up: (0, -1),
+        Qt.Key.Key_Down: (0, 1),
+    }
+)
+
+
+@dataclass(frozen=True)
+class Cell:
+    slug: str
+    box: QRect
+
+
+class LawGrid(QWidget):
+    """The laws that have been found, group by group.
+
+    picked  (slug): a law was clicked
+    """
+
+    picked = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.cells: tuple[Cell, ...] = ()
+        self.current = ""
+        self._headings: tuple[tuple[int, str], ...] = ()
+        self.setMouseTracking(True)
+        self.show_laws(groups())
+
+    def show_laws(self, rows: Mapping[str, tuple[str, ...]]) -> None:
+        """Show these laws under their headings; the current one stays where it is among them, else the first is."""
+        cells, headings, y = [], [], 0
+        for name, slugs in rows.items():
+            headings.append((y, name))
+            y += HEADING
+            for i, slug in enumerate(slugs):
+                place = QPoint(MARGIN + i % COLUMNS * CELL.width(), y + i // COLUMNS * CELL.height())
+                cells.append(Cell(slug, QRect(place, CELL)))
+            y += -(-len(slugs) // COLUMNS) * CELL.height() + MARGIN
+        self.cells, self._headings = tuple(cells), tuple(headings)
+        if self.current not in {cell.slug for cell in cells}:
+            self.current = cells[0].slug if cells else ""
+        self.setFixedSize(2 * MARGIN + COLUMNS * CELL.width(), max(y, HEADING))
+        self.update()
+
+    def box(self, slug: str) -> QRect:
+        """Where a law stands."""
+        return next((cell.box for cell in self.cells if cell.slug == slug), QRect())
+
+    def choose(self, slug: str) -> None:
+        if slug != self.current:
+            self.current = slug
+            self.update()
+
+    def step(self, dx: int, dy: int) -> None:
+        """Go to the next law sideways, or to the nearest one in the row above or below."""
+        if not self.cells:
+            return
+        order = [cell.slug for cell in self.cells]
+        at = order.index(self.current)
+        if dx:
+            self.choose(order[min(max(at + dx, 0), len(order) - 1)])
+            return
+        here = self.cells[at].box
+        ahead = [c for c in self.cells if (c.box.top() - here.top()) * dy > 0]
+        if ahead:
+            row = min(ahead, key=lambda c: abs(c.box.top() - here.top())).box.top()
+            inside = [c for c in ahead if c.box.top() == row]
+            self.choose(min(inside, key=lambda c: abs(c.box.left() - here.left())).slug)
+
+    def at(self, place: QPoint) -> str:
+        """The law at a place; empty where there is none."""
+        return next((cell.slug for cell in self.cells if cell.box.contains(place)), "")
+
+    # -- events -------------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for y, name in self._headings:
+            painter.setFont(font(SMALL, bold=True))
+            painter.setPen(QColor(QUIET))
+            box = QRect(MARGIN + 4, y, self.width(), HEADING)
+            painter.drawText(box, Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter, name)
+        for cell in self.cells:
+            if cell.box.intersects(event.rect()):
+                self._paint(painter, cell)
+        painter.end()
+
+    def _paint(self, painter: QPainter, cell: Cell) -> None:
+        if cell.slug == self.current:
+            painter.setPen(LIGHT.pen(CHOSEN))
+            painter.setBrush(QColor("#EAF1F6"))
+            painter.drawRoundedRect(QRectF(cell.box).adjusted(1.5, 1.5, -1.5, -1.5), 3.0, 3.0)
+        paint_law(painter, QRectF(PICTURE.translated(cell.box.topLeft())), cell.slug, LIGHT)
+        under = QRect(cell.box.left() + 3, cell.box.top() + PICTURE.bottom() + 5, CELL.width() - 6, 30)
+        painter.setFont(font(SMALL))
+        painter.setPen(QColor(LIGHT.ink))
+        name = wrapped(law_label(cell.slug), under.width())
+        painter.drawText(under, Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter, name)
+        painter.setFont(font(SMALL - 1))
+        painter.setPen(QColor(QUIET))
+        foot = QRect(cell.box.left() + 2, cell.box.bottom() - 17, CELL.width() - 4, 14)
+        painter.drawText(foot, Qt.AlignmentFlag.AlignCenter, peaks_text(cell.slug))
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        slug = self.at(event.position().toPoint())
+        if slug:
+            self.choose(slug)
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        slug = self.at(event.position().toPoint())
+        if slug and event.button() == Qt.MouseButton.LeftButton:
+            self.picked.emit(slug)
+
+    def event(self, event: QEvent) -> bool:
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
+            slug = self.at(event.pos())
+            QToolTip.showText(event.globalPos(), f"{law_label(slug)}\n{law_tip(slug)}" if slug else "", self)
+            return True
+        return super().event(event)
+
+
+class LawPicker(QFrame):
+    """The laws in a window of their own that closes by itself.
+
+    picked  (slug): Enter, or a click
+    closed  without a choice
+    """
+
+    picked = Signal(str)
+    closed = Signal()
+
+    def __init__(self, parent: QWidget, current: str, typed: str = "") -> None:
+        super().__init__(parent, Qt.WindowType.Popup)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setFrameShape(QFrame.Shape.Box)
+        self.setStyleSheet(f"LawPicker {{ border: 1px solid {LINE}; }}")
+        self.grid = LawGrid()
+        self.grid.choose(current)
+        self.words = QLineEdit(typed)
+        self.words.setPlaceholderText("Type a part of the name, such as cycl, 3-4-5, blending")
+        self.words.setClearButtonEnabled(True)
+        self.words.textChanged.connect(self._filter)
+        self.words.installEventFilter(self)
+        self.nothing = QLabel("No law has this in its name.", alignment=Qt.AlignmentFlag.AlignCenter)
+        coloured(self.nothing, QUIET)
+        self.nothing.hide()
+        legend = QLabel(
+            f"<span style='color:{LIGHT.family('displacement')}'>—</span> displacement&nbsp;&nbsp; "
+            f"<span style='color:{LIGHT.family('acceleration')}'>—</span> acceleration&nbsp;&nbsp; "
+            "Cv Ca Cj: peaks for unit rise and span"
+        )
+        coloured(legend, QUIET)
+        self.area = QScrollArea()
+        self.area.setFrameShape(QFrame.Shape.NoFrame)
+        self.area.setWidget(self.grid)
+        self.area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.area.viewport().setStyleSheet(f"background: {LIGHT.paper};")
+        column = QVBoxLayout(self)
+        column.setContentsMargins(6, 6, 6, 6)
+        column.setSpacing(4)
+        column.addWidget(self.words)
+        column.addWidget(self.nothing)
+        column.addWidget(self.area, 1)
+        column.addWidget(legend)
+        bar = self.area.verticalScrollBar().sizeHint().width()
+        self.area.setFixedWidth(self.grid.width() + bar)
+        self.area.setMinimumHeight(min(ROOM, self.grid.height()))
+        self.setFocusProxy(self.words)
+        self.grid.picked.connect(self._pick)
+        self._chosen = False
+        if typed:
+            self._filter(typed)
+
+    def open_at(self, cell: QRect) -> None:
+        """Open below a cell, or above it where there is no room; the cell in places of the screen."""
+        self.adjustSize()
+        room = self.screen().availableGeometry()
+        x = max(room.left(), min(cell.left(), room.right() - self.width()))
+        below = cell.bottom() + 1
+        y = below if below + self.height() <= room.bottom() else max(room.top(), cell.top() - self.height())
+        self.move(x, y)
+        self.show()
+        self.words.setFocus(Qt.FocusReason.PopupFocusReason)
+        QTimer.singleShot(0, self.grid, self._reveal)
+
+    def _reveal(self) -> None:
+        box = self.grid.box(self.grid.current)
+        self.area.ensureVisible(box.center().x(), box.center().y(), 0, CELL.height() // 2 + HEADING)
+
+    def _filter(self, text: str) -> None:
+        rows = found(text)
+        self.grid.show_laws(rows)
+        self.nothing.setVisible(not rows)
+        self._reveal()
+
+    def _pick(self, slug: str) -> None:
+        self._chosen = True
+        self.close()
+        self.picked.emit(slug)
+
+    def hideEvent(self, event: QEvent) -> None:  # type: ignore[override]
+        super().hideEvent(event)  # type: ignore[arg-type]
+        if not self._chosen:
+            self._chosen = True
+            self.closed.emit()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Arrows and Enter belong to the grid, all other keys to the line."""
+        if not isinstance(event, QKeyEvent) or event.type() != QEvent.Type.KeyPress:
+            return False
+        if event.key() in STEPS:
+            self.grid.step(*STEPS[event.key()])
+            self._reveal()
+        elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Tab):
+            if self.grid.current:
+                self._pick(self.grid.current)
+        elif event.key() == Qt.Key.Key_Escape:
+            self.close()
+        else:
+            return False
+        return True
+
+
+__all__ = ["LawGrid", "LawPicker"]

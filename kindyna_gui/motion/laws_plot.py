@@ -1,0 +1,165 @@
+"""Motion laws over each other: displacement, velocity, acceleration or jerk for a rise and a span of 1."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from core.laws import Law
+from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.plots.background import LEFT_WIDTH, value_ticks
+from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN, FixedPlot
+from kindyna_gui.pictures.plots.ranges import shown_range
+from kindyna_gui.pictures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    LIGHT,
+    ORANGE,
+    PURPLE,
+    SKY,
+    SMALL,
+    THIN,
+    VERMILION,
+    Theme,
+    font,
+)
+
+WIDE = 360.0  # u = 1 stands where the other plots have 360°, so that paper and grid are theirs
+POINTS = 241  # of a piece of a law
+QUANTITIES = (
+    ("Displacement", "s", "displacement"),
+    ("Velocity", "v", "velocity"),
+    ("Acceleration", "a", "acceleration"),
+    ("Jerk", "j", "jerk"),
+)
+"""Name, letter and family of each plot, in the order of the derivatives."""
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Colour and dashes of a curve."""
+
+    colour: str
+    dash: tuple[float, ...]
+
+
+_COLOURS = (BLUE, VERMILION, GREEN, BLACK, PURPLE, ORANGE, SKY)
+_DASHES: tuple[tuple[float, ...], ...] = ((), (8.0, 3.0), (2.0, 2.0), (9.0, 3.0, 2.0, 3.0), (14.0, 4.0))
+STROKES = tuple(Stroke(_COLOURS[i % 7], _DASHES[i % 5]) for i in range(35))
+"""All different: neighbours differ in both, so that the curves can be told apart without colour."""
+
+
+@cache
+def _samples(law: Law) -> tuple[np.ndarray, np.ndarray]:
+    """u (n,), and s, v, a, j there (4, n): at a join inside the law both sides, so that a jump is upright."""
+    starts = [piece.start for piece in law.pieces]
+    rows = []
+    for start, end in zip(starts, [*starts[1:], 1.0], strict=True):
+        u = np.linspace(start, end, POINTS)
+        u[-1] = end if end == 1.0 else np.nextafter(end, 0.0)
+        rows.append(u)
+    u = np.concatenate(rows)
+    return u, law(u)
+
+
+class LawPlot(FixedPlot):
+    """One of ``QUANTITIES`` of several laws."""
+
+    def __init__(self, order: int, theme: Theme = LIGHT) -> None:
+        super().__init__(theme=theme)
+        self._order = order
+        self.curves: dict[str, pg.PlotCurveItem] = {}
+        self.show_numbers(True)
+
+    def show_numbers(self, on: bool, title: str = "u, share of the span") -> None:
+        super().show_numbers(on, title)
+
+    def show_laws(self, laws: Sequence[tuple[Law, Stroke]]) -> None:
+        """Draw these laws and no others."""
+        for item in self.curves.values():
+            self._view.removeItem(item)
+        self.curves = {}
+        rows = []
+        for law, stroke in laws:
+            u, values = _samples(law)
+            rows.append(values[self._order])
+            item = pg.PlotCurveItem()
+            pen = self._theme.pen(stroke.colour, THIN, stroke.dash)
+            item.setData(WIDE * u, values[self._order], pen=pen, antialias=True, skipFiniteCheck=True)
+            self._include(item)
+            self.curves[law.slug] = item
+        low, high = shown_range(rows, {QUANTITIES[self._order][2]}, ()) if rows else (0.0, 1.0)
+        self._view.setRange(yRange=(low, high), padding=0.0)
+        self._lay()
+
+    def _lay(self, *_: object) -> None:
+        frame = self.frame()
+        step = 0.1 if frame.width > 420.0 else 0.2
+        places = [(WIDE * step * i, f"{step * i:.1f}") for i in range(round(1.0 / step) + 1)]
+        self._rule(frame, places, value_ticks(frame.low, frame.high, frame.height) if self.curves else [])
+        name, letter, _ = QUANTITIES[self._order]
+        self._axes["left"].show_title(name if text_size(name)[0] + 10.0 <= frame.height else letter, self._theme.ink)
+
+
+class Legend(QWidget):
+    """Names of the curves with their strokes, in as many lines as they need."""
+
+    GAP, LINE, SAMPLE = 16, 17, 26  # pixels: between entries, height of a line, of a stroke
+
+    def __init__(self, theme: Theme = LIGHT) -> None:
+        super().__init__()
+        self._theme = theme
+        self.laws: list[tuple[Law, Stroke]] = []
+        policy = QSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.setSizePolicy(policy)
+
+    def show_laws(self, laws: Sequence[tuple[Law, Stroke]]) -> None:
+        self.laws = list(laws)
+        self._fit()
+        self.update()
+
+    def _places(self) -> list[tuple[float, int]]:
+        """Left edge [pixels] and line of each entry."""
+        made, x, line = [], float(LEFT_WIDTH), 0
+        for law, _ in self.laws:
+            width = self.SAMPLE + 6.0 + text_size(law.label, SMALL)[0]
+            if x > LEFT_WIDTH and x + width > self.width() - RIGHT_MARGIN:
+                x, line = float(LEFT_WIDTH), line + 1
+            made.append((x, line))
+            x += width + self.GAP
+        return made
+
+    def _fit(self) -> None:
+        lines = 1 + max((line for _, line in self._places()), default=0)
+        self.setFixedHeight(lines * self.LINE + 6)
+
+    def sizeHint(self) -> QSize:
+        return QSize(LEFT_WIDTH, self.LINE + 6)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._fit()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(self._theme.paper))
+        painter.setFont(font(SMALL))
+        for (law, stroke), (x, line) in zip(self.laws, self._places(), strict=True):
+            middle = 4.0 + (line + 0.5) * self.LINE
+            painter.setPen(self._theme.pen(stroke.colour, 2.0, stroke.dash))
+            painter.drawLine(QPointF(x, middle), QPointF(x + self.SAMPLE, middle))
+            painter.setPen(QColor(self._theme.ink))
+            box = QRectF(x + self.SAMPLE + 6.0, middle - self.LINE / 2.0, self.width(), self.LINE)
+            painter.drawText(box, Qt.AlignmentFlag.AlignVCenter, law.label)
+        painter.end()
+
+
+__all__ = ["QUANTITIES", "STROKES", "WIDE", "LawPlot", "Legend", "Stroke"]

@@ -1,0 +1,298 @@
+"""The law table: every motion law with what it costs, and those that are ticked drawn over each other."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeyEvent, QKeySequence, QPalette, QResizeEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QApplication,
+    QGridLayout,
+    QHBoxLayout,
+    QHeaderView,
+    QLabel,
+    QMenu,
+    QSplitter,
+    QStackedLayout,
+    QTableView,
+    QToolButton,
+    QWidget,
+)
+
+from core.design import UNITS, Motion, edited, motion_of
+from core.design.edits import still
+from core.study import Study
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.labels import law_label, shortest, value_text
+from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.motion.laws_model import ENDS, NAME, LawsModel
+from kindyna_gui.motion.laws_plot import QUANTITIES, LawPlot, Legend
+from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+EMPTY = "Tick laws in the table on the left to draw them here"
+FIRST = ("cycloidal", "modified-sine", "modified-trapezoid", "3-4-5")
+"""Ticked at first, and the law of the chosen segment."""
+BESIDE = 900  # pixels: a page that is narrower has its plots two by two below the table, else in a column beside it
+LEAST_NAME = 160  # pixels for the names of laws
+TABLE_WIDTH, TABLE_SHARE = 560, 0.42  # pixels beside, share of the height above the plots
+
+
+class LawsTable(QTableView):
+    """The table; Space ticks the chosen law, Enter uses it, Copy takes the whole table."""
+
+    def __init__(self, model: LawsModel) -> None:
+        super().__init__()
+        self._model = model
+        self.setModel(model)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.setTabKeyNavigation(False)
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setIconSize(QSize(28, 12))
+        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 6)
+        head = self.horizontalHeader()
+        head.setHighlightSections(False)
+        head.setMinimumSectionSize(44)
+        head.setSortIndicatorClearable(True)
+        head.setSortIndicator(-1, Qt.SortOrder.AscendingOrder)
+        self.setSortingEnabled(True)
+        head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        number = self.fontMetrics().horizontalAdvance("Velocity") + 12
+        for column in range(NAME + 1, ENDS + 1):
+            head.resizeSection(column, number)
+
+    @property
+    def slug(self) -> str:
+        """The law of the current row; empty where there is none."""
+        row = self.currentIndex().row()
+        return self._model.rows[row].slug if row >= 0 else ""
+
+    def choose(self, slug: str) -> None:
+        """Make a law the current row, if the table has it."""
+        row = self._model.row_of(slug)
+        if row >= 0:
+            self.setCurrentIndex(self._model.index(row, NAME))
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Names take the room that is left, but never less than they need to be told apart."""
+        super().resizeEvent(event)
+        numbers = sum(self.columnWidth(column) for column in range(NAME + 1, ENDS + 1))
+        self.horizontalHeader().resizeSection(NAME, max(LEAST_NAME, self.viewport().width() - numbers))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        index = self.currentIndex()
+        if event.matches(QKeySequence.StandardKey.Copy):
+            QApplication.clipboard().setText(self._model.as_text())
+        elif event.key() == Qt.Key.Key_Space and index.isValid():
+            place = self._model.index(index.row(), NAME)
+            on = self._model.data(place, Qt.ItemDataRole.CheckStateRole) == Qt.CheckState.Checked
+            self._model.tick(self.slug, not on)
+        elif event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter) and index.isValid():
+            self.activated.emit(index)
+        else:
+            super().keyPressEvent(event)
+
+
+class LawsView(View):
+    """The page of the laws. It reads the design for nothing but the chosen segment."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.model = LawsModel(self)
+        self.table = LawsTable(self.model)
+        self.legend = Legend()
+        self.plots = [LawPlot(order) for order in range(len(QUANTITIES))]
+        self.empty = QLabel(EMPTY, alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
+        coloured(self.empty, QUIET)
+        self.use_button = QToolButton()
+        self.clear_button = QToolButton(text="Untick all", autoRaise=True)
+        self.note = QLabel()
+        self._used = ""
+        self._laid: bool | None = None  # beside each other
+        self._parted = parted = QSplitter(childrenCollapsible=False)
+        parted.addWidget(self.table)
+        parted.addWidget(self._drawing())
+        parted.setStretchFactor(1, 1)
+        self.set_column(self._tools(), parted, grows=parted)
+        for slug in FIRST:
+            self.model.tick(slug, True)
+        self.model.ticked.connect(self._draw)
+        self.table.selectionModel().currentRowChanged.connect(self._name_button)
+        self.table.activated.connect(self._use_chosen)
+        session.segment_chosen.connect(self._segment_chosen)
+        self._draw()
+
+    def _drawing(self) -> QWidget:
+        self._paper = QWidget()
+        self._paper.setBackgroundRole(QPalette.ColorRole.Base)
+        self._paper.setAutoFillBackground(True)
+        self._grid = QGridLayout(self._paper)
+        self._grid.setContentsMargins(0, 4, 4, 4)
+        self._grid.setSpacing(2)
+        self._grid.addWidget(self.legend, 0, 0, 1, 2)
+        pages = QWidget()
+        pages.setBackgroundRole(QPalette.ColorRole.Base)
+        pages.setAutoFillBackground(True)
+        self._pages = QStackedLayout(pages)
+        self._pages.addWidget(self._paper)
+        self._pages.addWidget(self.empty)
+        return pages
+
+    def _tools(self) -> QHBoxLayout:
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 3)
+        row.setSpacing(6)
+        self.use_button.setIcon(icon("insert"))
+        self.use_button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.use_button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+        self.use_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.use_button.clicked.connect(self._use_chosen)
+        menu = QMenu(self.use_button)
+        menu.aboutToShow.connect(partial(self._fill_menu, menu))
+        self.use_button.setMenu(menu)
+        self.clear_button.setToolTip("Draw no law")
+        self.clear_button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.clear_button.clicked.connect(self.model.untick_all)
+        coloured(self.note, WRONG)
+        row.addWidget(self.use_button)
+        row.addWidget(self.clear_button)
+        row.addWidget(self.note, 1)
+        return row
+
+    # -- showing --------------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        motion = motion_of(self.session.typed)
+        segment = None if motion is None else motion.segments[self.session.segment]
+        slug = "" if segment is None else segment.curve.law
+        self.model.mark(slug, f"◂ segment {self.session.segment + 1}")
+        if not self.table.currentIndex().isValid():
+            if segment is not None and self.model.row_of(slug) >= 0 and not still(segment):
+                self.model.tick(slug, True)
+            self.table.choose(slug)
+        self._name_button()
+
+    def _segment_chosen(self) -> None:
+        """Another segment, another mark, as for another design."""
+        self.invalidate()
+        motion = motion_of(self.session.typed)
+        self.table.choose("" if motion is None else motion.segments[self.session.segment].curve.law)
+
+    def _name_button(self, *_: object) -> None:
+        """What the button would do."""
+        slug, number = self.table.slug, self.session.segment + 1
+        self.use_button.setEnabled(bool(slug) and motion_of(self.session.typed) is not None)
+        self.use_button.setText(f"Use in segment {number}")
+        told = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
+        self.use_button.setToolTip(told)
+        self.use_button.setStatusTip(told)
+
+    def _draw(self) -> None:
+        laws = self.model.drawn
+        self._pages.setCurrentWidget(self._paper if laws else self.empty)
+        self.legend.show_laws(laws)
+        for plot in self.plots:
+            plot.show_laws(laws)
+
+    # -- using ----------------------------------------------------------------------------------------------
+
+    def use(self, number: int | None = None) -> None:
+        """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, say why."""
+        slug, index = self.table.slug, self.session.segment if number is None else number
+        if not slug or motion_of(self.session.typed) is None:
+            return
+        path = f"motion.segments[{index}].law"
+        told: list[str] = []
+
+        def listen(refusal: Refusal) -> None:
+            told.extend(text for _, _, text in refusal.told)
+
+        self.session.refused.connect(listen)
+        text = f"Change law of segment {index + 1} to {law_label(slug)}"
+        if self.session.draft is not None:
+            done = self.session.edit(path, slug, text)
+        else:  # nothing was typed that would have to stay
+            done = self.session.put(edited(self.session.design, path, slug), text, path)
+        self.session.refused.disconnect(listen)
+        self.session.end_gesture()
+        if not done:
+            self.session.withdraw(path)  # no field holds what was refused
+        self._tell("" if done else f"Not in segment {index + 1}: {'; '.join(told)}")
+        self.told.emit(f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(told)}")
+
+    def _tell(self, text: str) -> None:
+        self.note.setText(text)
+        self.note.setToolTip(text)
+
+    def _fill_menu(self, menu: QMenu) -> None:
+        clear_menu(menu)
+        motion = motion_of(self.session.typed)
+        for number, text in enumerate(segment_texts(motion) if motion is not None else ()):
+            action = menu.addAction(text)
+            action.setCheckable(True)
+            action.setChecked(number == self.session.segment)
+            action.triggered.connect(partial(self._use_in, number))
+
+    def _use_chosen(self, *_: object) -> None:
+        self.use()
+
+    def _use_in(self, number: int, *_: object) -> None:
+        self.use(number)
+
+    # -- as a file, and sizes -------------------------------------------------------------------------------
+
+    def picture(self, ending: str) -> bytes:
+        """The plots with their legend; the page as it is where nothing is drawn."""
+        from kindyna_gui.pictures.files import png, svg
+
+        self.pull()
+        sheet = self._paper if self.model.drawn else self.content
+        return svg(sheet, "Motion laws") if ending == ".svg" else png(sheet)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        beside = self.width() >= BESIDE
+        if beside != self._laid:
+            self._laid = beside
+            self._lay(beside)
+
+    def _lay(self, beside: bool) -> None:
+        """Table and plots beside each other or one above the other."""
+        for order, plot in enumerate(self.plots):
+            row, column = (order, 0) if beside else divmod(order, 2)
+            self._grid.addWidget(plot, 1 + row, column, 1, 2 if beside else 1)
+            plot.show_numbers(order == 3 or (not beside and order == 2))
+        for row in range(1, 5):
+            self._grid.setRowStretch(row, 1 if beside or row < 3 else 0)
+        if beside:
+            self._parted.setOrientation(Qt.Orientation.Horizontal)
+            self._parted.setSizes([TABLE_WIDTH, self.width() - TABLE_WIDTH])
+        else:
+            self._parted.setOrientation(Qt.Orientation.Vertical)
+            table = round(TABLE_SHARE * self.height())
+            self._parted.setSizes([table, self.height() - table])
+
+
+def segment_texts(motion: Motion) -> list[str]:
+    """``2  Modified sine, 35° … 76.5°, −150 mm`` for each segment."""
+    told, at = [], 0.0
+    for number, segment in enumerate(motion.segments, 1):
+        end = at + segment.span_deg
+        rise = f", {value_text(segment.rise, UNITS[motion.unit])}" if segment.rise else ""
+        told.append(
+            f"{number}  {law_label(segment.curve.law)}, {shortest(round(at, 9))}° … {shortest(round(end, 9))}°{rise}"
+        )
+        at = end
+    return told
+
+
+__all__ = ["EMPTY", "FIRST", "LawsTable", "LawsView", "segment_texts"]

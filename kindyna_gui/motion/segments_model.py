@@ -1,0 +1,322 @@
+"""The segments of the motion as a table model: every cell that can be edited is a path of the design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from decimal import Decimal
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
+from PySide6.QtGui import QColor, QFont
+
+from core.design import (
+    CURVES,
+    UNITS,
+    Design,
+    Info,
+    Motion,
+    Segment,
+    Unit,
+    info_of,
+    join_angles,
+    motion_of,
+    require_motion,
+)
+from core.design.edits import rest
+from core.laws import LAWS, find_law
+from core.motion import Join
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.labels import law_label, no_number, parsed, sentence, shortest, value_text
+from kindyna_gui.look import ASSUMED, QUIET, WRONG
+from kindyna_gui.motion.law_list import law_tip, short_label
+from kindyna_gui.motion.marks import Words, join_help, join_text, marks, wordings
+
+Index = QModelIndex | QPersistentModelIndex
+LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
+_SEGMENT: Mapping[str, Info] = MappingProxyType({f.name: i for f in fields(Segment) if (i := info_of(f))})
+LONGEST = 7  # characters of a number that are all shown
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
+_SHOWN = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+_EDITED = _SHOWN | Qt.ItemFlag.ItemIsEditable
+STILL = Motion(0.0, (Segment(360.0, 0.0),))
+"""What stands in the place of a motion where a kind of design has none."""
+
+
+@dataclass(frozen=True)
+class Column:
+    """One row of the table of columns: heading, what it means, and the key of the file that it edits."""
+
+    title: str
+    help: str
+    key: str
+    info: Info
+
+
+COLUMNS = (
+    Column("Law", "motion law of the segment", "law", Info("Law", choices=(*LAWS, *CURVES))),
+    Column("From", "cam angle where the segment begins; moves the end of the one before", "", _SEGMENT["span_deg"]),
+    Column("To", "cam angle where the segment ends; the next one takes the difference", "", _SEGMENT["span_deg"]),
+    Column("Span", "cam angle the segment takes; the next one takes the difference", "span_deg", _SEGMENT["span_deg"]),
+    Column("Rise", "end minus start; the next segment that moves brings the follower back", "rise", _SEGMENT["rise"]),
+    Column("Join", "what is continuous at the end of the segment, and how far the rest jumps", "", Info("")),
+)
+
+
+def difference(to: float, start: float) -> float:
+    """to - start, as a reader would reckon it: 76.5 - 35 is 41.5 and nothing else."""
+    return float(Decimal(shortest(to)) - Decimal(shortest(start)))
+
+
+def readable(value: float) -> str:
+    """A number for a narrow column: all its digits where they are few, else those that matter."""
+    text = shortest(value)
+    return text if len(text) <= LONGEST else shortest(float(f"{value:.5g}"))
+
+
+def _ends(motion: Motion) -> tuple[float, ...]:
+    """The cam angle where each segment begins, and where the last one ends [deg]."""
+    begins = join_angles(motion)
+    return (*begins, rest(begins[-1], (-motion.segments[-1].span_deg,)))
+
+
+@dataclass(frozen=True)
+class Look:
+    """A cell as it is painted: its text, with what is written where there is little room; or for a join the ways to
+    write its marks, the longest first."""
+
+    text: str
+    colour: str | None
+    right: bool
+    short: str = ""
+    italic: bool = False
+    refused: bool = False
+    words: tuple[Words, ...] = ()
+
+
+class SegmentsModel(QAbstractTableModel):
+    """The segments in order. What is typed is an edit of the session; what it refuses stays in its cell, in red.
+
+    told   (str): what is wrong with the last edit, empty when nothing is
+    """
+
+    told = Signal(str)
+
+    def __init__(self, session: Session, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._session = session
+        self._motion, self._assumed = motion_of(session.typed) or STILL, session.typed.assumed
+        self._angles = _ends(self._motion)
+        self._joins: tuple[Join, ...] = ()
+        self._amiss: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
+        self._shown = False
+        self._wrong: dict[str, str] = {}  # path -> the text that was refused
+        self._looks: dict[tuple[int, int], Look] = {}
+        self._trying = ""
+        session.refused.connect(self._refused)
+        session.accepted.connect(self._accepted)
+        session.restored.connect(self.withdraw)
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def show(self, design: Design, joins: tuple[Join, ...], amiss: frozenset[str] = frozenset()) -> None:
+        """Show the motion of a design, its joins where it is whole enough to have any, and mark what is amiss at these
+        paths; where another part of the design has changed there is nothing to do."""
+        motion, assumed = require_motion(design), design.assumed
+        if self._shown and (motion, assumed, amiss) == (self._motion, self._assumed, self._amiss):
+            return
+        same = self._shown and len(motion.segments) == len(self._motion.segments)
+        if not same:
+            self.beginResetModel()
+        self._looks.clear()
+        self._motion, self._assumed, self._joins, self._amiss = motion, assumed, joins, amiss
+        self._angles, self._shown = _ends(motion), True
+        if same:
+            self._all_changed()
+        else:
+            self._wrong.clear()
+            self.endResetModel()
+            self.told.emit("")
+
+    def _all_changed(self) -> None:
+        self._looks.clear()
+        last = self.index(self.rowCount() - 1, self.columnCount() - 1)
+        self.dataChanged.emit(self.index(0, 0), last)
+
+    def _refused(self, refusal: Refusal) -> None:
+        rows = range(self.rowCount())
+        if any(refusal.path == self.path(row, column) for row in rows for column in (LAW, SPAN, RISE)):
+            self._wrong = {refusal.path: self._trying}
+            self.told.emit(refusal.at(refusal.path))
+            self._all_changed()
+
+    def _accepted(self, path: str) -> None:
+        if path in self._wrong:
+            self.withdraw()
+
+    def withdraw(self) -> bool:
+        """Forget what was refused; False where nothing was."""
+        if not self._wrong:
+            return False
+        wrong, self._wrong = self._wrong, {}
+        self.told.emit("")
+        self._all_changed()
+        for path in wrong:
+            self._session.take_back(path)
+        return True
+
+    # -- the table ----------------------------------------------------------------------------------------
+
+    @property
+    def unit(self) -> Unit:
+        """Of the motion."""
+        return UNITS[self._motion.unit]
+
+    def unit_of(self, column: int) -> Unit:
+        return self.unit if column == RISE else UNITS["deg"]
+
+    def rowCount(self, parent: Index | None = None) -> int:
+        return 0 if parent is not None and parent.isValid() else len(self._motion.segments)
+
+    def columnCount(self, parent: Index | None = None) -> int:
+        return len(COLUMNS)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        if orientation == Qt.Orientation.Vertical:
+            return str(section + 1) if role == Qt.ItemDataRole.DisplayRole else None
+        column = COLUMNS[section]
+        if role == Qt.ItemDataRole.DisplayRole:
+            unit = {FROM: " °", TO: " °", SPAN: " °", RISE: f" {self.unit.symbol}"}.get(section, "")
+            return column.title + unit
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return sentence(column.help)
+        return (_LEFT if section in (LAW, JOIN) else _RIGHT) if role == Qt.ItemDataRole.TextAlignmentRole else None
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        row, column = index.row(), index.column()
+        return _SHOWN if self.fixed(row, column) else _EDITED
+
+    def fixed(self, row: int, column: int) -> bool:
+        """A cell that follows from others, or says nothing that could be another."""
+        return (
+            column == JOIN
+            or (column == FROM and row == 0)
+            or (column == TO and row == self.rowCount() - 1)
+            or (column == RISE and self.still(row))
+        )
+
+    def still(self, row: int) -> bool:
+        law = find_law(self._motion.segments[row].curve.law)
+        return law is not None and law.still
+
+    def path(self, row: int, column: int) -> str:
+        """What a cell edits; empty where it edits nothing."""
+        if column in (FROM, TO):
+            row, column = (row - 1 if column == FROM else row), SPAN
+        key = COLUMNS[column].key
+        key = f"{key}_{self._motion.unit}" if column == RISE else key
+        return f"motion.segments[{row}].{key}" if key and row >= 0 else ""
+
+    def value(self, row: int, column: int) -> Any:
+        """What the design has there: slug, number, or text."""
+        segment = self._motion.segments[row]
+        if column == JOIN:
+            return join_text(self._joins[row], self._motion) if self._joins else ""
+        if column in (FROM, TO):
+            return self._angles[row if column == FROM else row + 1]
+        return segment.curve.law if column == LAW else segment.span_deg if column == SPAN else segment.rise
+
+    def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+        if not index.isValid():
+            return None
+        row, column = index.row(), index.column()
+        if role == Qt.ItemDataRole.TextAlignmentRole:
+            return _LEFT if column in (LAW, JOIN) else _RIGHT
+        if role == Qt.ItemDataRole.EditRole:
+            wrong = self._wrong.get(self.path(row, column)) if self.refused(row, column) else None
+            return self.value(row, column) if wrong is None else wrong
+        if role == Qt.ItemDataRole.ToolTipRole:
+            return self._tip(row, column)
+        look = self.look(row, column)
+        if role == Qt.ItemDataRole.DisplayRole:
+            return look.text
+        if role == Qt.ItemDataRole.ForegroundRole:
+            return None if look.colour is None else QColor(look.colour)
+        if role == Qt.ItemDataRole.FontRole and look.italic:
+            font = QFont()
+            font.setItalic(True)
+            return font
+        return None
+
+    def look(self, row: int, column: int) -> Look:
+        """A cell as it is painted; made once for each state of the motion, for a table is painted often."""
+        known = self._looks.get((row, column))
+        if known is None:
+            known = self._looks[row, column] = self._made_look(row, column)
+        return known
+
+    def _made_look(self, row: int, column: int) -> Look:
+        refused, assumed = self.refused(row, column), self.assumed(row, column)
+        value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
+        if column == JOIN:
+            rows = wordings(marks(self._joins[row], self._motion)) if self._joins else ()
+            return Look(value, QUIET, False, words=rows)
+        text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
+        refused = refused or self.amiss(row, column)
+        colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
+        return Look(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
+
+    def _tip(self, row: int, column: int) -> str:
+        if column == JOIN:
+            return join_help(self._joins[row], self._motion) if self._joins else ""
+        told = law_tip(self.value(row, LAW)) if column == LAW else COLUMNS[column].help
+        mark = "\nAssumed, not taken from a source" if self.assumed(row, column) else ""
+        return sentence(told) + mark
+
+    def assumed(self, row: int, column: int) -> bool:
+        return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
+
+    def refused(self, row: int, column: int) -> bool:
+        """What stands in the cell is not in the design."""
+        return column not in (FROM, TO) and self.path(row, column) in self._wrong
+
+    def amiss(self, row: int, column: int) -> bool:
+        """What stands in the cell keeps the motion from being whole."""
+        return column not in (FROM, TO, JOIN) and self.path(row, column) in self._amiss
+
+    # -- to the session -----------------------------------------------------------------------------------
+
+    def setData(self, index: Index, value: Any, role: int = Qt.ItemDataRole.EditRole) -> bool:
+        """Enter a slug, or a text that should be a number; False where the session refuses it."""
+        row, column = index.row(), index.column()
+        path = self.path(row, column)
+        self._trying = str(value)
+        if column == LAW:
+            return self._session.edit(path, value, f"Change law of segment {row + 1} to {law_label(value)}")
+        number = parsed(str(value), self.unit_of(column))
+        if number is None:
+            self._session.refuse(path, no_number(str(value)))
+            return False
+        if column in (FROM, TO):
+            return self._move_join(row if column == FROM else row + 1, path, number)
+        name = COLUMNS[column].title.lower()
+        text = f"Change {name} of segment {row + 1} to {value_text(number, self.unit_of(column))}"
+        return self._session.edit(path, number, text)
+
+    def _move_join(self, row: int, path: str, angle: float) -> bool:
+        """Put the start of a segment at a cam angle [deg]."""
+        low, high = self.value(row - 1, FROM), self.value(row, TO)
+        span = difference(angle, low)
+        self._trying = shortest(span)
+        if not low < angle < high:
+            end, *ends = (value_text(each, UNITS["deg"]) for each in (angle, low, high))
+            self._session.refuse(
+                path, f"an end at {end} lies beyond a neighbour; allowed: above {ends[0]} ... below {ends[1]}"
+            )
+            return False
+        return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
+
+
+__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "Look", "SegmentsModel"]

@@ -1,0 +1,292 @@
+"""The table of segments on the screen: editors in the cells, and keys."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from PySide6.QtCore import QModelIndex, QPersistentModelIndex, QRect, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QFont, QFontMetrics, QKeyEvent, QPainter, QPalette, QPen, QResizeEvent
+from PySide6.QtWidgets import (
+    QAbstractItemDelegate,
+    QAbstractItemView,
+    QHeaderView,
+    QStyle,
+    QStyleOptionViewItem,
+    QTableView,
+    QWidget,
+)
+
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.cell_editor import CellDelegate
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.look import INK, PAPER, WRONG
+from kindyna_gui.motion.editor import WAYS
+from kindyna_gui.motion.law_box import LawBox
+from kindyna_gui.motion.marks import FIRST, Words
+from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Look, SegmentsModel
+
+Index = QModelIndex | QPersistentModelIndex
+ROW_CHOSEN = "#E4ECF2"  # behind the cells of the chosen segment
+GAP = 6  # between the marks of a join, pixels
+INSET = 4  # of a text from the sides of its cell, pixels
+
+
+class SegmentDelegate(CellDelegate):
+    """The picker of laws, or a number that steps live, in the cell; a red frame around what was refused.
+
+    Cells are painted from ``SegmentsModel.look``: a drawn join repaints the whole table at every move of the mouse,
+    and the usual delegate asks the model for seven things per cell.
+    """
+
+    def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
+        super().__init__(session, model, table)
+        self._model, self._table = model, table
+        palette = table.palette()  # kept while it is read: what it answers is a part of it
+        self._highlight = tuple(
+            QColor(palette.color(group, QPalette.ColorRole.Highlight))
+            for group in (QPalette.ColorGroup.Inactive, QPalette.ColorGroup.Active)
+        )
+
+    # -- editors ------------------------------------------------------------------------------------------
+
+    def createEditor(self, parent: QWidget, option: QStyleOptionViewItem, index: Index) -> QWidget:
+        if index.column() == LAW:
+            laws = LawBox()
+            laws.setParent(parent)
+            laws.activated.connect(lambda _: self._choose(laws))
+            laws.given_up.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
+            QTimer.singleShot(0, laws, laws.showPopup)
+            self.opened(laws)
+            return laws
+        box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)
+        box.entered.connect(lambda _: self.commit(box))
+        box.unreadable.connect(lambda: self.commit(box))
+        box.withdrawn.connect(self._model.withdraw)
+        box.finished.connect(self._session.end_gesture)
+        self.opened(box)
+        return box
+
+    def _choose(self, laws: LawBox) -> None:
+        self.commit(laws)
+        self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint)
+
+    def setEditorData(self, editor: QWidget, index: Index) -> None:
+        if isinstance(editor, LawBox):
+            editor.setCurrentIndex(editor.findData(self._model.value(index.row(), LAW)))
+        elif isinstance(editor, NumberBox):
+            wrong = self._model.refused(index.row(), index.column())
+            if not (wrong and editor.pending):
+                editor.show_value(self._model.value(index.row(), index.column()))
+                if wrong:
+                    editor.lineEdit().setText(self._model.data(index, Qt.ItemDataRole.EditRole))
+                editor.selectAll()
+            editor.set_refused(wrong)
+
+    def setModelData(self, editor: QWidget, model: Any, index: Index) -> None:
+        """What is in place already is no edit, but takes back what was refused there."""
+        if isinstance(editor, LawBox):
+            value, changed = editor.currentData(), editor.currentData() != self._model.value(index.row(), LAW)
+        elif isinstance(editor, NumberBox):
+            value, changed = editor.text(), editor.pending
+        else:
+            return
+        if changed:  # else the parameters of a law would be lost
+            model.setData(index, value)
+        elif self._model.refused(index.row(), index.column()):
+            self._model.withdraw()
+
+    def updateEditorGeometry(self, editor: QWidget, option: QStyleOptionViewItem, index: Index) -> None:
+        """Wide enough for its contents, even where the column is not; never outside of the table."""
+        room = self._table.viewport().rect()
+        box = QRect(option.rect)
+        box.setWidth(min(max(box.width(), editor.sizeHint().width()), room.width()))
+        if index.column() != LAW:
+            box.moveRight(option.rect.right())
+        box.moveLeft(max(0, min(box.left(), room.right() - box.width())))
+        editor.setGeometry(box)
+
+    # -- painting -----------------------------------------------------------------------------------------
+
+    def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
+        row, column = index.row(), index.column()
+        look, box = self._model.look(row, column), option.rect
+        current = self._table.currentIndex()
+        chosen = row == current.row() and column == current.column()
+        active = bool(option.state & QStyle.StateFlag.State_Active) and self._table.hasFocus()
+        if chosen:
+            painter.fillRect(box, self._highlight[active])
+        elif row == current.row():
+            painter.fillRect(box, QColor(ROW_CHOSEN))
+        inner = box.adjusted(INSET, 0, -INSET, 0)
+        if look.words:
+            self._paint_words(painter, inner, look.words, chosen and active)
+        else:
+            self._paint_text(painter, inner, look, chosen and active)
+        if look.refused:
+            painter.save()
+            painter.setPen(QPen(QColor(WRONG), 1.6))
+            painter.drawRect(box.adjusted(1, 1, -2, -2))
+            painter.restore()
+
+    def _paint_text(self, painter: QPainter, box: QRect, look: Look, light: bool) -> None:
+        painter.setPen(QColor(PAPER if light else look.colour or INK))
+        painter.setFont(self._font(look.italic))
+        side = Qt.AlignmentFlag.AlignRight if look.right else Qt.AlignmentFlag.AlignLeft
+        text, metrics = look.text, painter.fontMetrics()
+        if metrics.horizontalAdvance(text) > box.width():
+            text = metrics.elidedText(look.short or text, Qt.TextElideMode.ElideRight, box.width())
+        painter.drawText(box, side | Qt.AlignmentFlag.AlignVCenter, text)
+
+    def _paint_words(self, painter: QPainter, box: QRect, words: tuple[Words, ...], light: bool) -> None:
+        """The longest way to write them that fits."""
+        painter.setFont(self._font(False))
+        metrics = painter.fontMetrics()
+        row = next((w for w in words if words_width(w, metrics) <= box.width()), words[-1])
+        x = box.left()
+        for text, colour in row:
+            painter.setPen(QColor(PAPER if light else colour))
+            painter.drawText(
+                QRect(x, box.top(), box.right() - x + 1, box.height()), Qt.AlignmentFlag.AlignVCenter, text
+            )
+            x += metrics.horizontalAdvance(text) + GAP
+
+    def _font(self, italic: bool) -> QFont:
+        font = QFont(self._table.font())
+        font.setItalic(italic)
+        return font
+
+
+def words_width(words: Words, metrics: QFontMetrics) -> int:
+    """Pixels that the marks of a join take, the gaps between them included."""
+    return sum(metrics.horizontalAdvance(text) for text, _ in words) + GAP * (len(words) - 1)
+
+
+class SegmentsTable(QTableView):
+    """The table; keys: Enter or F2 edits, Insert and Delete add and take segments, Alt and the arrows move the join at
+    the end of the chosen segment, Escape drops what was refused.
+
+    insert_wanted, delete_wanted   the key was pressed
+    nudge_wanted                   (way in angle and level, finely): Alt and an arrow
+    dropped                        Escape, and nothing had been refused
+    """
+
+    insert_wanted = Signal()
+    delete_wanted = Signal()
+    nudge_wanted = Signal(tuple, bool)
+    dropped = Signal()
+
+    def __init__(self, session: Session, model: SegmentsModel) -> None:
+        super().__init__()
+        self.setModel(model)
+        self._model = model
+        self._widths: list[int] = []
+        self._lengths: tuple[int | str, ...] = ()
+        self.setItemDelegate(SegmentDelegate(session, model, self))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setEditTriggers(
+            QAbstractItemView.EditTrigger.DoubleClicked
+            | QAbstractItemView.EditTrigger.EditKeyPressed
+            | QAbstractItemView.EditTrigger.AnyKeyPressed
+        )
+        self.setTabKeyNavigation(False)  # arrows go from cell to cell, Tab on to what comes next
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setWordWrap(False)
+        self.setVerticalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        self.setHorizontalScrollMode(QAbstractItemView.ScrollMode.ScrollPerPixel)
+        rows = self.verticalHeader()
+        rows.setDefaultSectionSize(self.fontMetrics().height() + 6)
+        rows.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        rows.setDefaultAlignment(Qt.AlignmentFlag.AlignCenter)
+        rows.setFixedWidth(self.fontMetrics().horizontalAdvance("99") + 6)
+        rows.setHighlightSections(False)
+        head = self.horizontalHeader()
+        head.setHighlightSections(False)
+        head.setMinimumSectionSize(30)
+        head.setSectionResizeMode(QHeaderView.ResizeMode.Fixed)
+        head.setSectionResizeMode(LAW, QHeaderView.ResizeMode.Stretch)
+        model.modelReset.connect(self.fit_columns)
+        model.dataChanged.connect(self.fit_columns)
+
+    # -- widths -------------------------------------------------------------------------------------------
+
+    def fit_columns(self, *_: object) -> None:
+        """Columns as wide as their texts; done here, for a header that does it itself lays all of them out anew at
+        every change. The joins give way to the names of the laws, and share what is left over in a wide table."""
+        rows, room = range(self._model.rowCount()), self.viewport().width()
+        looks = [self._model.look(row, column) for row in rows for column in range(len(COLUMNS))]
+        lengths = (room, *(len(look.text) if look.right or look.words else look.text for look in looks))
+        if lengths == self._lengths:  # texts as long as before, as mostly while a join is drawn
+            return
+        self._lengths = lengths
+        metrics = self.fontMetrics()
+        widths = [self._wanted(column, metrics, FIRST) for column in range(len(COLUMNS))]
+        room -= sum(widths[FROM:JOIN])
+        laws = [self._model.look(row, LAW) for row in rows]
+        least = max((metrics.horizontalAdvance(look.short or look.text) for look in laws), default=0) + 2 * INSET
+        if room - widths[JOIN] < least:
+            widths[JOIN] = max(room - least, self._wanted(JOIN, metrics, -1))
+        widths[JOIN] += max((room - widths[JOIN] - widths[LAW]) * 2 // 3, 0)
+        if widths != self._widths:
+            self._widths = widths
+            for column, width in enumerate(widths):
+                if column != LAW:
+                    self.setColumnWidth(column, width)
+
+    def _wanted(self, column: int, metrics: QFontMetrics, wording: int) -> int:
+        """The width of a column; wording: which way to write the marks of joins."""
+        head = self._model.headerData(column, Qt.Orientation.Horizontal)
+        wanted = metrics.horizontalAdvance(str(head))
+        for row in range(self._model.rowCount()):
+            look = self._model.look(row, column)
+            width = words_width(look.words[wording], metrics) if look.words else metrics.horizontalAdvance(look.text)
+            wanted = max(wanted, width)
+        return wanted + 2 * INSET + 1
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self.fit_columns()
+
+    def sizeHint(self) -> QSize:
+        """All rows, where there is room for them."""
+        rows = self._model.rowCount() * self.verticalHeader().defaultSectionSize()
+        return QSize(360, self.horizontalHeader().sizeHint().height() + rows + 4)
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(200, self.horizontalHeader().sizeHint().height() + 2 * self.verticalHeader().defaultSectionSize())
+
+    # -- keys ---------------------------------------------------------------------------------------------
+
+    def currentChanged(self, current: Index, previous: Index) -> None:
+        super().currentChanged(current, previous)
+        self.viewport().update()  # the whole row of the chosen segment is tinted
+
+    def _drop(self) -> None:
+        if not self._model.withdraw():
+            self.dropped.emit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        editing = self.state() == QAbstractItemView.State.EditingState
+        keys = {
+            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
+            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
+            Qt.Key.Key_Insert: self.insert_wanted.emit,
+            Qt.Key.Key_Delete: self.delete_wanted.emit,
+            Qt.Key.Key_Escape: self._drop,
+        }
+        held = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
+        fine = bool(held & Qt.KeyboardModifier.ShiftModifier)
+        if not editing and event.key() in WAYS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
+            self.nudge_wanted.emit(WAYS[event.key()], fine)
+            return
+        action = None if editing else keys.get(Qt.Key(event.key()))
+        if action is None:
+            super().keyPressEvent(event)
+        else:
+            action()
+
+
+_ALT = Qt.KeyboardModifier.AltModifier
+_ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where a cell cannot be edited
+
+__all__ = ["SegmentDelegate", "SegmentsTable", "words_width"]

@@ -1,0 +1,322 @@
+"""The motion: start and stroke, the displacement diagram, the segments as a table, and what their curves take."""
+
+from __future__ import annotations
+
+from functools import partial
+from math import degrees
+
+import numpy as np
+from PySide6.QtCore import QPoint, Qt, QTimer, Signal
+from PySide6.QtGui import QResizeEvent
+from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
+
+from core.design import Design, is_assumed, motion_of
+from core.errors import KindynaError
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.documents.draft_bar import DraftBar
+from kindyna_gui.documents.draft_text import amiss, closing_words, joins_of, misses
+from kindyna_gui.documents.session import SAMPLES, Refusal, Session
+from kindyna_gui.forms.field_parts import in_tab_order
+from kindyna_gui.forms.fields import Field
+from kindyna_gui.graph.drawable import rows_of
+from kindyna_gui.labels import segment_of
+from kindyna_gui.look import WRONG, coloured
+from kindyna_gui.motion.actions import ACTIONS
+from kindyna_gui.motion.bar import SegmentBar
+from kindyna_gui.motion.curve_fields import CurveForm
+from kindyna_gui.motion.editor import MotionEditor
+from kindyna_gui.motion.grips import ANGLE_STEP, meant, snapped
+from kindyna_gui.motion.head import STILL_STROKE, MotionHead
+from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
+from kindyna_gui.motion.segments_table import SegmentsTable
+from kindyna_gui.shown_kinds import motion_shown
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+_KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
+_ACTS = "motion.segments"
+"""The path at which edits of whole segments are made, and refused."""
+TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
+BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
+
+
+class SegmentsView(View):
+    """The motion editor.
+
+    abilities_changed   (dict: name of an action -> whether it makes sense now)
+    """
+
+    abilities_changed = Signal(dict)
+    stages = ("motion",)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.model = SegmentsModel(session, self)
+        self.table = SegmentsTable(session, self.model)
+        self.diagram = MotionEditor(session, player)
+        self.diagram.setMinimumSize(240, 96)
+        self.curve = CurveForm(session, player)
+        self.head = MotionHead(session)
+        self.draft = DraftBar()
+        self.message = QLabel(wordWrap=True)
+        self.message.setMargin(6)
+        coloured(self.message, WRONG)
+        self.message.hide()
+        self.bar = SegmentBar()
+        self._act_refused = False
+        self._forgotten = False  # the motion before the last edit is not to be seen
+        self._recalled: Design | None = None
+        self._recalled_values: np.ndarray | None = None
+        self._sharing = QTimer(self, singleShot=True, interval=0)  # once all has its place
+        self._sharing.timeout.connect(self._share)
+        self._lay_out()
+        self._connect()
+
+    def _lay_out(self) -> None:
+        lower = QWidget()
+        column = QVBoxLayout(lower)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(1)
+        column.addWidget(self.table, 1)
+        column.addWidget(self.curve)
+        column.addWidget(self.message)
+        column.addWidget(self.bar)
+        self.splitter = QSplitter(Qt.Orientation.Vertical)
+        self.splitter.setChildrenCollapsible(False)
+        self.splitter.addWidget(self.diagram)
+        self.splitter.addWidget(lower)
+        self.splitter.setStretchFactor(0, 1)
+        self.splitter.setStretchFactor(1, 0)
+        layout = QVBoxLayout()
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.setSpacing(1)
+        layout.addWidget(self.head)
+        layout.addWidget(self.draft)
+        layout.addWidget(self.splitter, 1)
+        self.set_content_layout(layout)
+
+    def _connect(self) -> None:
+        self.model.told.connect(self._tell)
+        self.curve.told.connect(self._tell)
+        self.table.insert_wanted.connect(partial(self.act, "insert"))
+        self.table.delete_wanted.connect(partial(self.act, "delete"))
+        self.bar.wanted.connect(self.act)
+        self.bar.abilities_changed.connect(self.abilities_changed)
+        self.table.nudge_wanted.connect(self.diagram.nudge)
+        self.table.dropped.connect(self.diagram.escape)
+        self.table.selectionModel().currentChanged.connect(self._row_chosen)
+        self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        self.table.customContextMenuRequested.connect(self._open_menu)
+        self.diagram.segment_chosen.connect(self._choose_row)
+        self.diagram.menu_wanted.connect(self._open_diagram_menu)
+        self.diagram.settled.connect(self._draw)
+        self.diagram.released.connect(self._forget_before)
+        self.draft.close_wanted.connect(self.session.close_draft)
+        self.draft.drop_wanted.connect(self.session.drop_draft)
+        self.session.draft_changed.connect(self.invalidate)
+        self.session.refused.connect(self._refused)
+        self.session.accepted.connect(self._accepted)
+        self.session.segment_chosen.connect(self._segment_chosen)
+
+    @property
+    def fields(self) -> dict[str, Field]:
+        """Start and stroke, and what the curve of the chosen segment takes, by their paths."""
+        return {**self.head.fields, **self.curve.fields}
+
+    # -- showing ------------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        motion_shown(study.design)
+        typed = self.session.typed
+        self._show_draft(typed)
+        if not self.head.fields:
+            self._sharing.start()
+        before = list(self.head.fields.values())
+        self.head.show_motion(typed)
+        if list(self.head.fields.values()) != before:
+            heads = (field.editor for field in self.head.fields.values())
+            in_tab_order(*heads, self.diagram, self.table, *self.bar.buttons.values())
+        at, count = self.table.currentIndex(), self.model.rowCount()
+        place = (at.row(), at.column())
+        draft = self.session.draft
+        joins = study.program.joins if draft is None else joins_of(draft)
+        self.model.show(typed, joins, frozenset() if draft is None else amiss(draft, typed))
+        if self.model.rowCount() != count or not self.table.currentIndex().isValid():
+            self.choose(*place)
+        self._draw()
+        self._show_chosen()
+        if self._act_refused:  # something else has been done since
+            self.session.withdraw(_ACTS)
+
+    def _show_draft(self, typed: Design) -> None:
+        """What an unfinished motion lacks; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
+        draft, closing = self.session.draft, self.session.closing
+        self.diagram.locked = draft is not None
+        words = "" if draft is None or closing is None else closing_words(draft, closing)
+        hidden = self.draft.isHidden()
+        self.draft.show_draft([] if draft is None else misses(draft, typed), words)
+        if self.draft.isHidden() != hidden:
+            self._sharing.start()  # the rows of the table keep their room
+
+    def follow(self, theta: float) -> None:
+        self.diagram.set_angle(theta)
+
+    def _draw(self) -> None:
+        """The diagram, with the motion before the last edit where there is one to be seen."""
+        study = self.session.study
+        self.diagram.chosen = self.chosen
+        self.diagram.show_motion(study, self._channel(study), self._values_before(study))
+
+    @staticmethod
+    def _channel(study: Study) -> Channel:
+        return rows_of(study, ("displacement",))[0]
+
+    def _values_before(self, study: Study) -> np.ndarray | None:
+        """The displacement before the last edit (n,), where the motion was another one and has not been let go."""
+        before = self.session.before
+        if before is not self._recalled:
+            self._recalled, self._forgotten = before, False
+            self._recalled_values = self._displacement(before)
+        same = before is None or motion_of(before) == motion_of(study.design)
+        return None if same or self._forgotten else self._recalled_values
+
+    def _displacement(self, design: Design | None) -> np.ndarray | None:
+        if design is None or motion_of(design) is None:
+            return None
+        study = Study(design, SAMPLES)
+        try:
+            return self._channel(study).values(study)
+        except KindynaError:
+            return None  # a spline whose points contradict each other
+
+    def _forget_before(self) -> None:
+        self._forgotten = True
+        self._draw()
+
+    def _tell(self, text: str) -> None:
+        self.message.setText(text)
+        self.message.setVisible(bool(text))
+
+    def _refused(self, refusal: Refusal) -> None:
+        if refusal.path == _ACTS:
+            self._act_refused = True
+            self._tell(refusal.at(_ACTS))
+
+    def _accepted(self, path: str) -> None:
+        if path == _ACTS and self._act_refused:
+            self._act_refused = False
+            self._tell("")
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        wide = self.width() >= BESIDE and self.width() > self.height()
+        turned = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
+        if turned != self.splitter.orientation():
+            self.splitter.setOrientation(turned)
+            self._sharing.start()
+
+    def _share(self) -> None:
+        """The table gets what its rows need, or its words where it stands beside; the diagram the rest."""
+        beside = self.splitter.orientation() == Qt.Orientation.Horizontal
+        hint = self.splitter.widget(1).sizeHint()
+        room = self.splitter.width() if beside else self.splitter.height()
+        wanted = max(hint.width(), round(TABLE_PART * room)) if beside else hint.height()
+        self.splitter.setSizes([max(room - wanted, 1), wanted])
+
+    # -- choosing -----------------------------------------------------------------------------------------
+
+    @property
+    def chosen(self) -> int:
+        """The chosen segment; the last one where none is."""
+        row = self.table.currentIndex().row()
+        return row if row >= 0 else self.model.rowCount() - 1
+
+    def choose(self, row: int, column: int = LAW) -> None:
+        """Choose a cell."""
+        row = max(0, min(row, self.model.rowCount() - 1))
+        self.table.setCurrentIndex(self.model.index(row, max(0, column)))
+
+    def _choose_row(self, row: int) -> None:
+        if row != self.chosen:
+            self.choose(row, self.table.currentIndex().column())
+
+    def _segment_chosen(self) -> None:
+        """In another view."""
+        self._choose_row(self.session.segment)
+
+    def _row_chosen(self, *_: object) -> None:
+        if self.up_to_date and self.table.currentIndex().isValid():
+            self.diagram.chosen = self.chosen
+            self.diagram.point_out()
+            self._show_chosen()
+
+    def _show_chosen(self) -> None:
+        """What belongs to the chosen segment: its curve, and what can be done with it."""
+        design, row = self.session.typed, self.chosen
+        self.session.choose_segment(row)
+        self.curve.show_segment(design, row)
+        self.bar.show_segment(design, row)
+
+    # -- changing -----------------------------------------------------------------------------------------
+
+    def act(self, name: str, angle: float | None = None) -> None:
+        """One of ``ACTIONS`` on the chosen segment; angle: a cam angle [deg], where the cam stands if None."""
+        self.pull()
+        action, row, design = ACTIONS[name], self.chosen, self.session.typed
+        if not action.makes_sense(design, row):
+            return
+        there = meant(degrees(self.player.theta)) if angle is None else angle
+        self.session.end_gesture()
+        try:
+            changed = action.change(design, row, there)
+        except KindynaError as error:
+            self.session.refuse(_ACTS, str(error))
+            return
+        done = self.session.lay_out(changed, action.step.format(n=row + 1), _ACTS)
+        self.session.end_gesture()
+        if done:
+            self.pull()
+            self.choose(row + action.after, self.table.currentIndex().column())
+
+    def focus_field(self, path: str) -> bool:
+        """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.
+        False where there is none."""
+        self.pull()
+        if self.in_trouble:  # there is no motion, as the view says
+            return False
+        if self.head.focus_field(path):
+            if path.startswith("motion.stroke") and not self.head.moves:
+                self.told.emit(STILL_STROKE)
+            return True
+        self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
+        if not self.curve.focus_field(path):
+            self.table.setFocus(Qt.FocusReason.OtherFocusReason)
+        return path.startswith("motion")
+
+    # -- menus --------------------------------------------------------------------------------------------
+
+    def _open_menu(self, place: QPoint) -> None:
+        index = self.table.indexAt(place)
+        path = self.model.path(index.row(), index.column()) if index.isValid() else ""
+        menu = self.bar.menu(self.table)
+        if path and index.column() in (LAW, SPAN, RISE):
+            on = is_assumed(self.session.typed, path)
+            first = menu.actions()[0]
+            assumed = menu.addAction("Assumed, not taken from a source", lambda: self._assume(path, not on))
+            menu.insertAction(first, assumed)
+            menu.insertSeparator(first)
+            assumed.setCheckable(True)
+            assumed.setChecked(on)
+        menu.popup(self.table.viewport().mapToGlobal(place))
+
+    def _open_diagram_menu(self, place: QPoint, angle: float) -> None:
+        self.bar.menu(self.diagram, snapped(angle, ANGLE_STEP)).popup(place)
+
+    def _assume(self, path: str, on: bool) -> None:
+        key, number = path.rpartition(".")[2].partition("_")[0], segment_of(path) or 0
+        text = f"Mark {key} of segment {number + 1} as {'assumed' if on else 'known'}"
+        self.session.mark_assumed(path, on, text)
+
+
+__all__ = ["SegmentsView"]

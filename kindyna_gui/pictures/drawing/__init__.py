@@ -1,0 +1,1 @@
+"""The drawing of a mechanism, on the screen and to file."""

@@ -1,0 +1,116 @@
+"""What is constructed on the drawing of a linkage: centres, the lines that find them, velocity ratios, ways of points.
+
+Each layer is read and drawn when it is first shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from core.instant_centres import CHAINS
+from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
+from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.items import Part
+from kindyna_gui.pictures.drawing.labels import ink
+from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
+from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.style import Theme
+
+
+class Construct:
+    """The layers of one reading; ``begin`` before each move, ``show_step`` for the circle diagram.
+
+    texts   gives the boxes of the labels that are shown, in pixels of the whole scene
+    """
+
+    def __init__(
+        self, reading: Reading, theme: Theme, sight: Sight, texts: Callable[[], list[QRectF]], step: int | None
+    ) -> None:
+        self._reading, self._theme, self._sight, self._texts = reading, theme, sight, texts
+        self._step, self._made = step, set[str]()
+        self._index = 0
+        self._room: Room | None = None
+        self.marks: CentreMarks | None = None
+        self.kennedy: KennedyLines | None = None
+        self.ratios: dict[str, RatioDimensions] = {}
+
+    def parts(self, layer: str) -> Iterator[Part]:
+        """The parts of a layer, the first time it is asked for."""
+        if layer not in self._made:
+            self._made.add(layer)
+            yield from _LAYERS[layer](self, layer)
+            self.show_step(self._step)
+
+    def begin(self, index: int) -> None:
+        """The drawing moves to a sample: all texts find their places anew."""
+        self._index, self._room = index, None
+
+    def room(self) -> Room:
+        """What is taken at the sample at hand."""
+        if self._room is None:
+            drawn = ink(self._reading, np.array([self._index]), ())
+            self._room = Room(self._sight, drawn, self._texts())
+            down = 0.0
+            for ratios in self._listed():
+                ratios.list(self._index, self._room, down)
+                down += ratios.height
+            if self.marks is not None and self.marks.item.isVisible():
+                self.marks.dots(self._index, self._room)
+        return self._room
+
+    @property
+    def strip(self) -> float:
+        """Height of what is listed at the top of the picture [pixels]."""
+        return sum(ratios.height for ratios in self._listed())
+
+    def _listed(self) -> list[RatioDimensions]:
+        return [ratios for ratios in self.ratios.values() if ratios.item.isVisible()]
+
+    def show_step(self, step: int | None) -> None:
+        """Only the centres known at a step of the circle diagram, and the lines that find the next; None: all."""
+        self._step = step
+        if self.marks is None and self.kennedy is None:
+            return
+        plan = self._reading.study.centres.construction
+        found = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
+        wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
+        if self.marks is not None:
+            self.marks.only = found
+        if self.kennedy is not None:
+            self.kennedy.emphasise(wanted if step is not None else None)
+            self.kennedy.hidden = step == 0
+
+    # -- layers ---------------------------------------------------------------------------------------------
+
+    def _centres(self, layer: str) -> Iterator[Part]:
+        self.marks = CentreMarks(self._reading.study.centres, self._theme, self._sight, self.room)
+        yield Part(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
+
+    def _kennedy(self, layer: str) -> Iterator[Part]:
+        table = self._reading.study.centres
+        self.kennedy = KennedyLines(table, table.construction.steps, self._theme, self._sight)
+        yield Part(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
+
+    def _ratios(self, layer: str) -> Iterator[Part]:
+        drawn = RatioDimensions(self._reading, CHAINS[layer], self._theme, self._sight, self.room)
+        self.ratios[layer] = drawn
+        yield Part(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
+
+    def _coupler(self, layer: str) -> Iterator[Part]:
+        yield from coupler_curves(self._reading, self._theme)
+
+
+_LAYERS: Mapping[str, Callable[[Construct, str], Iterator[Part]]] = MappingProxyType(
+    {
+        "centres": Construct._centres,
+        "kennedy": Construct._kennedy,
+        "ratios": Construct._ratios,
+        "chain": Construct._ratios,
+        "coupler": Construct._coupler,
+    }
+)

@@ -1,0 +1,54 @@
+"""What a picture of a mechanism must hold, and at which scale it fills a sheet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from PySide6.QtCore import QRectF
+
+from kindyna_gui.pictures.drawing.items import Part
+from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
+from kindyna_gui.pictures.drawing.places import Reading
+
+MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
+_STANDING = ("rails", "ground", "pedestal")
+
+
+def whole(reading: Reading, parts: Iterable[Part]) -> QRectF:
+    """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
+    the instant centre where it is near."""
+    low, high = reading.core_box
+    rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
+    for part in parts:
+        if part.move is None and part.key.partition(".")[0] in _STANDING:
+            rect = rect.united(part.item.boundingRect())
+    q = reading.near_centres
+    if q.size:
+        x, y = q.real, q.imag
+        left, below = float(x.min()), float(y.min())
+        rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
+    room = MARGIN_UNITS * reading.unit
+    return rect.adjusted(-room, -room, room, room)
+
+
+def fitted(rect: QRectF, width: float, height: float, list_height: float = 0.0) -> tuple[QRectF, float]:
+    """What a picture of so many pixels shows when a rectangle [mm] fills it between the strips that texts need:
+    visible rectangle [mm] and scale [pixels per mm]. list_height: of a list at the top [pixels]."""
+    top = TOP_STRIP + list_height
+    room = max(height - top - BOTTOM_STRIP, 0.3 * height)
+    scale = min(width / rect.width(), room / rect.height())
+    visible = _about(rect, width, height, scale)
+    visible.translate(0.0, -0.5 * (BOTTOM_STRIP - top) / scale)
+    return visible, scale
+
+
+def filled(rect: QRectF, width: float, height: float) -> tuple[QRectF, float]:
+    """The same without strips for texts."""
+    scale = min(width / rect.width(), height / rect.height())
+    return _about(rect, width, height, scale), scale
+
+
+def _about(rect: QRectF, width: float, height: float, scale: float) -> QRectF:
+    visible = QRectF(0.0, 0.0, width / scale, height / scale)
+    visible.moveCenter(rect.center())
+    return visible

@@ -1,0 +1,255 @@
+"""The few kinds of graphics items that drawings are made of, and how they move: nothing is made anew in motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QBrush, QColor, QFontMetricsF, QPainter, QPainterPath, QPen
+from PySide6.QtWidgets import (
+    QGraphicsItem,
+    QGraphicsLineItem,
+    QGraphicsPathItem,
+    QGraphicsRectItem,
+    QGraphicsSimpleTextItem,
+    QStyleOptionGraphicsItem,
+    QWidget,
+)
+
+from kindyna_gui.pictures.drawing.shapes import joined, outline
+from kindyna_gui.pictures.plots.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
+
+Move = Callable[[int], None]
+"""Puts an item where it belongs at the sample of this index."""
+
+
+class Outline(QGraphicsPathItem):
+    """A path with a cosmetic pen. Qt would take the pen's width for mm and stroke the whole path to find its bounds."""
+
+    def __init__(self, path: QPainterPath, line: QPen | None = None, fill: QBrush | None = None) -> None:
+        super().__init__(path)
+        self.setPen(line if line is not None else no_pen())
+        if fill is not None:
+            self.setBrush(fill)
+        self._bounds = path.controlPointRect()
+
+    def boundingRect(self) -> QRectF:
+        return self._bounds
+
+    def redraw(self, path: QPainterPath) -> None:
+        self.prepareGeometryChange()
+        self._bounds = path.controlPointRect()
+        self.setPath(path)
+
+
+class Loop(Outline):
+    """A closed line through many points (n,) [mm], drawn from those that its scale needs; from all until it is told."""
+
+    def __init__(self, points: np.ndarray, line: QPen, fill: QBrush | None = None) -> None:
+        super().__init__(outline(points), line, fill)
+        self._points = np.append(points, points[:1])
+        self._level = 0.0
+
+    def look(self, scale: float) -> None:
+        """Be drawn at so many dots per mm."""
+        wanted = level(scale)
+        if wanted != self._level:
+            self._level = wanted
+            # the box stays: that of the kept points is the same within what nobody sees
+            self.setPath(outline(self._points[needed(self._points, UNSEEN / wanted)[:-1]]))
+
+
+class Silhouette(Outline):
+    """Pieces that overlap, drawn as one: the edges of all, then over them the fill of all."""
+
+    def __init__(self, pieces: Sequence[QPainterPath], line: QPen, fill: QBrush) -> None:
+        whole = joined(*pieces)
+        whole.setFillRule(Qt.FillRule.WindingFill)
+        super().__init__(whole, line, fill)
+        self._pieces = tuple(pieces)
+        self._edge = QPen(line)
+        self._edge.setWidthF(2.0 * line.widthF())  # the fill covers the inner half
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        painter.setPen(self._edge)
+        for piece in self._pieces:
+            painter.drawPath(piece)
+        painter.setBrush(self.brush())
+        painter.setPen(Qt.PenStyle.NoPen)
+        for piece in self._pieces:
+            painter.drawPath(piece)
+
+
+class Tag(QGraphicsItem):
+    """A text of constant size at a place of the scene, upright at every zoom; ``lean`` says where the place lies in
+    the text's box: (0, 0) top left, (1, 1) bottom right; ``backing``: paper under the text."""
+
+    def __init__(
+        self,
+        text: str,
+        colour: str,
+        theme: Theme,
+        pixels: int = SMALL,
+        lean: tuple[float, float] = (0.5, 0.5),
+        backing: bool = False,
+    ) -> None:
+        super().__init__()
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+        self._backing = QGraphicsRectItem(self) if backing else None
+        if self._backing is not None:
+            self._backing.setPen(no_pen())
+            self._backing.setBrush(brush(theme.paper, 0.85))
+        self._text = QGraphicsSimpleTextItem(text, self)
+        self._text.setFont(font(pixels))
+        self._text.setBrush(brush(colour))
+        self._line = QGraphicsLineItem(self)
+        self._line.setPen(theme.pen(colour))
+        self._line.setOpacity(0.5)
+        self._line.hide()
+        self._lean = lean
+        self._shift = (0.0, 0.0)
+        self._lay()
+
+    def boundingRect(self) -> QRectF:
+        return QRectF()
+
+    def paint(self, *_: object) -> None:
+        """Nothing of its own."""
+
+    @property
+    def text(self) -> str:
+        return self._text.text()
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height in pixels."""
+        box = self._text.boundingRect()
+        return box.width(), box.height()
+
+    def set_text(self, text: str) -> None:
+        if text != self._text.text():
+            self._text.setText(text)
+            self._lay()
+
+    def set_lean(self, x: float, y: float) -> None:
+        if (x, y) != self._lean:
+            self._lean = (x, y)
+            self._lay()
+
+    def set_colour(self, colour: str) -> None:
+        self._text.setBrush(brush(colour))
+
+    def shift(self, x: float, y: float) -> None:
+        """Move the text by so many pixels from its place, y downwards."""
+        if (x, y) != self._shift:
+            self._shift = (x, y)
+            self._lay()
+
+    def lead(self, wanted: bool) -> None:
+        """Draw or leave out a thin line from the place to the text."""
+        self._line.setVisible(bool(wanted))
+        box = self.pixel_box().adjusted(-2.0, 0.0, 2.0, 0.0)
+        x, y = min(max(0.0, box.left()), box.right()), min(max(0.0, box.top()), box.bottom())
+        self._line.setLine(0.0, 0.0, x, y)
+
+    def pixel_box(self) -> QRectF:
+        """The text's box in pixels about its place, y downwards."""
+        return QRectF(self._text.pos(), self._text.boundingRect().size())
+
+    def _lay(self) -> None:
+        width, height = self.size
+        self._text.setPos(self._shift[0] - self._lean[0] * width, self._shift[1] - self._lean[1] * height)
+        if self._backing is not None:
+            self._backing.setRect(self.pixel_box().adjusted(-2.0, 0.0, 2.0, 0.0))
+
+
+class Arrow(Outline):
+    """A vector from a place: shaft and filled head; nothing where it is shorter than a hair."""
+
+    def __init__(self, line: QPen, head: float) -> None:
+        super().__init__(QPainterPath(), line, QBrush(QColor(line.color())))
+        self._head = head
+
+    def point(self, place: complex, vector: complex) -> None:
+        """Draw from ``place`` [mm] along ``vector`` [mm]."""
+        path, length = QPainterPath(), abs(vector)
+        if math.isfinite(length) and length > 0.05 * self._head:
+            along, head = vector / length, min(self._head, 0.6 * length)
+            tip, neck = place + vector, place + vector - along * head
+            side = 1j * along * head * 0.3
+            path.moveTo(place.real, place.imag)
+            path.lineTo(neck.real, neck.imag)
+            for corner in (neck + side, tip, neck - side, neck):
+                path.lineTo(corner.real, corner.imag)
+        self.redraw(path)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One thing drawn: its key, its item, the layers that must all be shown, and how it moves (None: it stands)."""
+
+    key: str
+    item: QGraphicsItem
+    layers: tuple[str, ...]
+    z: float
+    move: Move | None = None
+
+
+def riding(item: QGraphicsItem, z: np.ndarray, angle: np.ndarray) -> Move:
+    """The item moves with a body: origin z (n,) [mm], angle (n,) [deg]."""
+
+    def move(i: int) -> None:
+        item.setPos(QPointF(z.real[i], z.imag[i]))
+        item.setRotation(float(angle[i]))
+
+    return move
+
+
+def turning(item: QGraphicsItem, angle: np.ndarray) -> Move:
+    """The item turns about the scene's origin by angle (n,) [deg]."""
+    return lambda i: item.setRotation(float(angle[i]))
+
+
+def pinned(item: QGraphicsItem, track: np.ndarray) -> Move:
+    """The item stays upright at a moving place (n,) [mm]; it is not seen where the place is infinite."""
+    finite = np.isfinite(track)
+    if finite.all():
+        return lambda i: item.setPos(QPointF(track.real[i], track.imag[i]))
+
+    def move(i: int) -> None:
+        item.setOpacity(1.0 if finite[i] else 0.0)
+        if finite[i]:
+            item.setPos(QPointF(track.real[i], track.imag[i]))
+
+    return move
+
+
+@lru_cache(maxsize=1024)
+@lru_cache(maxsize=1024)
+def text_size(text: str, pixels: int = SMALL) -> tuple[float, float]:
+    """Width and height of a text in pixels."""
+    metrics = QFontMetricsF(font(pixels))
+    return metrics.horizontalAdvance(text), metrics.height()
+
+
+def wrapped(text: str, width: float, pixels: int = SMALL) -> str:
+    """A text with its lines broken between words so that none is wider, if it can be helped [pixels]."""
+    lines: list[str] = []
+    for paragraph in text.split("\n") if text else ():
+        line = ""
+        for word in paragraph.split(" "):
+            longer = f"{line} {word}" if line else word
+            if line and text_size(longer, pixels)[0] > width:
+                lines.append(line)
+                line = word
+            else:
+                line = longer
+        lines.append(line)
+    return "\n".join(lines)

@@ -1,0 +1,333 @@
+"""Names of the parts, placed where they cover neither the part they name nor, if it can be helped, anything else.
+
+A label keeps its side of the part over the whole turn, so that it does not jump about in motion; of a link that turns
+far it may be the link's own side, which goes round with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from core.mechanism.kinematics import REVOLUTE, SLIDING
+from kindyna_gui.pictures.drawing.cam_parts import sense_arc
+from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
+from kindyna_gui.pictures.drawing.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
+from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.drawing.shapes import BAR, EYE
+from kindyna_gui.pictures.style import Theme
+
+Z_LABEL = 12.0
+LOOKS = 8  # samples of the turn at which room is looked for
+DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
+GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
+SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
+FAR_TURN = np.pi / 2  # of a link over the turn, from which its own sides are tried too
+PAD = 3.0  # a text wants so much free paper around, pixels
+COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the picture, each longer gap
+APART = 9.0  # between two labels, pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """A name for what is at ``track`` (n,) [mm] with nothing to be covered within ``room`` [mm] of it; ``foot``: how
+    far from there a line to the text starts, where one must always be drawn [mm]; ``turn``: (n,) unit vector that goes
+    round with the part, where it turns far."""
+
+    key: str
+    text: str
+    track: np.ndarray
+    room: float
+    layer: str
+    foot: float | None = None
+    turn: np.ndarray | None = None
+
+    @property
+    def gaps(self) -> np.ndarray:
+        """Pixels from part to text, by side: those that stand, then those that turn with the part."""
+        return SIDE_GAPS if self.turn is None else np.append(SIDE_GAPS, np.full(DIRECTIONS.size, GAPS[0]))
+
+    def outwards(self, seen: np.ndarray) -> np.ndarray:
+        """Where each side lies (k, c) at the samples ``seen`` (k,), unit vectors."""
+        fixed = np.broadcast_to(SIDES, (seen.size, SIDES.size))
+        return fixed if self.turn is None else np.hstack([fixed, self.turn[seen][:, None] * DIRECTIONS])
+
+
+def _lean(outwards: np.ndarray, half: complex) -> np.ndarray:
+    """From a text's edge to its middle, half its size being ``half``: so the text lies outside of a point."""
+    x, y = np.clip(1.6 * outwards.real, -1.0, 1.0), np.clip(1.6 * outwards.imag, -1.0, 1.0)
+    return np.asarray(half.real * x + 1j * half.imag * y)
+
+
+def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
+    """The same, so far that the text lies outside of a line across the direction, such as a bar that it goes round with."""
+    return np.asarray(outwards * (half.real * np.abs(outwards.real) + half.imag * np.abs(outwards.imag)))
+
+
+def _turn(reading: Reading, *bodies: str) -> np.ndarray | None:
+    """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
+    for name in bodies if reading.linkage else ():
+        angle = np.deg2rad(reading.bodies[name].angle)
+        if np.ptp(angle) > FAR_TURN:
+            return np.exp(1j * angle)
+    return None
+
+
+def names(reading: Reading) -> Iterator[Label]:
+    """What is named: cam, roller, bodies, pins, instant centre."""
+    unit = reading.unit
+    still = np.zeros(reading.samples, dtype=complex)
+    if reading.face_radius:
+        yield Label("roller", "roller", reading.reference, reading.face_radius, "roller")
+    slides = {j.pair.body: j for j in reading.joints if j.pair.kind == SLIDING}
+    for body in reading.moving.values():
+        places = list(body.nodes.values())
+        name = body.name.removeprefix("link") if reading.linkage else body.name.replace("_", " ")
+        if body.name in slides:
+            yield Label(body.name, name, *_of_slide(reading, body.name, slides), "linkage")
+        elif len(places) > 1:
+            ends = max(((a, b) for a in places for b in places), key=lambda e: abs(e[0] - e[1]))
+            yield Label(
+                body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(reading, body.name)
+            )
+    for joint in drawn_joints(reading):
+        if joint.pair.kind == REVOLUTE:
+            on_block = joint.pair.body in slides or joint.pair.on in slides
+            room = 0.5 * BLOCK_HEIGHT * unit if on_block else 1.3 * EYE * unit
+            turn = None if joint.fixed else _turn(reading, joint.pair.on, joint.pair.body)
+            yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage", None, turn)
+    yield from _free_points(reading)
+    if reading.profile.size:
+        yield Label("cam", "cam", still, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
+        if np.isfinite(reading.centre).any():
+            yield Label("centre", "Q", reading.centre, 1.6 * unit, "centre")
+
+
+def _free_points(reading: Reading) -> Iterator[Label]:
+    """The points of links that no pair is at, such as coupler points; only a linkage has any."""
+    if not reading.linkage:
+        return
+    from core.mechanism import ROLLER
+
+    pinned_points = {joint.pair.point for joint in reading.joints}
+    for body in reading.moving.values():
+        for name, place in body.points.items():
+            if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
+                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * reading.unit, "linkage")
+
+
+def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, float]:
+    joint, unit = slides[name], reading.unit
+    if joint.fixed and name == reading.train.follower_body and not reading.linkage:
+        outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
+        return joint.track + outwards * joint.line * (reading.face_radius + 0.9 * unit), unit
+    return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
+
+
+def looks(reading: Reading) -> np.ndarray:
+    """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the ways of
+    follower and instant centre."""
+    n = reading.samples
+    spread = np.full(n, 1.0 / n)
+    for track in (reading.reference, reading.centre):
+        finite = np.where(np.isfinite(track), track, 0.0)
+        way = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * reading.unit)
+        spread += way / (way.sum() or 1.0)
+    marks = np.floor(np.cumsum(spread) / spread.sum() * (LOOKS - 1e-9))
+    return np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Ink:
+    """What is drawn, as dots: places (k, m) [mm], radii (m,) [mm], and how much it matters not to cover them (m,)."""
+
+    place: np.ndarray
+    radius: np.ndarray
+    weight: np.ndarray
+
+
+def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> Ink:
+    """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows."""
+    unit = reading.unit
+    rows: list[tuple[np.ndarray, float, float]] = []
+
+    def dots(one: np.ndarray, other: np.ndarray, radius: float, weight: float) -> None:
+        count = int(np.clip(np.abs(other - one).max() / (1.2 * unit), 2, 60))
+        part = np.linspace(0.0, 1.0, count)
+        rows.append((one[:, None] + (other - one)[:, None] * part, radius, weight))
+
+    for body in reading.moving.values():
+        ends = [body.track(p)[seen] for p in body.nodes.values()]
+        middle = sum(ends) / max(len(ends), 1)
+        for i, end in enumerate(ends[1:]):
+            dots(ends[i], end, BAR * unit, 1.0)
+            if len(ends) > 2:
+                dots(ends[0], end, BAR * unit, 1.0)
+                dots(middle, end, 2.0 * unit, 1.0)
+        if len(ends) > 1:
+            rows.append((np.stack(ends, axis=1), EYE * unit, 1.5))
+    around = np.exp(2j * np.pi * np.arange(40) / 40)
+    if reading.face_radius:
+        rows.append((reading.reference[seen][:, None] + reading.face_radius * around, 0.0, 0.8))
+        rows.append((reading.reference[seen][:, None], unit, 1.5))
+    if reading.profile.size:
+        thin = slice(None, None, max(1, reading.samples // 90))
+        turn = np.exp(1j * np.deg2rad(reading.turned[seen]))[:, None]
+        rows.append((reading.profile[thin] * turn, 0.0, 0.6))
+        rows.append((reading.pitch[thin] * turn, 0.0, 0.9))
+        centre = np.where(np.isfinite(reading.centre[seen]), reading.centre[seen], 0.0)
+        dots(reading.reference[seen], centre, 0.0, 0.25)
+    if reading.with_cam:
+        rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
+        radius, start, span = sense_arc(reading)
+        arc = radius * np.exp(1j * np.deg2rad(start + span * np.linspace(0.0, 1.0, 16)))
+        rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
+    for joint in reading.joints:
+        track = joint.track[seen]
+        if joint.pair.kind == SLIDING:
+            line, over = joint.line * np.ones(seen.size), 4.2 * unit
+            dots(joint.root + (joint.low - over) * line, joint.root + (joint.high + over) * line, 2.5 * unit, 0.7)
+            rows.append((track[:, None], 0.6 * BLOCK_LENGTH * unit, 1.0))
+        elif joint.fixed:
+            down = ground_direction(joint, reading) * unit
+            rows.append((track[:, None] + down * np.array([1.0, 2.2, 3.0]), 1.6 * unit, 1.0))
+    for start, end in strokes:
+        dots(start[seen], np.where(np.isfinite(end), end, start)[seen], 0.5 * unit, 0.7)
+    place = np.concatenate([p for p, _, _ in rows], axis=1)
+    sizes = [p.shape[1] for p, _, _ in rows]
+    return Ink(place, np.repeat([r for _, r, _ in rows], sizes), np.repeat([w for _, _, w in rows], sizes))
+
+
+class Labels:
+    """The labels of one drawing: tags, and how they are laid for a picture of a given scale."""
+
+    def __init__(self, reading: Reading, theme: Theme) -> None:
+        self._reading = reading
+        self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
+        self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(reading)]
+        self._moves: dict[str, Move] = {}
+        self.sides: dict[str, int] = {}
+
+    def renew(self, reading: Reading) -> bool:
+        """Name the parts of another drawing with the same texts; False, and nothing done, where it has others."""
+        rows = list(names(reading))
+        if [(label.key, label.text) for label in rows] != [(label.key, label.text) for label, _ in self._rows]:
+            return False
+        self._reading = reading
+        self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
+        for cached in ("_looks", "_ink"):
+            self.__dict__.pop(cached, None)
+        for _, tag in self._rows:
+            tag.setOpacity(1.0)
+        return True
+
+    @cached_property
+    def _looks(self) -> np.ndarray:
+        return looks(self._reading)
+
+    @cached_property
+    def _ink(self) -> Ink:
+        return ink(self._reading, self._looks, self._strokes)
+
+    def parts(self) -> Iterator[Part]:
+        for label, tag in self._rows:
+            self._moves[label.key] = pinned(tag, label.track)
+            yield Part(f"label.{label.key}", tag, ("labels", label.layer), Z_LABEL, self._mover(label.key))
+
+    def _mover(self, key: str) -> Move:
+        return lambda i: self._moves[key](i)
+
+    def avoid(self, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> None:
+        """Keep clear of these too: from (n,) to (n,) [mm]. Takes effect when next arranged."""
+        self._strokes = strokes
+        self.__dict__.pop("_ink", None)
+
+    def arrange(self, corners: tuple[complex, complex], scale: float) -> None:
+        """Lay all labels; corners: lower left and upper right of what is visible [mm], scale in pixels per mm."""
+        self._choose(corners, scale)
+        self.lay(scale)
+
+    def keep(self, sides: Mapping[str, int], scale: float) -> bool:
+        """Lay all labels on the sides they had in another drawing of the same parts; False where parts are new, or one
+        that turned far no longer does."""
+        if any(sides.get(label.key, label.gaps.size) >= label.gaps.size for label, _ in self._rows):
+            return False
+        self.sides = dict(sides)
+        self.lay(scale)
+        return True
+
+    def lay(self, scale: float) -> None:
+        """Put each label on its side."""
+        for label, tag in self._rows:
+            side, half = self.sides[label.key], complex(*tag.size) / 2
+            gap = float(label.gaps[side])
+            if side >= SIDES.size and label.turn is not None:
+                around = DIRECTIONS[side - SIDES.size] * label.turn
+                tag.shift(0.0, 0.0)
+                tag.lead(False)
+                place = label.track + around * label.room + (around * gap + _clear(around, half)) / scale
+                self._moves[label.key] = pinned(tag, place)
+                continue
+            outwards = complex(SIDES[side])
+            start = label.room if label.foot is None else label.foot
+            push = outwards * (gap + (label.room - start) * scale) + complex(_lean(SIDES[side], half))
+            tag.shift(push.real, -push.imag)
+            tag.lead(gap > GAPS[0] or label.foot is not None)
+            self._moves[label.key] = pinned(tag, label.track + outwards * start)
+
+    def boxes(self, scale: float) -> list[QRectF]:
+        """The texts that are shown, in pixels of the whole scene, y downwards; scale in pixels per mm."""
+        shown = [(tag.pos() * scale, tag.pixel_box()) for _, tag in self._rows if tag.isVisible()]
+        return [box.translated(place.x(), -place.y()) for place, box in shown]
+
+    def _choose(self, corners: tuple[complex, complex], scale: float) -> None:
+        """Find the best side of each part."""
+        taken: list[tuple[np.ndarray, float, float]] = []
+        for label, tag in self._rows:
+            half = complex(*tag.size) / 2
+            outwards = label.outwards(self._looks)
+            centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._looks][:, None]
+            fixed, around = outwards[:, : SIDES.size], outwards[:, SIDES.size :]
+            lean = np.hstack([_lean(fixed, half), _clear(around, half)])
+            centre = centre + outwards * label.room + (outwards * label.gaps + lean) / scale
+            cost = self._covered(centre, half / scale, scale)
+            cost += FURTHER * np.searchsorted(GAPS, label.gaps)
+            cost += _leaving(centre, half / scale, corners) * LEAVES
+            for other, a, b in taken:
+                apart = (
+                    np.abs((centre - other[:, None]).real) - a - half.real / scale,
+                    np.abs((centre - other[:, None]).imag) - b - half.imag / scale,
+                )
+                cost += COVERS * (np.maximum(*apart) < APART / scale).mean(axis=0)
+            best = self.sides[label.key] = int(np.argmin(cost))
+            taken.append((centre[:, best], half.real / scale, half.imag / scale))
+
+    def _covered(self, centre: np.ndarray, half: complex, scale: float) -> np.ndarray:
+        """How much ink boxes around ``centre`` (k, c) cover, mean over the turn (c,)."""
+        ink, pad = self._ink, PAD / scale
+        low = complex(centre.real.min(), centre.imag.min()) - half * 1.5 - complex(pad, pad)
+        high = complex(centre.real.max(), centre.imag.max()) + half * 1.5 + complex(pad, pad)
+        p, r = ink.place, ink.radius
+        near = (
+            (p.real + r > low.real) & (p.real - r < high.real) & (p.imag + r > low.imag) & (p.imag - r < high.imag)
+        ).any(axis=0)
+        p, r = p[:, None, near], r[near]
+        x = np.maximum(np.abs(centre.real[:, :, None] - p.real) - half.real, 0.0)
+        y = np.maximum(np.abs(centre.imag[:, :, None] - p.imag) - half.imag, 0.0)
+        covered = np.clip(1.0 - (np.sqrt(x * x + y * y) - r) / pad, 0.0, 1.0)
+        return np.asarray((covered @ ink.weight[near]).mean(axis=0))
+
+
+def _leaving(centre: np.ndarray, half: complex, corners: tuple[complex, complex]) -> np.ndarray:
+    low, high = corners
+    out = (
+        (centre.real - half.real < low.real)
+        | (centre.real + half.real > high.real)
+        | (centre.imag - half.imag < low.imag)
+        | (centre.imag + half.imag > high.imag)
+    )
+    return np.asarray(out.mean(axis=0))

@@ -1,0 +1,293 @@
+"""The drawing of a mechanism: a scene in mm, y upwards, that moves by moving what it holds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from math import degrees
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QRectF
+from PySide6.QtGui import QColor
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
+
+from core.study import Study
+from kindyna_gui.pictures.drawing import cam_parts, framing, parts, vectors
+from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
+from kindyna_gui.pictures.drawing.items import Loop, Part
+from kindyna_gui.pictures.drawing.labels import Labels
+from kindyna_gui.pictures.drawing.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
+from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
+from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.style import LIGHT, Theme
+
+if TYPE_CHECKING:
+    from kindyna_gui.pictures.drawing.construct import Construct
+
+USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
+
+
+BUILDERS: tuple[Callable[[Reading, Theme], Iterator[Part]], ...] = (
+    cam_parts.cam,
+    parts.roller,
+    parts.linkage,
+    cam_parts.contact,
+)
+FIELDS: Mapping[str, Callable[[Reading], vectors.Field]] = MappingProxyType(
+    {"velocities": vectors.velocities, "forces": vectors.forces}
+)
+"""Layers of vectors, computed when first shown."""
+
+
+class MechanismScene(QGraphicsScene):
+    """A study's mechanism in mm, y upwards: whoever shows it turns y over.
+
+    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``look_at`` must be told what is visible and at which
+    scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
+
+    closest: by how much a reader may enlarge the picture and still find its curves smooth
+    """
+
+    def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0) -> None:
+        super().__init__()
+        self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
+        self.setBackgroundBrush(QColor(theme.paper))
+        self.theme = theme
+        self.reading: Reading | None = None
+        self.index = 0
+        self._told: float | None = None
+        self.parts: dict[str, Part] = {}
+        self._closest = closest
+        self._lines: list[Loop] = []
+        self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
+        self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
+        self._look: tuple[QRectF, float] | None = None
+        self._labels: Labels | None = None
+        self._fields: dict[str, vectors.Field] = {}
+        self.sight = Sight()
+        self.construct: Construct | None = None
+        self._step: int | None = None
+        self.overlay: Overlay | None = None
+        if study is not None:
+            self.update_study(study)
+
+    # -- what is drawn --------------------------------------------------------------------------------------
+
+    def update_study(self, study: Study, keep_labels: bool = False, lay: bool = True) -> None:
+        """Draw another study; cam angle, layers and what is visible stay as they are.
+
+        keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones,
+        and so does the first ``look_at``. lay: False where ``look_at`` follows at once, so that nothing is laid twice.
+        """
+        reading = Reading(study)
+        before, self.reading = self.reading, reading
+        if before is not None:
+            self.index = round(self.index / before.samples * reading.samples) % reading.samples
+        self._told = None
+        sides = self._labels.sides if self._labels is not None and keep_labels else {}
+        drew = bool(self._fields)
+        self._drop_vectors()
+        stands = before is not None and reading.stands_as(before)
+        if not stands:
+            self._rebuild(reading)
+        if reading.linkage:
+            from kindyna_gui.pictures.drawing.construct import Construct
+
+            self.construct = Construct(reading, self.theme, self.sight, self._texts, self._step)
+        for layer in FIELDS:
+            self._need(layer)
+        for layer in LINKAGE_LAYERS:
+            self._need_more(layer)
+        if self._fields or drew:
+            self._make_room()
+        self._show()
+        if not lay or (self._look is None and keep_labels):
+            self._move(self.index, None)  # nothing can be laid yet
+        elif not stands or self._fields or drew or not keep_labels:
+            self._look_at(*(self._look or self.fit(*USUAL_SIZE)), sides)
+        else:
+            self._move(self.index, None)
+
+    def _rebuild(self, reading: Reading) -> None:
+        """Draw all parts anew; labels of the same names stay the items they are."""
+        named = self._labels is not None and self._labels.renew(reading)
+        for key, part in self.parts.items():
+            if not (named and key.startswith("label.")):
+                self.removeItem(part.item)
+        self.parts = {}
+        if self.overlay is None:
+            self.overlay = Overlay(self.theme, self.addItem)
+        self.overlay.angle_name = reading.study.angle_name if reading.linkage else "cam angle"
+        for builder in BUILDERS:
+            for part in builder(reading, self.theme):
+                self._take(part)
+        if self._labels is None or not named:
+            self._labels = Labels(reading, self.theme)
+        for part in self._labels.parts():
+            self._take(part)
+        self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
+        self._whole = framing.whole(reading, self.parts.values())
+        self.setSceneRect(self._whole)
+
+    def _drop_vectors(self) -> None:
+        for key in [key for key in self.parts if key.partition(".")[0] in FIELDS]:
+            self.removeItem(self.parts.pop(key).item)
+        if self.overlay is not None:
+            self.overlay.drop_scales(self.removeItem)
+        self._fields = {}
+        for key in [key for key in self.parts if key.partition(".")[0] in LINKAGE_LAYERS]:
+            self.removeItem(self.parts.pop(key).item)
+        self.construct = None
+
+    def _take(self, part: Part) -> None:
+        part.item.setZValue(part.z)
+        if part.item.scene() is not self:
+            self.addItem(part.item)
+        self.parts[part.key] = part
+
+    def _need(self, layer: str) -> None:
+        """Vectors are computed when their layer is first shown."""
+        if self.reading is None or self.overlay is None or not self._shown[layer] or layer in self.overlay.vectors:
+            return
+        field = self._fields[layer] = FIELDS[layer](self.reading)
+        for part in vectors.arrows(field, layer, self.reading, self.theme):
+            self._take(part)
+        self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.reading)))
+
+    def _need_more(self, layer: str) -> None:
+        """What a linkage shows besides is read when its layer is first shown."""
+        if self.construct is not None and self.layer_shown(layer):
+            for part in self.construct.parts(layer):
+                self._take(part)
+
+    def _texts(self) -> list[QRectF]:
+        if self._labels is None or self.overlay is None:
+            return []
+        return self._labels.boxes(self.sight.scale) + self.overlay.boxes(self.sight.visible, self.sight.scale)
+
+    def show_step(self, step: int | None, draw: bool = True) -> None:
+        """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.
+        None: no step, but the layers as they are chosen. draw: now, not with what is drawn next."""
+        self._step = step
+        if not draw:
+            return
+        for layer in OF_STEP:
+            self._need_more(layer)
+        if self.construct is not None:
+            self.construct.show_step(step)
+        self._show()
+        self._move(self.index, self._told)
+
+    def _make_room(self) -> None:
+        """Labels keep clear of the vectors that are shown."""
+        if self._labels is not None and self.reading is not None:
+            shown = [field for layer, field in self._fields.items() if self._shown[layer]]
+            self._labels.avoid([stroke for field in shown for stroke in vectors.strokes(field, self.reading)])
+
+    def item(self, key: str) -> QGraphicsItem:
+        """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
+        return self.parts[key].item
+
+    # -- layers ---------------------------------------------------------------------------------------------
+
+    def layer_shown(self, name: str) -> bool:
+        """Whether it was asked for, or a step of the construction needs it."""
+        return self._shown[name] or (self._step is not None and name in OF_STEP)
+
+    def layer_wanted(self, name: str) -> bool:
+        """Whether it was asked for."""
+        return self._shown[name]
+
+    def set_layer(self, name: str, shown: bool) -> None:
+        """Show or hide one of ``LAYERS``."""
+        self._shown[name] = shown
+        if name in LINKAGE_LAYERS:
+            self._need_more(name)
+        if name in FIELDS:
+            self._need(name)
+            self._make_room()
+            if self._look is not None:
+                self.look_at(*self._look)
+        self._show()
+        self._move(self.index, self._told)
+
+    def _show(self) -> None:
+        for part in self.parts.values():
+            part.item.setVisible(all(self.layer_shown(layer) for layer in part.layers))
+        if self.overlay is not None:
+            self.overlay.show_layers(self._shown)
+
+    # -- motion ---------------------------------------------------------------------------------------------
+
+    def set_index(self, index: int) -> None:
+        """Move everything that is shown to the study's sample of this index."""
+        self._move(index, None)
+
+    def _move(self, index: int, angle: float | None) -> None:
+        """To a sample; angle: what is told in place of its own cam angle [deg]."""
+        if self.reading is None or self.overlay is None:
+            return
+        self.index, self._told = index % self.reading.samples, angle
+        if self.construct is not None:
+            self.construct.begin(self.index)
+        for part in self.parts.values():
+            if part.move is not None and part.item.isVisible():
+                part.move(self.index)
+        self.overlay.show_angle(float(self.reading.cam_angle[self.index]) if angle is None else angle)
+
+    def set_fraction(self, fraction: float) -> None:
+        """Move to the sample nearest to this part of a turn."""
+        if self.reading is not None:
+            n, whole = self.reading.samples, self.reading.whole_turn
+            # there and back where the mechanism cannot go round
+            self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
+
+    def set_angle(self, theta: float) -> None:
+        """Move to the sample nearest to cam angle theta [rad]; theta itself is told in the corner."""
+        if self.reading is not None:
+            self._move(self.reading.nearest(theta), degrees(theta))
+
+    # -- sight ----------------------------------------------------------------------------------------------
+
+    def fit_rect(self) -> QRectF:
+        """The rectangle that holds the mechanism over the whole turn [mm]."""
+        return QRectF(self._whole)
+
+    def least_rect(self) -> QRectF:
+        """What a picture must hold to be no worse than fitted: the same with half the margin."""
+        half = 0.5 * MARGIN_UNITS * self.reading.unit if self.reading is not None else 0.0
+        return self._whole.adjusted(half, half, -half, -half)
+
+    def fit(self, width: float, height: float) -> tuple[QRectF, float]:
+        """What a picture of so many pixels shows when the mechanism fills it between the strips that texts need:
+        visible rectangle [mm] and scale [pixels per mm]."""
+        return framing.fitted(self._whole, width, height, self.construct.strip if self.construct is not None else 0.0)
+
+    def fill(self, width: float, height: float) -> tuple[QRectF, float]:
+        """The same without strips for texts."""
+        return framing.filled(self._whole, width, height)
+
+    def look_at(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
+        """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
+        self._look_at(visible, scale, self._labels.sides if self._labels is not None and keep_labels else {})
+
+    def lay_labels(self) -> None:
+        """Find the best side for each label."""
+        if self._look is not None:
+            self.look_at(*self._look)
+
+    def _look_at(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
+        self._look = (visible, scale)
+        self.sight.visible, self.sight.scale = QRectF(visible), scale
+        for line in self._lines:
+            line.look(scale * self.theme.ratio * self._closest)
+        if self._labels is not None and self.overlay is not None:
+            low = complex(visible.left(), visible.top())
+            if not self._labels.keep(sides, scale):
+                self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale)
+            self.overlay.lay(visible, scale)
+            self._move(self.index, self._told)
+
+
+__all__ = ["EVERY_LAYER", "FIELDS", "LAYERS", "LINKAGE_LAYERS", "Layer", "MechanismScene", "layers_of"]

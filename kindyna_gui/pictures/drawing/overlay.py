@@ -1,0 +1,175 @@
+"""What stands in the corners of a picture of a mechanism, in pixels: cam angle, scale bar, scales of vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QPainterPath
+from PySide6.QtWidgets import QGraphicsItem
+
+from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
+from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
+
+MARGIN = 12.0  # from the picture's edge, pixels
+TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # of a picture, kept free of the mechanism, pixels
+BAR_PIXELS, BAR_PART = 190.0, 0.35  # longest scale bar: pixels, part of the picture's width
+ARROW_PIXELS = 90.0  # longest arrow of a legend
+THICK = 5.0
+Z_OVERLAY = 20.0
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A scale of vectors: layer, colour, unit (as a channel spells it), length of the arrow of one unit [mm]."""
+
+    layer: str
+    family: str
+    unit: str
+    mm_per_unit: float
+
+
+class _Corner(QGraphicsItem):
+    """A place of the scene whose children are drawn in pixels, y downwards."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+        self.setZValue(Z_OVERLAY)
+
+    def boundingRect(self) -> QRectF:
+        return QRectF()
+
+    def paint(self, *_: object) -> None:
+        """Nothing of its own."""
+
+
+class ScaleBar(_Corner):
+    """A bar of two fields and a round length, on the lower left."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        self._theme = theme
+        self._frame = Outline(QPainterPath(), theme.pen(theme.ink, THIN), brush(theme.paper))
+        self._field = Outline(QPainterPath(), theme.pen(theme.ink, THIN), brush(theme.ink))
+        self._marks = [Tag("", theme.ink, theme, SMALL, (0.5, 1.0)) for _ in range(3)]
+        for item in (self._frame, self._field, *self._marks):
+            item.setParentItem(self)
+        self.length_mm = 0.0
+
+    @property
+    def texts(self) -> list[str]:
+        return [mark.text for mark in self._marks]
+
+    def lay(self, scale: float, width: float) -> None:
+        """scale: pixels per mm; width: of the picture, pixels."""
+        self.length_mm = nice_below(min(BAR_PIXELS, BAR_PART * width) / scale)
+        width = self.length_mm * scale
+        rung = readable("mm", self.length_mm)
+        shown = self.length_mm / rung.size
+        for path_item, left, right in ((self._frame, 0.0, width), (self._field, 0.0, width / 2)):
+            path = QPainterPath()
+            path.addRect(QRectF(left, -THICK, right - left, THICK))
+            path_item.redraw(path)
+        texts = ("0", short(shown / 2), with_unit(short(shown), rung.symbol))
+        for part, (mark, text) in enumerate(zip(self._marks, texts, strict=True)):
+            mark.set_text(text)
+            mark.setPos(QPointF(part * width / 2, -THICK - 2.0))
+        apart = width / 2 - 0.5 * (self._marks[1].size[0] + max(self._marks[0].size[0], self._marks[2].size[0]))
+        self._marks[1].setVisible(apart > 4.0)
+
+
+class VectorScale(_Corner):
+    """An arrow of a round length with its value, on the lower right."""
+
+    def __init__(self, row: Scale, theme: Theme) -> None:
+        super().__init__()
+        colour = theme.family(row.family)
+        self._row = row
+        self._line = Outline(QPainterPath(), theme.pen(colour, OUTLINE), brush(colour))
+        self._tag = Tag("", theme.ink, theme, SMALL, (1.0, 0.5))
+        self._line.setParentItem(self)
+        self._tag.setParentItem(self)
+
+    @property
+    def text(self) -> str:
+        return self._tag.text
+
+    def lay(self, scale: float) -> None:
+        """scale: pixels per mm."""
+        per_unit = self._row.mm_per_unit * scale
+        if per_unit <= 0.0:
+            return
+        value = nice_below(ARROW_PIXELS / per_unit)
+        width = value * per_unit
+        path = QPainterPath(QPointF(-width, 0.0))
+        path.lineTo(-9.0, 0.0)
+        for x, y in ((-9.0, -3.0), (0.0, 0.0), (-9.0, 3.0), (-9.0, 0.0)):
+            path.lineTo(x, y)
+        self._line.redraw(path)
+        rung = readable(self._row.unit, value * 2.0)
+        self._tag.set_text(f"{self._row.family} {with_unit(short(value / rung.size), rung.symbol)}")
+        self._tag.setPos(QPointF(-width - 8.0, 0.0))
+
+
+class Overlay:
+    """All corners of one scene."""
+
+    def __init__(self, theme: Theme, add: Callable[[QGraphicsItem], None]) -> None:
+        self._theme, self._add = theme, add
+        self.bar = ScaleBar(theme)
+        self.angle = _Corner()
+        self._text = Tag("", theme.ink, theme, TEXT, (0.0, 0.0))
+        self._text.setParentItem(self.angle)
+        self.angle_name = "cam angle"
+        self.vectors: dict[str, VectorScale] = {}
+        add(self.bar)
+        add(self.angle)
+
+    @property
+    def text(self) -> str:
+        return self._text.text
+
+    def show_angle(self, degrees: float) -> None:
+        self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°")
+
+    def add_scale(self, row: Scale) -> None:
+        self.vectors[row.layer] = VectorScale(row, self._theme)
+        self._add(self.vectors[row.layer])
+
+    def drop_scales(self, remove: Callable[[QGraphicsItem], None]) -> None:
+        """Take the scales of all vectors away."""
+        for arrow in self.vectors.values():
+            remove(arrow)
+        self.vectors = {}
+
+    def show_layers(self, shown: Mapping[str, bool]) -> None:
+        self.bar.setVisible(shown["scale"])
+        for layer, arrow in self.vectors.items():
+            arrow.setVisible(shown[layer])
+
+    def boxes(self, visible: QRectF, scale: float) -> list[QRectF]:
+        """Where the corners are taken, in pixels of the whole scene, y downwards."""
+        left, right = visible.left() * scale, visible.right() * scale
+        top, low = -visible.bottom() * scale, -visible.top() * scale
+        found = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, TOP_STRIP)]
+        if self.bar.isVisible():
+            found.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
+        shown = sum(arrow.isVisible() for arrow in self.vectors.values())
+        if shown:
+            high = (1.0 + 1.5 * shown) * MARGIN
+            found.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
+        return found
+
+    def lay(self, visible: QRectF, scale: float) -> None:
+        """visible: the picture's rectangle [mm]; scale: pixels per mm."""
+        edge = MARGIN / scale
+        self.angle.setPos(visible.left() + edge, visible.bottom() - 0.7 * edge)
+        self.bar.setPos(visible.left() + edge, visible.top() + edge)
+        self.bar.lay(scale, visible.width() * scale)
+        for row, arrow in enumerate(self.vectors.values()):
+            arrow.setPos(visible.right() - edge, visible.top() + (1.3 + 1.5 * row) * edge)
+            arrow.lay(scale)

@@ -1,0 +1,136 @@
+"""What all plots stand on: paper with axes that stay as they are told."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QBrush, QPainterPath, QResizeEvent, QWheelEvent
+from PySide6.QtWidgets import QFrame, QGraphicsItem, QWidget
+
+from kindyna_gui.pictures.drawing.items import Outline, Tag, wrapped
+from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis, Paper, Span
+from kindyna_gui.pictures.plots.frame import Frame
+from kindyna_gui.pictures.plots.legend import Entry, Legend
+from kindyna_gui.pictures.style import LIGHT, TEXT, THIN, Theme
+
+EDGE, RIGHT_MARGIN = 2, 16  # around the axes, pixels
+TOP_MARGIN = 6  # where nothing stands above the plot
+BARE = 6  # height of an axis without numbers
+LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
+MESSAGE_EDGE = 16.0  # left free beside a message
+Ticks = Sequence[tuple[float, str]]
+
+
+class FixedPlot(pg.PlotWidget):
+    """Nothing zooms, pans, looks for its range or opens a menu, and the wheel is left to what is around.
+
+    top      whether there is an axis above, for names
+    centred  whether the legend stands above the middle, else above the left end
+    corner   pixels of the upper right corner that something else covers, which the legend stays clear of
+    """
+
+    def __init__(
+        self, parent: QWidget | None = None, theme: Theme = LIGHT, *, top: bool = False, centred: bool = False
+    ) -> None:
+        sides = ("left", "bottom", "top") if top else ("left", "bottom")
+        axes = {side: Axis(side, theme, line=side != "top") for side in sides}
+        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
+        self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._theme, self._axes, self.corner = theme, axes, 0.0
+        plot = self.getPlotItem()
+        self._view: pg.ViewBox = plot.getViewBox()
+        plot.hideButtons()
+        self._above = float(EDGE if top else TOP_MARGIN)
+        plot.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
+        plot.getAxis("right").unlinkFromView()  # never shown, it would still be laid out at each change
+        self._view.setMouseEnabled(False, False)
+        self._view.disableAutoRange()
+        self._view.setDefaultPadding(0.0)
+        self._view.setRange(xRange=(0.0, 360.0), yRange=(0.0, 1.0), padding=0.0)
+        axes["left"].setWidth(LEFT_WIDTH)
+        axes["bottom"].setHeight(BOTTOM_HEIGHT)
+        if top:
+            plot.showAxis("top")
+            axes["top"].setHeight(TOP_HEIGHT)
+        self._paper = Paper(self._view, theme)
+        self._legend = Legend(plot, theme.ink, centred)
+        self._message = Tag("", theme.quiet, theme, TEXT)
+        self._include(self._message)
+        self._words = ""
+        self._view.sigResized.connect(self._lay)
+
+    def _include(self, item: QGraphicsItem, z: float | None = None) -> None:
+        """Into the plot, in the numbers of the axes."""
+        if z is not None:
+            item.setZValue(z)
+        self._view.addItem(item, ignoreBounds=True)
+
+    def _outline(self, colour: str, z: float, dash: tuple[float, ...] = (), fill: QBrush | None = None) -> Outline:
+        item = Outline(QPainterPath(), self._theme.pen(colour, THIN, dash), fill)
+        self._include(item, z)
+        return item
+
+    def show_numbers(self, on: bool, title: str = "") -> None:
+        """Numbers and a title along the bottom, or neither: of plots one below the other only the last has them."""
+        axis = self._axes["bottom"]
+        axis.setHeight(BOTTOM_HEIGHT if on else BARE)
+        axis.setStyle(showValues=on)
+        axis.show_title(title if on else "", self._theme.ink)
+
+    # -- legend ---------------------------------------------------------------------------------------------
+
+    @property
+    def legend(self) -> Legend:
+        return self._legend
+
+    def keep_corner(self, width: float) -> None:
+        """Something so wide [pixels] stands in the upper right corner, over the plot."""
+        self.corner = width
+        self._fit_legend()
+
+    def _name(self, entries: Sequence[Entry], note: str = "") -> None:
+        """The legend above the curves; no room is lost where nothing has a name."""
+        self._legend.tell(entries, note)
+        self._fit_legend()
+
+    def _fit_legend(self) -> None:
+        """Between the left axis and what is kept free on the right."""
+        left = float(EDGE + LEFT_WIDTH)
+        width = self.width() - left - max(RIGHT_MARGIN, self.corner)
+        self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
+        layout = self.getPlotItem().layout
+        if layout.rowMinimumHeight(0) != self._legend.height:
+            layout.setRowFixedHeight(0, self._legend.height)
+
+    def resizeEvent(self, event: QResizeEvent | None) -> None:
+        if event is not None:  # pyqtgraph's own call while it is being made
+            self._fit_legend()  # first, for the plot gets what is left of the height
+        super().resizeEvent(event)
+
+    # -- layout ---------------------------------------------------------------------------------------------
+
+    def frame(self) -> Frame:
+        """What is shown at which size."""
+        (first, last), (low, high) = self._view.viewRange()
+        return Frame(low, high, max(self._view.width(), 1.0), max(self._view.height(), 1.0), first, last)
+
+    def _rule(self, frame: Frame, across: Ticks, upwards: Ticks, bands: Sequence[Span] = ()) -> None:
+        """Grid, zero line, bands and ticks; the message in the middle."""
+        self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
+        self._axes["bottom"].show_ticks(across)
+        self._axes["left"].show_ticks(upwards)
+        self._message.set_text(wrapped(self._words, frame.width - MESSAGE_EDGE, TEXT))
+        self._message.setPos(0.5 * (frame.first + frame.last), 0.5 * (frame.low + frame.high))
+
+    def _lay(self, *_: object) -> None:
+        """The plot has another size, or shows something else."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()  # the axes are fixed; what is around may want to scroll
+
+
+__all__ = ["FixedPlot"]

@@ -1,0 +1,270 @@
+"""Curves over one turn of the cam: ``CurvePlot``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import degrees
+from typing import Any
+
+import numpy as np
+from PySide6.QtGui import QPen
+from PySide6.QtWidgets import QWidget
+
+from core.design import motion_of
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.plots.background import (
+    TOP_HEIGHT,
+    Z_CURVE,
+    Z_REFERENCE,
+    Span,
+    angle_ticks,
+    name_ticks,
+    spans,
+    value_ticks,
+)
+from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, read_curves
+from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.frame import Frame
+from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
+from kindyna_gui.pictures.plots.ranges import room_for, usual_range
+from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
+from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
+from kindyna_gui.pictures.turn import Line, line_of, nearest
+from kindyna_gui.pictures.units import Rung, legible, readable, short, with_unit
+
+UNNAMED = 4  # height of the axis above where no names stand there, pixels
+WILD = 50.0  # values next to infinity are cut at so many times the rest's range
+
+
+class CurvePlot(FixedPlot):
+    """One or several channels of one unit against the cam angle, 0 ... 360 deg, with a cursor.
+
+    names, angles   whether the segments' names stand along the top, and the cam angle's numbers along the bottom:
+                    of plots one below the other only the first and the last show them
+    unseen          pixels by which a curve may be off where that saves points; on paper none
+    """
+
+    unseen = 0.0
+
+    def __init__(
+        self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = LIGHT
+    ) -> None:
+        super().__init__(parent, theme, top=True)
+        self._axes["top"].setHeight(TOP_HEIGHT if names else UNNAMED)
+        self._axes["top"].setStyle(showValues=names)
+        self.show_numbers(angles, angle_title("cam angle"))
+        self._with_angles = angles
+        self._cursor = Cursor(self._view, theme)
+        self._angle, self._with_cursor, self._named = 0.0, True, names
+        self._spans: list[Span] = []
+        self._line: Line | None = None
+        self._theta = np.zeros(0)
+        self._curves: list[Curve] = []
+        self._there: list[float] | None = None
+        self._readings: list[Readout] = []
+        self._limits: list[LimitLine] = []
+        self._drawn: list[CurveLine] = []
+        self._told: tuple[object, ...] = ()
+        self._laid: tuple[object, ...] = ()
+        self.rung = Rung("", 1.0, 0.0)
+        self.show_message("")
+
+    def keep_axes(self) -> None:
+        """For a screen: axes are kept as pixels, so that the cursor moves over them without their being drawn anew."""
+        for axis in self._axes.values():
+            axis.setCacheMode(axis.CacheMode.DeviceCoordinateCache)
+            axis.label.setCacheMode(axis.CacheMode.DeviceCoordinateCache)
+
+    # -- what is drawn --------------------------------------------------------------------------------------
+
+    def set_curves(
+        self, study: Study, channels: Sequence[Channel], reference: Study | None = None, read: bool = True
+    ) -> None:
+        """Draw these channels of the study; reference: a second study, dashed. Raises NoAnswer where one has none.
+
+        Where all would be drawn as it is nothing is touched, and so nothing painted. read: False where ``set_angle``
+        follows at once, so that no value is written twice.
+        """
+        self.name_angle(study)
+        curves = read_curves(study, channels, self._theme)
+        others = [] if reference is None else read_curves(reference, channels, self._theme)
+        segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
+        told = (tuple(segments), tuple(limits))
+        line = line_of(study)
+        if not others and told == self._told and line.alike(self._line) and drawn_alike(curves, self._curves):
+            return
+        self._told = told if not others else ()
+        self._curves, self._spans, self._words, self._there = curves, segments, "", None
+        self._line, self._theta = line, study.theta
+        sides = [usual_range(curve.values) for curve in curves + others]
+        self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
+        size = self.rung.size
+        low, high = room_for(
+            [(low / size, high / size) for low, high in sides],
+            {row.family for row in channels},
+            [value / size for value, _, _ in limits],
+        )
+        self._view.setRange(yRange=(low, high), padding=0.0)
+        rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
+        if reference is not None:
+            other = line_of(reference)
+            rows += [(curve, other, Z_REFERENCE, DASHED) for curve in others]
+        self._drawn = self._grown(self._drawn, len(rows), lambda: CurveLine(self._view))
+        for item, (curve, along, z, dash) in zip(self._drawn, rows, strict=True):
+            self._draw(item, curve, along, z, self._theme.pen(curve.colour, THIN, dash))
+        self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
+        for reading, curve in zip(self._readings, curves, strict=True):
+            reading.set_colour(curve.colour)
+        shown = [(value / size, *words) for value, *words in limits if low <= value / size <= high]
+        self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
+        for line, (value, words, brief) in zip(self._limits, shown, strict=True):
+            line.tell(value, words.format(with_unit(short(value, 4), self.rung.symbol)), brief)
+        self._name_curves(reference is not None)
+        self._lay_out()
+        if read:
+            self._write()
+
+    def name_angle(self, study: Study) -> None:
+        """The angle below is the one that this study turns by, be there curves of it or only a message."""
+        if self._with_angles:
+            self._axes["bottom"].show_title(angle_title(study.angle_name), self._theme.ink)
+
+    def show_message(self, text: str) -> None:
+        """Nothing but a text in the middle: what is missing, or what would fill this plot."""
+        for pool in (self._drawn, self._readings, self._limits):
+            self._grown(pool, 0, _nothing)
+        self._drawn, self._readings, self._limits = [], [], []
+        self._curves, self._spans, self._told, self._there = [], [], (), None
+        self._name_curves(False)
+        self._axes["left"].show_title("", self._theme.ink)
+        self._words = text
+        self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
+        self._lay()
+
+    def _draw(self, item: CurveLine, curve: Curve, along: Line, z: float, pen: QPen) -> None:
+        values = along.of(curve.values) / self.rung.size
+        finite = np.isfinite(values)
+        if not finite.all():
+            low, high = self._view.viewRange()[1]
+            room = WILD * (high - low)
+            values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
+        item.show_points(along.angles, values, pen, z)
+
+    def _grown(self, pool: list[Any], count: int, make: Callable[[], Any]) -> list[Any]:
+        """So many items, those that there are first."""
+        for item in pool[count:]:
+            if isinstance(item, CurveLine):
+                self._view.removeItem(item)
+            else:
+                item.remove(self._view)
+        return pool[:count] + [make() for _ in range(count - len(pool))]
+
+    def _name_curves(self, reference: bool) -> None:
+        """Names of the curves above the plot, where there is more than one to tell apart."""
+        rows: list[Entry] = []
+        if len(self._curves) > 1 or reference:
+            rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
+            rows += [Entry(self._theme.quiet, "reference", "– –")] if reference else []
+        self._name(rows)
+
+    # -- cursor ---------------------------------------------------------------------------------------------
+
+    @property
+    def angle(self) -> float:
+        """Cam angle of the cursor [rad]."""
+        return self._angle
+
+    def set_angle(self, theta: float, there: Study | None = None) -> None:
+        """Move the cursor to cam angle theta [rad].
+
+        there: the same study at this one angle, for exact readings; else they are those of the nearest sample.
+        """
+        self._angle = theta
+        self._there = None if there is None else [float(curve.channel.values(there)[0]) for curve in self._curves]
+        self._cursor.setPos(degrees(theta), 0.0)
+        self._write()
+
+    def show_cursor(self, shown: bool) -> None:
+        """Pictures on paper have no cursor."""
+        self._with_cursor = shown
+        self._write()
+
+    def readings(self) -> list[str]:
+        """The texts beside the cursor, in the order of the curves."""
+        return [reading.tag.text for reading in self._readings]
+
+    def _write(self) -> None:
+        self._cursor.setVisible(self._with_cursor and bool(self._curves))
+        if not self._with_cursor:
+            for reading in self._readings:
+                reading.hide()
+        elif self._readings:
+            at = nearest(self._theta, self._angle)
+            known = self._there or [float(curve.values[at]) for curve in self._curves]
+            values = [
+                0.0 if abs(value) <= curve.floor else value / self.rung.size
+                for value, curve in zip(known, self._curves, strict=True)
+            ]
+            place_readouts(self._readings, degrees(self._angle), values, self.rung, self.frame(), self._limits)
+
+    # -- layout ---------------------------------------------------------------------------------------------
+
+    def _lay(self, *_: object) -> None:
+        self._lay_out()
+        self._write()
+
+    def _lay_out(self) -> None:
+        frame = self.frame()
+        unseen = self.unseen / self.devicePixelRatioF()
+        for curve in self._drawn:
+            curve.lay(frame, unseen)
+        for limit in self._limits:
+            limit.lay_clear(frame, self._drawn)
+        if self._curves:
+            self._axes["left"].show_title(self._title(frame.height), self._title_colour())
+        paper = (frame, tuple(self._spans), bool(self._curves), self._words)
+        if paper != self._laid:
+            self._laid = paper
+            self._lay_paper(frame)
+        self.scene().prepareForPaint()  # else the transformation follows in the paint event and asks for another
+
+    def _lay_paper(self, frame: Frame) -> None:
+        values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []
+        self._rule(frame, angle_ticks(frame.width), values, self._spans)
+        self._cursor.span(frame.low, frame.high)
+        self._axes["top"].show_ticks(self._names(frame.width) if self._named else [])
+
+    def _names(self, width: float) -> list[tuple[float, str]]:
+        """What stands along the top: places [deg] and names of segments."""
+        return name_ticks(self._spans, width)
+
+    def _title(self, height: float) -> str:
+        """Quantity and unit, as short as the axis needs."""
+        row, unit = self._curves[0].channel, self.rung.symbol
+        families = {curve.channel.family for curve in self._curves}
+        family = "Transmission angle" if row.quantity.startswith("transmission.") else row.family.replace("-", " ").capitalize()
+        shared = (family,) if len(families) == 1 else ()
+        names = (row.label, legible(row.symbol)) if len(self._curves) == 1 else shared
+        for name in names:
+            text = f"{name}, {unit}" if unit else name
+            if text_size(text, TEXT)[0] <= height + TOP_HEIGHT:
+                return text
+        return unit
+
+    def _title_colour(self) -> str:
+        return self._theme.letters(self._curves[0].colour) if len(self._curves) == 1 else self._theme.ink
+
+
+def angle_title(name: str) -> str:
+    """Of the axis along the bottom."""
+    return f"{name.capitalize()}, °"
+
+
+def _nothing() -> None:
+    """Makes none."""
+
+
+__all__ = ["Curve", "CurvePlot"]

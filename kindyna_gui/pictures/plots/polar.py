@@ -1,0 +1,297 @@
+"""Channels over the cam angle in polar form: the angle goes round counter-clockwise, the value outwards."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt, Signal
+from PySide6.QtGui import (
+    QColor,
+    QFontMetricsF,
+    QPainter,
+    QPainterPath,
+    QPaintEvent,
+    QPen,
+    QPixmap,
+    QPolygonF,
+    QResizeEvent,
+)
+from PySide6.QtWidgets import QWidget
+
+from core.design import motion_of
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.pictures.boxes import near
+from kindyna_gui.pictures.drawing.items import text_size
+from kindyna_gui.pictures.drawing.shapes import outline
+from kindyna_gui.pictures.plots.background import Span, spans
+from kindyna_gui.pictures.plots.detail import needed
+from kindyna_gui.pictures.plots.polar_title import paint_title
+from kindyna_gui.pictures.plots.ranges import peak, usual_range
+from kindyna_gui.pictures.sizes import floor_of, without_noise
+from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
+from kindyna_gui.pictures.turn import nearest
+from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
+
+HOLE = 0.16  # of the radius: where values may be negative the lowest circle is this large
+CIRCLE_PIXELS, MOST_CIRCLES = 30.0, 6  # least distance of circles, so that their values do not touch
+EDGE, TITLE = 32.0, 22.0  # pixels around the outer circle for angles, above it for the name
+SPOKES = 30  # degrees between
+LETTER_ANGLE = 15.0  # deg: where the circles' values stand, between two spokes
+HINTS = QPainter.RenderHint.Antialiasing | QPainter.RenderHint.TextAntialiasing
+
+
+class PolarPlot(QWidget):
+    """One or several channels of one unit against the cam angle.
+
+    angle_moved   the user has clicked at, or drawn the ray to, this cam angle [rad]
+    unseen        pixels by which a curve may be off where that saves points; on paper none
+    """
+
+    angle_moved = Signal(float)
+    unseen = 0.0
+
+    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+        super().__init__(parent)
+        self._theme = theme
+        self._rows: list[tuple[Channel, np.ndarray, str]] = []
+        self._spans: list[Span] = []
+        self._message = ""
+        self._angle, self._values = 0.0, [0.0]
+        self._floors: list[float] = []
+        self._with_cursor = True
+        self.rung = Rung("", 1.0, 0.0)
+        self._range = (0.0, 1.0)
+        self._low, self._high, self._circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
+        self._path: list[QPainterPath] | None = None
+        self._kept: QPixmap | None = None
+        self._read_at: list[QRectF] = []
+        self.setMinimumSize(120, 120)
+
+    # -- what is drawn ------------------------------------------------------------------------------------
+
+    def set_curves(self, study: Study, channels: Sequence[Channel]) -> None:
+        """Draw these channels of the study. Raises NoAnswer where one has none."""
+        self._floors = [floor_of(study, row) for row in channels]
+        values = [without_noise(row.values(study), floor) for row, floor in zip(channels, self._floors, strict=True)]
+        seen: dict[str, int] = {}
+        colours = []
+        for row in channels:
+            nth = seen[row.family] = seen.get(row.family, -1) + 1
+            colours.append(shade(self._theme.family(row.family), nth))
+        self.rung = readable(channels[0].unit.symbol, peak(values))
+        shown = [v / self.rung.size for v in values]
+        sides = [usual_range(v) for v in shown]
+        self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
+        self._scale()
+        self._theta, self._whole = study.theta, study.theta.size == study.samples
+        self._rows = list(zip(channels, shown, colours, strict=True))
+        self._spans, self._message, self._path = spans(motion_of(study.design)), "", None
+        self._kept = None
+        self._read()
+        self.update()
+
+    def show_message(self, text: str) -> None:
+        """Nothing but a line of text: what would fill this plot."""
+        self._rows, self._spans, self._message, self._path, self._kept = [], [], text, None, None
+        self.update()
+
+    def _scale(self) -> None:
+        """Round values for the circles; where none is negative the centre is 0, so that shapes are true."""
+        low, high = self._range
+        if high == low:
+            high = low + 1.0
+        room = self.radius * (1.0 - HOLE if low < 0.0 else 1.0)
+        most = min(max(int(room / CIRCLE_PIXELS), 1), MOST_CIRCLES)
+        self._step = nice_step(high - low, most)
+        first, last = math.floor(low / self._step + 1e-9), math.ceil(high / self._step - 1e-9)
+        self._circles = [self._step * i for i in range(first, last + 1)]
+        self._low, self._high = self._circles[0], self._circles[-1]
+
+    # -- cursor -------------------------------------------------------------------------------------------
+
+    def set_angle(self, theta: float, there: Study | None = None) -> None:
+        """Turn the ray to cam angle theta [rad]; there: the same study at this very angle, for exact readings."""
+        self._angle = theta
+        self._read(there)
+        self.update()
+
+    def show_cursor(self, shown: bool) -> None:
+        """Pictures on paper have no cursor."""
+        self._with_cursor = shown
+        self.update()
+
+    def readings(self) -> list[str]:
+        """The values at the cursor, in the order of the curves."""
+        return [measure(value, self.rung.symbol) for value in self._values] if self._rows else []
+
+    def _read(self, there: Study | None = None) -> None:
+        if not self._rows:
+            return
+        at = nearest(self._theta, self._angle)
+        known = [
+            float(values[at]) if there is None else float(row.values(there)[0]) / self.rung.size
+            for row, values, _ in self._rows
+        ]
+        self._values = [
+            0.0 if abs(value) * self.rung.size <= floor else value
+            for value, floor in zip(known, self._floors, strict=True)
+        ]
+
+    # -- geometry -----------------------------------------------------------------------------------------
+
+    @property
+    def centre(self) -> QPointF:
+        return QPointF(self.width() / 2.0, TITLE + (self.height() - TITLE) / 2.0)
+
+    @property
+    def radius(self) -> float:
+        """Of the outermost circle, pixels."""
+        return max(10.0, min(self.width() / 2.0, (self.height() - TITLE) / 2.0) - EDGE)
+
+    def distance(self, value: float) -> float:
+        """From the centre to a value's circle, pixels."""
+        hole = HOLE if self._low < 0.0 else 0.0
+        part = (min(max(value, self._low), self._high) - self._low) / (self._high - self._low)
+        return self.radius * (hole + (1.0 - hole) * part)
+
+    def place(self, angle: float, distance: float) -> QPointF:
+        """A place by cam angle [deg] and distance from the centre [pixels]."""
+        turn = math.radians(angle)
+        return self.centre + QPointF(distance * math.cos(turn), -distance * math.sin(turn))
+
+    def angle_at(self, pixel: QPointF) -> float:
+        """The cam angle [deg] of a place of the widget."""
+        away = pixel - self.centre
+        return math.degrees(math.atan2(-away.y(), away.x())) % 360.0
+
+    # -- painting -----------------------------------------------------------------------------------------
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._scale()
+        self._path = self._kept = None
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        if not self._with_cursor:
+            self._paint_still(painter)
+        else:  # on the screen the cursor moves over what is kept as pixels
+            if self._kept is None or self._kept.devicePixelRatio() != self.devicePixelRatioF():
+                self._kept = QPixmap(self.size() * self.devicePixelRatioF())
+                self._kept.setDevicePixelRatio(self.devicePixelRatioF())
+                still = QPainter(self._kept)
+                self._paint_still(still)
+                still.end()
+            painter.drawPixmap(0, 0, self._kept)
+            painter.setRenderHints(HINTS)
+            if self._rows:
+                self._paint_cursor(painter)
+        painter.end()
+
+    def _paint_still(self, painter: QPainter) -> None:
+        """All but the cursor."""
+        painter.setRenderHints(HINTS)
+        painter.fillRect(self.rect(), QColor(self._theme.paper))
+        if self._rows:
+            self._paint_paper(painter)
+            self._paint_curves(painter)
+            names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
+            paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
+        else:
+            painter.setFont(font(TEXT))
+            painter.setPen(QColor(self._theme.quiet))
+            room = self.rect().adjusted(16, 16, -16, -16)
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
+
+    def _paint_paper(self, painter: QPainter) -> None:
+        theme, centre, radius = self._theme, self.centre, self.radius
+        inner = self.distance(self._low)
+        painter.setPen(Qt.PenStyle.NoPen)
+        for span in self._spans[1::2]:
+            path = QPainterPath(centre)
+            box = QRectF(centre.x() - radius, centre.y() - radius, 2.0 * radius, 2.0 * radius)
+            path.arcTo(box, span.start, span.end - span.start)
+            path.closeSubpath()
+            painter.fillPath(path, brush(theme.band))
+        painter.setBrush(Qt.BrushStyle.NoBrush)
+        faint, zero = theme.pen(theme.faint), QPen(QColor(theme.quiet), THIN)
+        for value in self._circles:
+            painter.setPen(zero if value == 0.0 or value == self._circles[-1] else faint)
+            painter.drawEllipse(centre, self.distance(value), self.distance(value))
+        painter.setPen(faint)
+        for angle in range(0, 360, SPOKES):
+            painter.drawLine(self.place(angle, inner), self.place(angle, radius))
+        painter.setFont(font(SMALL))
+        painter.setPen(QColor(theme.ink))
+        for text, box in self.letters():
+            painter.fillRect(box, QColor(theme.paper))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+    def letters(self) -> list[tuple[str, QRectF]]:
+        """The angles around the circles, the values on them, and where they stand [pixels]."""
+        rows = [(f"{angle}°", self.place(angle, self.radius + 14.0)) for angle in range(0, 360, SPOKES)]
+        for value in self._circles:
+            if self.distance(value) > 0.0:
+                place = self.place(LETTER_ANGLE, self.distance(value))
+                rows.append((number(value, decimals_of(self._step)), place))
+        made = []
+        for text, place in rows:
+            width, height = text_size(text)
+            box = QRectF(0.0, 0.0, width + 4.0, height)
+            box.moveCenter(place)
+            made.append((text, box))
+        return made
+
+    def _paint_curves(self, painter: QPainter) -> None:
+        if self._path is None:
+            self._path = [self._curve(values) for _, values, _ in self._rows]
+        for path, (_, _, colour) in zip(self._path, self._rows, strict=True):
+            painter.setPen(self._theme.pen(colour, THIN))
+            painter.drawPath(path)
+
+    def _curve(self, values: np.ndarray) -> QPainterPath:
+        """One closed line, broken where a value is infinite."""
+        hole = HOLE if self._low < 0.0 else 0.0
+        part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
+        away = self.radius * (hole + (1.0 - hole) * part)
+        place = away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y())
+        finite = np.isfinite(values)
+        if finite.all() and self._whole:
+            round_about = np.append(place, place[:1])
+            return outline(round_about[needed(round_about, self.unseen / self.devicePixelRatioF())[:-1]])
+        path = QPainterPath()
+        for run in np.split(np.arange(values.size), np.flatnonzero(np.diff(finite)) + 1):
+            if finite[run[0]]:
+                path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place[run].tolist()]))
+        return path
+
+    def _paint_cursor(self, painter: QPainter) -> None:
+        theme, angle = self._theme, math.degrees(self._angle)
+        self._read_at = []
+        painter.setPen(theme.pen(theme.quiet))
+        painter.drawLine(self.place(angle, self.distance(self._low)), self.place(angle, self.radius))
+        painter.setFont(font(SMALL))
+        metrics = QFontMetricsF(font(SMALL))
+        left = math.cos(self._angle) > 0.0  # the text stands inwards, where there is room
+        boxes = [box for _, box in self.letters()]
+        room = QRectF(self.rect())
+        for value, (_, _, colour) in zip(self._values, self._rows, strict=True):
+            text = measure(value, self.rung.symbol)
+            at = self.place(angle, self.distance(value if math.isfinite(value) else self._high))
+            box = near(at, QSizeF(metrics.horizontalAdvance(text) + 6.0, metrics.height()), left, boxes, room)
+            boxes.append(box)
+            self._read_at.append(box)
+            if math.isfinite(value):
+                painter.setPen(QPen(QColor(theme.paper), THIN))
+                painter.setBrush(QColor(colour))
+                painter.drawEllipse(at, 3.5, 3.5)
+                painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.fillRect(box, brush(theme.paper, 0.85))
+            painter.setPen(QColor(theme.letters(colour)))
+            painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
+
+
+__all__ = ["PolarPlot"]

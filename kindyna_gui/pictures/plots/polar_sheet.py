@@ -1,0 +1,49 @@
+"""Polar plots side by side: how many columns, and as a file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from PySide6.QtWidgets import QGridLayout
+
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.plots.detail import UNSEEN
+from kindyna_gui.pictures.plots.paper_sheet import MARGIN, PaperSheet
+from kindyna_gui.pictures.plots.polar import PolarPlot
+from kindyna_gui.pictures.style import LIGHT, Theme
+
+CELL = (560, 560)  # of a plot on paper, pixels
+
+
+def columns_for(count: int, width: float, height: float) -> int:
+    """Columns of a grid in which so many square plots become largest in the room given."""
+    sizes = {c: min(width / c, height / math.ceil(count / c)) for c in range(1, max(1, count) + 1)}
+    return max(sizes, key=lambda c: sizes[c])
+
+
+class PolarSheet(PaperSheet):
+    """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point."""
+
+    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
+        super().__init__(theme)
+        grid = QGridLayout(self)
+        grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
+        columns = math.ceil(math.sqrt(len(rows)))
+        for place, row in enumerate(rows):
+            plot = PolarPlot(self, theme)
+            plot.unseen = unseen
+            plot.set_curves(study, row)
+            plot.show_cursor(False)
+            grid.addWidget(plot, place // columns, place % columns)
+        self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
+
+
+def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
+    """Polar plots as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
+    if ending == ".svg":
+        return svg(PolarSheet(study, rows, LIGHT), study.design.name)
+    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))

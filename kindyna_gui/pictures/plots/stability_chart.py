@@ -1,0 +1,248 @@
+"""The chart of stability: tongues as edges, the machine's point and its way up to speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QPainterPath
+from PySide6.QtWidgets import QWidget
+
+from core.stability import APPROXIMATE, EXACT, Chart, Machine
+from kindyna_gui.pictures.drawing.items import Outline, Tag, text_size
+from kindyna_gui.pictures.plots.background import LEAST_ACROSS, value_ticks
+from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.legend import Entry
+from kindyna_gui.pictures.style import BLUE, DASHED, LIGHT, SMALL, VERMILION, Theme, brush
+from kindyna_gui.pictures.units import short
+
+LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
+TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own speed
+Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
+NAMES = (
+    Entry(VERMILION, "unstable by (21), exact"),
+    Entry(BLUE, "edges of (22), Kim1990's approximation", "– –"),
+)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One way to number an axis. ``of``: value shown for η or Q; ``back``: η or Q of a value shown."""
+
+    label: str
+    title: str
+    of: Callable[[np.ndarray, Machine], np.ndarray]
+    back: Callable[[float, Machine], float]
+    needs_machine: bool = True
+
+
+def _rpm(eta: np.ndarray, machine: Machine) -> np.ndarray:
+    with np.errstate(divide="ignore"):
+        return machine.rpm(1.0) / eta
+
+
+ACROSS: Mapping[str, Measure] = MappingProxyType(
+    {
+        "eta": Measure("η", "Frequency ratio η = ω₀/ω", lambda e, m: e, lambda x, m: x, False),
+        "rpm": Measure("rpm", "Camshaft speed, rpm", _rpm, lambda x, m: m.rpm(1.0) / max(x, 1e-300)),
+    }
+)
+UPWARDS: Mapping[str, Measure] = MappingProxyType(
+    {
+        "q": Measure("Q", "Inertia ratio Q", lambda q, m: q, lambda y, m: y, False),
+        "mass": Measure("masses", "Moved masses, × present", lambda q, m: q / m.q, lambda y, m: y * m.q),
+    }
+)
+
+
+class ChartPlot(FixedPlot):
+    """A chart of tongues. Pixels in, (η, Q) out: ``place`` and ``point_at`` know the axes."""
+
+    def __init__(self, parent: QWidget | None = None, theme: Theme = LIGHT) -> None:
+        super().__init__(parent, theme, top=True)
+        self.setAntialiasing(True)
+        self._chart: Chart | None = None
+        self._across, self._upwards = "eta", "q"
+        self._hull = self._outline(VERMILION, Z_TONGUE - 1.0, fill=brush(VERMILION, 0.12))
+        self._exact = self._outline(VERMILION, Z_TONGUE, fill=brush(VERMILION, 0.22))
+        self._approximate = self._outline(BLUE, Z_TONGUE - 0.5, DASHED)
+        self._marked = self._outline(theme.quiet, Z_PATH - 1.0, (2.0, 4.0))
+        self._path = self._outline(theme.ink, Z_PATH)
+        self._path.setOpacity(0.55)
+        dot, ring = QPainterPath(), QPainterPath()
+        dot.addEllipse(QRectF(-4.5, -4.5, 9.0, 9.0))
+        ring.addEllipse(QRectF(-6.0, -6.0, 12.0, 12.0))
+        self.own = self._dot(dot, theme.ink, Z_POINT)
+        self.looked = self._dot(ring, "", Z_POINT + 1.0)
+        self._tag = Tag("", theme.ink, theme, SMALL, (0.0, 1.0), backing=True)
+        self._include(self._tag, Z_POINT)
+        self.looked.hide()
+        self.own.hide()
+        self._name(NAMES)
+
+    def _dot(self, path: QPainterPath, colour: str, z: float) -> Outline:
+        item = Outline(path, self._theme.pen(self._theme.ink, 1.5), brush(colour) if colour else None)
+        item.setFlag(item.GraphicsItemFlag.ItemIgnoresTransformations)
+        self._include(item, z)
+        return item
+
+    # -- what is drawn --------------------------------------------------------------------------------------
+
+    @property
+    def chart(self) -> Chart | None:
+        return self._chart
+
+    def show_chart(self, chart: Chart, across: str = "eta", upwards: str = "q") -> None:
+        """Draw a chart, its axes numbered by rows of ``ACROSS`` and ``UPWARDS``."""
+        self._chart = chart
+        if chart.machine is None:
+            across, upwards = "eta", "q"
+        self._across, self._upwards = across, upwards
+        top = float(chart.q[-1]) if chart.q.size > 1 else 1.2 * float(chart.q[0])
+        x = self._x(np.array([chart.eta_max]))[0] if across == "eta" else self._fastest(chart)
+        self._view.setRange(xRange=(0.0, float(x)), yRange=(0.0, float(self._y(np.array([top]))[0])), padding=0.0)
+        self._exact.redraw(self._tongues(chart, EXACT))
+        self._approximate.redraw(self._tongues(chart, APPROXIMATE))
+        self._hull.redraw(self._bottom(chart))
+        self._marked.redraw(self._rows(chart))
+        self._place_machine(chart.machine)
+        self._lay()
+
+    def _fastest(self, chart: Chart) -> float:
+        assert chart.machine is not None
+        own = chart.machine.rpm(chart.machine.eta)
+        least, most = (times * own for times in TIMES_OWN)
+        return min(max(chart.machine.rpm(LEAST_ETA), least), most)
+
+    def _x(self, eta: np.ndarray) -> np.ndarray:
+        return ACROSS[self._across].of(eta, self._machine)
+
+    def _y(self, q: np.ndarray) -> np.ndarray:
+        return UPWARDS[self._upwards].of(q, self._machine)
+
+    @property
+    def _machine(self) -> Machine:
+        assert self._chart is not None
+        return self._chart.machine  # type: ignore[return-value]  # rows that need one are not chosen without
+
+    def _tongues(self, chart: Chart, equation: str) -> QPainterPath:
+        path = QPainterPath()
+        if equation not in chart.tongues:
+            return path
+        for n in range(1, chart.tongues[equation].count + 1):
+            for polygon in chart.outline(n, equation):
+                self._add(path, polygon, closed=True)
+        return path
+
+    def _add(self, path: QPainterPath, polygon: np.ndarray, closed: bool) -> None:
+        """A polygon of (η, Q), cut at what the axis shows so that no place is at infinity."""
+        (low, high), _ = self._view.viewRange()
+        x = np.clip(self._x(polygon[:, 0]), low - 1.0 * (high - low), high + 1.0 * (high - low))
+        y = self._y(polygon[:, 1])
+        for i, (a, b) in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
+            path.lineTo(a, b) if i else path.moveTo(a, b)
+        if closed:
+            path.closeSubpath()
+
+    def _bottom(self, chart: Chart) -> QPainterPath:
+        """What lies below the lowest edge, where everything is unstable."""
+        path = QPainterPath()
+        found = chart.tongues.get(EXACT)
+        if found is not None and (found.bottom > 0.0).any():
+            q, edge = chart.q, found.bottom
+            zero = np.full(q.size, 1e-9)
+            polygon = np.concatenate((np.column_stack((edge, q)), np.column_stack((zero, q))[::-1]))
+            self._add(path, polygon, closed=True)
+        return path
+
+    def _rows(self, chart: Chart) -> QPainterPath:
+        path = QPainterPath()
+        (low, high), _ = self._view.viewRange()
+        for q in chart.marked:
+            y = float(self._y(np.array([q]))[0])
+            path.moveTo(low, y)
+            path.lineTo(high, y)
+        return path
+
+    def _place_machine(self, machine: Machine | None) -> None:
+        """The operating point, and the way up to it from standstill, η = ∞."""
+        self.own.setVisible(machine is not None)
+        self._tag.setVisible(machine is not None)
+        path = QPainterPath()
+        if machine is not None:
+            place = self.place(machine.eta, machine.q)
+            (low, high), (_, top) = self._view.viewRange()
+            start = high if self._across == "eta" else low
+            if low <= place.x() <= high:
+                path.moveTo(start, place.y())
+                path.lineTo(place)
+            self.own.setPos(place)
+            self.own.setVisible(low <= place.x() <= high and place.y() <= top)
+            self._tag.set_text(f"{short(machine.rpm(machine.eta))} rpm, η = {machine.eta:.3g}, Q = {machine.q:.3g}")
+            room = (high - place.x()) / (high - low) * self._view.width()
+            self._tag.set_lean(0.0 if room > self._tag.size[0] + 14.0 else 1.0, 1.0)
+            self._tag.shift(7.0 if room > self._tag.size[0] + 14.0 else -7.0, -6.0)
+            self._tag.setPos(min(max(place.x(), low), high), min(place.y(), top))
+        self._path.redraw(path)
+
+    def move_own(self, eta: float, q: float) -> None:
+        """Draw the machine's point somewhere else, until the chart is shown anew."""
+        self.own.setPos(self.place(eta, q))
+        self._tag.setVisible(False)
+
+    def look_at(self, eta: float | None, q: float = 0.0) -> None:
+        """Ring the point that is looked at; None: none is."""
+        self.looked.setVisible(eta is not None)
+        if eta is not None:
+            self.looked.setPos(self.place(eta, q))
+
+    # -- where it is ----------------------------------------------------------------------------------------
+
+    def place(self, eta: float, q: float) -> QPointF:
+        """A point of the chart in the numbers of the axes."""
+        return QPointF(float(self._x(np.array([eta]))[0]), float(self._y(np.array([q]))[0]))
+
+    def pixel(self, eta: float, q: float) -> QPointF:
+        """Where a point of the chart stands in the widget."""
+        return QPointF(self.mapFromScene(self._view.mapViewToScene(self.place(eta, q))))
+
+    def point_at(self, pixel: QPointF) -> tuple[float, float] | None:
+        """η and Q at a place of the widget; None beside the chart."""
+        if self._chart is None:
+            return None
+        at = self._view.mapSceneToView(self.mapToScene(pixel.toPoint()))
+        (low, high), (bottom, top) = self._view.viewRange()
+        if not (low < at.x() <= high and bottom < at.y() <= top):
+            return None
+        return ACROSS[self._across].back(at.x(), self._machine), UPWARDS[self._upwards].back(at.y(), self._machine)
+
+    # -- layout ---------------------------------------------------------------------------------------------
+
+    def _lay(self, *_: object) -> None:
+        frame = self.frame()
+        across = value_ticks(frame.first, frame.last, frame.width, LEAST_ACROSS)
+        self._rule(frame, across, value_ticks(frame.low, frame.high, frame.height))
+        self._axes["bottom"].show_title(ACROSS[self._across].title, self._theme.ink)
+        self._axes["left"].show_title(UPWARDS[self._upwards].title, self._theme.ink)
+        self._axes["top"].show_ticks(self._numbers(frame.first, frame.last, frame.width))
+        if self._chart is not None:
+            self._place_machine(self._chart.machine)
+
+    def _numbers(self, low: float, high: float, width: float) -> list[tuple[float, str]]:
+        """The numbers of the tongues over their tips, as far as they have room."""
+        if self._chart is None or EXACT not in self._chart.tongues:
+            return []
+        rows: list[tuple[float, str]] = []
+        for n in range(1, self._chart.tongues[EXACT].count + 1):
+            x, text = float(self._x(np.array([0.5 * n]))[0]), f"n = {n}" if n == 1 else str(n)
+            half = 0.5 * text_size(text)[0] * (high - low) / width
+            free = all(abs(x - other) > 2.6 * half for other, _ in rows)
+            if low + half < x < high - half and free:
+                rows.append((x, text))
+        return rows
+
+
+__all__ = ["ACROSS", "UPWARDS", "ChartPlot", "Measure"]

@@ -1,0 +1,259 @@
+"""The pages below the chart of stability: verdicts, speeds, and plots of the point that is looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
+
+from core.design import UNITS, Info
+from core.errors import KindynaError
+from core.stability import History, Stability, Verdict, averages_plots, coefficients_plot, contact_marks
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.look import QUIET, WRONG, coloured
+from kindyna_gui.pictures.plots.xy import Line, XYPlot
+from kindyna_gui.pictures.style import LIGHT, VERMILION
+from kindyna_gui.stability.texts import bands_table, shaft_text, verdict_table
+
+POINTS = 6000  # of a history that is drawn
+LEAST_WIDTH = 596  # the table of verdicts needs it
+KILO = 10e3  # N, from where on kN are counted
+LAST_TURNS = 5.0  # of a history, drawn as phase plane
+TURN = 360.0
+FOLLOWING = "Following the shaft through 30 turns …"
+AVERAGING = "Following the shaft from rest at many speeds …"
+
+
+@dataclass
+class Looked:
+    """What is known of the point that is looked at; ``own``: it is the machine's."""
+
+    eta: float
+    q: float
+    own: bool
+    gone: History | None = None
+    said: tuple[Verdict, ...] = ()
+
+
+class StabilityPages(QTabWidget):
+    """One page in front of the others; only that is drawn.
+
+    lacking   (str): a page has come to the front that waits for what is named, a cached property of ``Stability``
+    """
+
+    lacking = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__(documentMode=True)
+        self.found: Stability | None = None
+        self.looked: Looked | None = None
+        self._drawn: set[int] = set()
+        self.verdicts, self.speeds = _text(), _text()
+        self.addTab(_rolled(self.verdicts), "Verdicts")
+        self.addTab(self._speeds_page(), "Speeds")
+        self.plots: dict[str, tuple[XYPlot, ...]] = {}
+        for name, row in PLOTS.items():
+            self.plots[name] = tuple(XYPlot(across, upwards) for across, upwards in row.axes)
+            self.addTab(_beside(self.plots[name]), name)
+        self.setMinimumWidth(max(LEAST_WIDTH, self.tabBar().sizeHint().width()))
+        self.currentChanged.connect(self._draw)
+        self.speed.entered.connect(self._needs)
+
+    def _speeds_page(self) -> QScrollArea:
+        """The forbidden bands, and the shaft that a wanted speed asks for."""
+        self.speed = NumberBox(Info("Speed", low=0.0, high=1e5, open_low=True, step=10.0), UNITS["rpm"])
+        self.needed = QLabel(wordWrap=True)
+        self.needed.setMinimumWidth(1)
+        row = QHBoxLayout()
+        row.setContentsMargins(8, 6, 8, 0)
+        row.addWidget(QLabel("To run at"))
+        row.addWidget(self.speed)
+        row.addWidget(QLabel("rpm"))
+        row.addWidget(self.needed, 1)
+        return _rolled(row, self.speeds)
+
+    # -- what is shown --------------------------------------------------------------------------------------
+
+    def show_shaft(self, found: Stability, looked: Looked) -> None:
+        """Another shaft, and the point of its chart that is looked at."""
+        self.found = found
+        self.speed.show_value(round(found.machine.rpm(found.machine.eta), 6))
+        self.look(looked)
+
+    def look(self, looked: Looked) -> None:
+        """Another point, or more of it is known."""
+        self.looked = looked
+        self.redraw()
+
+    def redraw(self) -> None:
+        """What is drawn is out of date."""
+        self._drawn.clear()
+        self._draw()
+
+    @property
+    def lacks(self) -> str:
+        """The cached property of the shaft for which the page in front waits, '' where there is none."""
+        row = PLOTS.get(self.tabText(self.currentIndex()))
+        return row.needs if row is not None and self.found is not None and row.needs not in vars(self.found) else ""
+
+    def show_page(self, name: str) -> None:
+        self.setCurrentIndex([self.tabText(i) for i in range(self.count())].index(name))
+
+    def _draw(self, *_: object) -> None:
+        index = self.currentIndex()
+        if self.found is None or self.looked is None or index in self._drawn:
+            return
+        self._drawn.add(index)
+        name = self.tabText(index)
+        if name == "Verdicts":
+            self._show_verdicts(self.found, self.looked)
+        elif name == "Speeds":
+            self._show_speeds(self.found)
+        else:
+            self._show_plots(self.found, self.looked, name)
+
+    def _show_plots(self, found: Stability, looked: Looked, name: str) -> None:
+        row = PLOTS[name]
+        if looked.gone is None if row.of_point else self.lacks:
+            for plot in self.plots[name]:
+                plot.show_message(FOLLOWING if row.of_point else AVERAGING)
+            if row.needs:
+                self.lacking.emit(row.needs)
+        else:
+            row.draw(self.plots[name], found, looked)
+
+    def _show_verdicts(self, found: Stability, looked: Looked) -> None:
+        told = looked.said or found.quick(looked.eta, looked.q)
+        where = "" if looked.own else "the picked point, "
+        wait = "" if looked.said else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
+        self.verdicts.setText(f"<p>{where}η = {looked.eta:.5g}, Q = {looked.q:.5g}</p>{verdict_table(told)}{wait}")
+
+    def _show_speeds(self, found: Stability) -> None:
+        if "bands" in vars(found):
+            machine = found.machine
+            self.speeds.setText(bands_table(found.bands, machine.rpm(machine.eta)))
+            self._needs(self.speed.value)
+        else:
+            self.speeds.setText("Looking for the forbidden bands …")
+
+    def _needs(self, rpm: float) -> None:
+        if self.found is not None:
+            try:
+                self.needed.setText(shaft_text(self.found.stiffness_for(rpm)))
+                coloured(self.needed, QUIET)
+            except KindynaError as error:
+                self.needed.setText(str(error))
+                coloured(self.needed, WRONG)
+
+
+def _text() -> QLabel:
+    label = QLabel(alignment=Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft, margin=8)
+    label.setTextFormat(Qt.TextFormat.RichText)
+    label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+    return label
+
+
+def _rolled(*parts: QWidget | QHBoxLayout) -> QScrollArea:
+    """Rows one below the other that can be rolled where the page is too low."""
+    paper = QWidget()
+    column = QVBoxLayout(paper)
+    column.setContentsMargins(0, 0, 0, 0)
+    for part in parts:
+        column.addWidget(part) if isinstance(part, QWidget) else column.addLayout(part)
+    column.addStretch(1)
+    area = QScrollArea(widgetResizable=True)
+    area.setFrameShape(QScrollArea.Shape.NoFrame)
+    area.setWidget(paper)
+    return area
+
+
+def _beside(plots: tuple[XYPlot, ...]) -> QWidget:
+    if len(plots) == 1:
+        return plots[0]
+    page = QWidget()
+    row = QHBoxLayout(page)
+    row.setContentsMargins(0, 0, 0, 0)
+    row.setSpacing(0)
+    for plot in plots:
+        row.addWidget(plot, 1)
+    return page
+
+
+# -- plots --------------------------------------------------------------------------------------------------
+
+
+def _samples(gone: History, begin: float = 0.0) -> np.ndarray:
+    return np.linspace(begin, gone.ended, POINTS)
+
+
+def _wind_up(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    gone = _gone(looked)
+    y = _samples(gone)
+    plots[0].show_lines([Line(y, TURN * gone.at(y)[0], LIGHT.ink)], contact_marks(gone))
+
+
+def _phase(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    gone = _gone(looked)
+    beta, rate = gone.at(_samples(gone, max(0.0, gone.ended - LAST_TURNS)))
+    plots[0].show_lines([Line(TURN * beta, TURN * rate, LIGHT.ink)], square=True)
+
+
+def _spectrum(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    order, size = _gone(looked).spectrum(max(12.0, 1.25 * looked.eta))
+    plots[0].show_lines([Line(order, TURN * size, VERMILION)])
+
+
+def _contact(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    gone = _gone(looked)
+    if gone.contact is None:
+        plots[0].show_message("No contact force: the follower has no cam that it could leave.")
+        return
+    y = _samples(gone)
+    unit = gone.contact.unit * found.machine.omega_at(gone.eta) ** 2
+    force = unit * gone.force(y)
+    name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
+    plots[0].name_axes("Turns of the input", f"Force, {name}")
+    plots[0].show_lines([Line(y, force / per, LIGHT.ink)], contact_marks(gone))
+
+
+def _gone(looked: Looked) -> History:
+    assert looked.gone is not None
+    return looked.gone
+
+
+def _averages(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    for plot, drawn in zip(plots, averages_plots(found.first_turn), strict=True):
+        plot.show_plot(drawn)
+
+
+def _terms(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+    plots[0].show_plot(coefficients_plot(found.coefficients))
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of plots: titles of their axes, what draws them; ``of_point``: it waits for the history of the point;
+    ``needs``: for a cached property of ``Stability``."""
+
+    axes: tuple[tuple[str, str], ...]
+    draw: Callable[[tuple[XYPlot, ...], Stability, Looked], None]
+    of_point: bool = True
+    needs: str = ""
+
+
+PLOTS: Mapping[str, Page] = MappingProxyType(
+    {
+        "Wind-up": Page((("Turns of the input", "Twist, °"),), _wind_up),
+        "Phase": Page((("Twist, °", "Rate, °/turn"),), _phase),
+        "Spectrum": Page((("Order, × shaft speed", "Twist, °"),), _spectrum),
+        "Contact": Page((("Turns of the input", "Force, N"),), _contact),
+        "Averages": Page((("", ""), ("", "")), _averages, of_point=False, needs="first_turn"),
+        "Terms": Page((("", ""),), _terms, of_point=False),
+    }
+)
+
+__all__ = ["Looked", "StabilityPages"]

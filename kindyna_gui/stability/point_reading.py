@@ -1,0 +1,99 @@
+"""What is told of the point under the mouse: at once what is quickly known, the rest where the mouse rests."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtWidgets import QLabel
+
+from core.stability import EXACT, Stability, Verdict
+from kindyna_gui.background import Background
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.stability.texts import point_text, tongue_of, waiting_text
+
+UNSEEN = 1e-6  # of η: a tongue's edge may be off by that
+LINES = 3
+REST_MS = 220  # the mouse rests, before what takes long is begun
+
+
+class Reading(QLabel):
+    """Three lines: the place, its tongue and the linear models; the steady response; the history from rest.
+
+    The latter two take a second and more: they are computed beside the window, and given up where the mouse moves on.
+
+    changed   something that was still to come has come, or is given up
+    """
+
+    changed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.setMinimumWidth(1)
+        self.setMinimumHeight(LINES * self.fontMetrics().lineSpacing() + 2)  # else the chart jumps
+        self.setAlignment(Qt.AlignmentFlag.AlignTop)
+        coloured(self, QUIET)
+        self.background = Background(self)
+        self.background.result.connect(self._answered)
+        self._pause = QTimer(self, singleShot=True, interval=REST_MS)
+        self._pause.timeout.connect(self._ask)
+        self._found: Stability | None = None
+        self.point: tuple[float, float] | None = None
+        self.told: tuple[Verdict, ...] = ()
+        self._tongue: int | None = None
+
+    @property
+    def busy(self) -> bool:
+        return self._pause.isActive() or self.background.busy
+
+    def stop(self) -> None:
+        """Give up what is being computed; what is told stays."""
+        self._pause.stop()
+        self.background.stop()
+        self.changed.emit()
+
+    def say(self, text: str) -> None:
+        """Something else than a point."""
+        self.stop()
+        self.point, self.told = None, ()
+        self.setText(text)
+
+    def tell(self, found: Stability, point: tuple[float, float]) -> None:
+        """Tell of a point (η, Q)."""
+        self.stop()
+        self._found, self.point = found, point
+        eta, q = point
+        self.told = found.quick(eta, q)
+        self._tongue = tongue_of(found.tongues(EXACT, max(eta + 0.5, 1.0), q, UNSEEN), eta)
+        self._pause.start()
+        self._show()
+
+    def _ask(self) -> None:
+        assert self._found is not None
+        assert self.point is not None
+        eta, q = self.point
+        self.background.start(
+            [
+                (self.point, partial(self._found.rest_at, eta, q)),
+                (self.point, partial(self._found.steady_at, eta, q)),
+            ]
+        )
+        self._show()
+        self.changed.emit()
+
+    def _answered(self, point: tuple[float, float], verdict: Any) -> None:
+        if point == self.point and isinstance(verdict, Verdict):
+            self.told = (*self.told, verdict)
+        self._show()
+        self.changed.emit()
+
+    def _show(self) -> None:
+        assert self._found is not None
+        if self.point is not None:
+            first = point_text(*self.point, self._found.machine, self.told, self._tongue)
+            self.setText(f"{first}\n{waiting_text(self.told, self.busy)}")
+
+
+__all__ = ["Reading"]

@@ -1,0 +1,318 @@
+"""Stability of the flexible camshaft: the chart of tongues, what every model says of a point, and the wind-up there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QHideEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QSplitter,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import with_elastic
+from core.errors import KindynaError
+from core.stability import ERROR, Chart, Stability, chart
+from core.study import Study
+from kindyna_gui.background import Background, Job
+from kindyna_gui.documents.session import Session
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
+from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, with_shaft
+from kindyna_gui.stability.chart import StabilityChart
+from kindyna_gui.stability.pages import Looked, StabilityPages
+from kindyna_gui.stability.point_reading import Reading
+from kindyna_gui.stability.texts import machine_text, wanted_text
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+COARSE, FINE = 10, 64  # rows of Q: at once, and once there is time
+UNSEEN = 1e-3  # of η: an edge off by less is not seen in the coarse chart
+PAUSE_MS = 150  # of editing, before what takes long is begun
+RIGID = "The camshaft is rigid. Stability > Flexible shaft gives it a stiffness and an inertia to begin with."
+
+
+class StabilityView(View):
+    """The page of stability.
+
+    The coarse chart is drawn at once; the fine one, the verdicts and the history of the point that is looked at are
+    computed beside the window and given up where the design changes or the page leaves the screen.
+    """
+
+    stages = ("stability",)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.found: Stability | None = None
+        self.looked: Looked | None = None
+        self.picked: tuple[float, float] | None = None  # None: the machine's own point is looked at
+        self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
+        self.chart, self.reading, self.pages = StabilityChart(), Reading(), StabilityPages()
+        self.chart.setMinimumHeight(180)
+        self.fine, self.looks, self.means = Background(), Background(), Background()
+        self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._pause.timeout.connect(self._begin)
+        self._lay_out()
+        self._connect()
+
+    # -- building -------------------------------------------------------------------------------------------
+
+    def _lay_out(self) -> None:
+        self.head = QLabel()
+        self.head.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.head.setMinimumWidth(1)
+        self.progress = QProgressBar(textVisible=False, minimum=0, maximum=0)
+        self.progress.setFixedSize(70, 8)
+        self.progress.hide()
+        self.across, self.upwards = self._choice(ACROSS), self._choice(UPWARDS)
+        self.use = QPushButton("Use this shaft")
+        self.use.setToolTip("Put the stiffness and inertia that this point needs into the design, as one step")
+        self.use.hide()
+        tools = QHBoxLayout()
+        tools.setContentsMargins(8, 4, 8, 0)
+        tools.addWidget(self.head, 1)
+        tools.addWidget(self.progress)
+        for text, box in (("across", self.across), ("upwards", self.upwards)):
+            name = QLabel(text)
+            coloured(name, QUIET)
+            tools.addWidget(name)
+            tools.addWidget(box)
+        foot = QHBoxLayout()
+        foot.setContentsMargins(8, 0, 8, 2)
+        foot.addWidget(self.reading, 1)
+        foot.addWidget(self.use)
+        upper = QWidget()
+        column = QVBoxLayout(upper)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        column.addLayout(tools)
+        column.addWidget(self.chart, 1)
+        column.addLayout(foot)
+        parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        parted.addWidget(upper)
+        parted.addWidget(self.pages)
+        parted.setStretchFactor(0, 3)
+        parted.setStretchFactor(1, 2)
+        layout = QVBoxLayout()
+        layout.setContentsMargins(0, 0, 0, 0)
+        layout.addWidget(parted)
+        self.set_content_layout(layout)
+
+    @staticmethod
+    def _choice(rows: Any) -> QComboBox:
+        box = QComboBox()
+        for name, row in rows.items():
+            box.addItem(row.label, name)
+        box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        return box
+
+    def _connect(self) -> None:
+        self.chart.hovered.connect(self._hover)
+        self.chart.picked.connect(self.look_at)
+        self.chart.pulled.connect(self._pulled)
+        self.chart.released.connect(self._released)
+        self.reading.changed.connect(self._rest)
+        self.pages.lacking.connect(self._lacks)
+        self.fine.result.connect(self._refined)
+        self.looks.result.connect(self._known)
+        self.means.result.connect(self._known)
+        self.across.currentIndexChanged.connect(self._draw_chart)
+        self.upwards.currentIndexChanged.connect(self._draw_chart)
+        self.use.clicked.connect(self.use_wanted)
+        self.session.started.connect(self._another_design)
+
+    # -- showing --------------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        self._stop()
+        self.wanted = self.found = None
+        self.use.hide()
+        design = with_shaft(study.design, NO_SHAFT)
+        if design.shaft.elastic is None:
+            raise NotHere(RIGID)
+        self.found = found = study.flexible_shaft()
+        self.head.setText(machine_text(found))
+        self.reading.say("")
+        self.drawn = self._chart(found, study.design.name, COARSE, UNSEEN)()
+        self.looked = self._unknown(found)
+        self._draw_chart()
+        self._pause.start()
+        self.pages.show_shaft(found, self.looked)
+
+    @staticmethod
+    def _chart(found: Stability, name: str, rows: int, error: float) -> Callable[[], Chart]:
+        m = found.machine
+        return partial(
+            chart, found.coefficients, m, name, rows=rows, damping=m.damping, eta_max=found.eta_max, error=error
+        )
+
+    def _another_design(self) -> None:
+        self.picked = None
+
+    def _unknown(self, found: Stability) -> Looked:
+        """The point that is looked at, of which nothing is known yet: one that was picked, or the machine's own."""
+        return Looked(*(self.picked or (found.machine.eta, found.machine.q)), own=self.picked is None)
+
+    def _draw_chart(self, *_: object) -> None:
+        self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
+        self.chart.look_at(*(self.picked or (None,)))
+
+    # -- what takes longer ----------------------------------------------------------------------------------
+
+    @property
+    def busy(self) -> bool:
+        """Something that is shown is still to come."""
+        return self._pause.isActive() or self._computing or self.reading.busy
+
+    @property
+    def _computing(self) -> bool:
+        return any(each.busy for each in self._background)
+
+    @property
+    def _background(self) -> tuple[Background, ...]:
+        return self.fine, self.looks, self.means, self.reading.background
+
+    def _stop(self) -> None:
+        self._pause.stop()
+        for each in (self.fine, self.looks, self.means, self.reading):  # which stops its own
+            each.stop()
+        self._rest()
+
+    def leave(self) -> None:
+        self._stop()
+        for each in self._background:
+            each.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if not event.spontaneous():  # else the whole window is put away for a while
+            self._stop()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self.up_to_date and self._lacking:
+            self._pause.start()
+
+    @property
+    def _lacking(self) -> bool:
+        """Something that is shown has been given up, or never asked for."""
+        if self.found is None or self.looked is None:
+            return False
+        whole = self.drawn.q.size >= FINE and not self.pages.lacks
+        return not whole or bool(self._jobs(self.found, self.looked))
+
+    def settle(self) -> None:
+        """Do now what waits for a pause."""
+        if self._pause.isActive():
+            self._pause.stop()
+            self._begin()
+
+    def _begin(self) -> None:
+        """Ask for what takes longer: the fine chart once, then all about the point."""
+        if self.found is None or not self.on_screen():
+            return
+        if self.drawn.q.size < FINE:
+            self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, ERROR))])
+        self._ask_for_point(self.found)
+        self.pages.redraw()
+
+    def _ask_for_point(self, found: Stability) -> None:
+        assert self.looked is not None
+        self.looks.start(self._jobs(found, self.looked))
+        self._rest()
+
+    @staticmethod
+    def _jobs(found: Stability, looked: Looked) -> list[Job]:
+        """What is not known yet of the point that is looked at, and of the shaft."""
+        eta, q = looked.eta, looked.q
+        rows: list[tuple[bool, Job]] = [
+            ("bands" in vars(found), ("bands", lambda: found.bands)),  # kept there once they are known
+            (looked.gone is not None, ("gone", partial(found.history, eta=eta, q=q))),
+            (bool(looked.said), ("said", partial(found.verdicts, eta, q))),
+        ]
+        return [job for known, job in rows if not known]
+
+    def _lacks(self, name: str) -> None:
+        """A page in front waits for a cached property of the shaft."""
+        if self.found is not None and not self.means.busy and not self._pause.isActive():
+            self.means.start([(name, partial(getattr, self.found, name))])
+            self._rest()
+
+    def _refined(self, asked: str, found: Chart | KindynaError) -> None:
+        if isinstance(found, Chart):
+            self.drawn = found
+            self._draw_chart()
+        self._rest()
+
+    def _rest(self) -> None:
+        self.progress.setVisible(self._computing)
+
+    def _known(self, asked: str, found: Any) -> None:
+        """More is known of the point that is looked at, or of the shaft."""
+        if self.looked is not None and not isinstance(found, KindynaError) and asked in ("gone", "said"):
+            setattr(self.looked, asked, found)
+        self.pages.redraw()
+        self._rest()
+
+    # -- a point --------------------------------------------------------------------------------------------
+
+    def look_at(self, eta: float, q: float) -> None:
+        """Pick a point of the chart: verdicts, history, phase plane, spectrum and contact force are of it."""
+        self.picked = (eta, q)
+        self.chart.look_at(eta, q)
+        if self.found is not None:
+            self.looked = self._unknown(self.found)
+            self.pages.look(self.looked)
+            self._ask_for_point(self.found)
+
+    def _hover(self, point: tuple[float, float] | None) -> None:
+        if self.found is None or self.wanted is not None:
+            return
+        if point is None:
+            self.reading.say("")
+        else:
+            self.reading.tell(self.found, point)
+
+    def _pulled(self, eta: float, q: float) -> None:
+        assert self.found is not None
+        self.wanted = (eta, q)
+        self.chart.move_own(eta, q)
+        self.reading.say(wanted_text(self.found.machine, eta, q))
+
+    def _released(self, kept: bool) -> None:
+        if not kept:
+            self.wanted = None
+            self.reading.say("")
+            if self.found is not None:
+                self._draw_chart()
+        self.use.setVisible(self.wanted is not None)
+
+    def use_wanted(self) -> None:
+        """Put the shaft of the wanted point into the design."""
+        if self.wanted is None or self.found is None:
+            return
+        elastic = self.session.design.shaft.elastic
+        inertia, stiffness = self.found.machine.shaft_for(*self.wanted)
+        made = replace(
+            elastic,
+            camshaft_inertia_kg_m2=float(f"{inertia:.6g}"),
+            stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
+        )
+        self.session.end_gesture()
+        self.session.put(
+            with_elastic(self.session.design, made), f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}"
+        )
+        self.session.end_gesture()
+
+
+__all__ = ["StabilityView"]

@@ -1,0 +1,91 @@
+"""The certificate: what proves the figures, each residual with the bound it must keep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from core.findings import ERROR, Residual
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import WRONG, sign
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import READS
+
+HEADINGS = (
+    Heading("Check"),
+    Heading("Residual", number=True),
+    Heading("Bound", number=True),
+    Heading("Verdict"),
+    Heading("What it proves", wide=True),
+)
+
+PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
+    {
+        "motion_closure": (
+            "back where it began",
+            "after one turn the follower is back where it began, relative to the stroke",
+        ),
+        "loop_closure": (
+            "the bodies fit together",
+            "the bodies fit together at every cam angle, relative to their lengths",
+        ),
+        "instant_centre": (
+            "sliding as Q asks",
+            "cam and follower slide past each other as their instant centre asks, at every cam angle",
+        ),
+        "roller_tangency": (
+            "touches, cuts nowhere",
+            "the roller touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
+        ),
+        "power_balance": (
+            "power in is power out",
+            "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",
+        ),
+        "momentum_balance": (
+            "forces add up",
+            "all forces and their moments add up to the change of momentum, at every cam angle",
+        ),
+        "three_centres": (
+            "three centres in line",
+            "the instant centres of three links lie on one line, each centre in one such triple at least",
+        ),
+    }
+)
+"""Residual -> what it proves: in few words for the table, and in full."""
+
+
+def certificate_row(name: str, residual: Residual) -> Row:
+    """A residual as a line of the table."""
+    short, proves = PROVES.get(name, ("", ""))
+    return Row(
+        (
+            sentence(name.replace("_", " ")),
+            f"{residual.value:.1e}" if residual.value else "0",
+            f"{residual.bound:.1e}",
+            "kept" if residual.kept else "not kept",
+            sentence(", ".join(filter(None, (short, residual.note)))),
+        ),
+        sign("none" if residual.kept else ERROR),
+        sentence(proves),
+        "" if residual.kept else WRONG,
+    )
+
+
+class CertificateView(View):
+    """The table of residuals."""
+
+    stages = READS["certificate"]
+    pause_ms = 150
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = RowsTable(HEADINGS)
+        self.table.setWordWrap(False)
+        self.set_column(self.table, grows=self.table)
+
+    def refresh(self, study: Study) -> None:
+        self.table.show_rows([certificate_row(name, residual) for name, residual in study.certificate().items()])

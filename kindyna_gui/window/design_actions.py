@@ -1,0 +1,132 @@
+"""What the menus do to the design: segments, blends, measured tables, the flexible shaft, another mechanism."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import QObject, Signal
+
+from core.design import Design, Elastic, motion_of, with_elastic
+from core.design import with_shaft as give_shaft
+from core.errors import KindynaError
+from kindyna_gui.documents.session import Refusal
+from kindyna_gui.shown_kinds import NO_MOTION, NO_SHAFT, with_shaft
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+
+class Designing(QObject):
+    """Edits that begin in a menu. What asks the user something is imported when it is wanted.
+
+    told   (str): what has been done, or why not, for the status line
+    """
+
+    told = Signal(str)
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._session = window, window.session
+
+    # -- the motion ---------------------------------------------------------------------------------------
+
+    def segment(self, name: str) -> None:
+        """One of ``motion_actions.ACTIONS`` on the chosen segment."""
+        view: Any = self._window.show_view("motion")
+        if self._moves():
+            view.act(name)
+
+    def blend(self) -> None:
+        """Ask for a blended motion."""
+        from kindyna_gui.blend.wizard import open_blend
+
+        if self._moves():
+            open_blend(self._session, self._window)
+
+    def import_measured(self) -> None:
+        """Ask for a measured table and for how it shall become the motion."""
+        from kindyna_gui.measured.dialog import import_measured
+
+        if self._moves():
+            import_measured(self._session, self._window)
+
+    def _moves(self) -> bool:
+        """There is a motion to be edited; else say how to get one."""
+        self._window.documents.settle()
+        if motion_of(self._session.design) is None:
+            self.told.emit(NO_MOTION)
+            return False
+        return True
+
+    # -- the mechanism ------------------------------------------------------------------------------------
+
+    def choose_mechanism(self) -> None:
+        """Begin with a layout or a linkage, chosen by its picture."""
+        from kindyna_gui.window import gallery
+
+        if self._window.documents.may_leave():
+            choice = gallery.mechanism_wanted(self._window)
+            if choice is not None:
+                self._window.documents.begin(choice.design(), choice.name)
+
+    def change(self, make: Callable[[], Design], text: str) -> None:
+        """Another design in one step; where it cannot be made or is refused, say why."""
+        session = self._session
+        self._window.documents.settle()
+        session.end_gesture()
+        reasons: list[str] = []
+
+        def listen(refusal: Refusal) -> None:
+            reasons.extend(f"{name}: {why}" for _, name, why in refusal.told)
+
+        session.refused.connect(listen)
+        try:
+            done = session.put(make(), text)
+        except KindynaError as error:
+            done = False
+            reasons.append(str(error))
+        finally:
+            session.refused.disconnect(listen)
+        session.end_gesture()
+        self.told.emit(text if done else f"Refused: {'; '.join(reasons)}")
+
+    # -- the shaft ----------------------------------------------------------------------------------------
+
+    def give_shaft(self) -> None:
+        """A linkage gets a shaft that turns as its driver does; where there is one, its fields come before the reader."""
+        design = self._session.design
+        if design.shaft is None:
+            self._session.put(give_shaft(design), "Give it a shaft")
+            self._session.end_gesture()
+        self._window.focus_field("shaft.flywheel_inertia_kg_m2")
+
+    def make_flexible(self) -> None:
+        """Give the shaft an elasticity to begin with, all of it assumed; where it has one, bring it before the reader."""
+        from core.stability import flexible
+
+        if self._elastic is None:
+            try:
+                design, study = with_shaft(self._session.design, NO_SHAFT), self._session.study
+                changed = flexible(design, study.linkage, study.loading, study.omega)
+            except KindynaError as error:
+                self.told.emit(str(error))
+                return
+            self._session.put(changed, "Make the shaft flexible")
+            self._session.end_gesture()
+        self._window.show_view("stability")
+        self._window.focus_field("shaft.stiffness_nm_per_rad")
+
+    @property
+    def _elastic(self) -> Elastic | None:
+        design = self._session.design
+        return design.shaft.elastic if design.shaft is not None else None
+
+    def make_rigid(self) -> None:
+        """Take the elasticity out of the design."""
+        if self._elastic is not None:
+            self._session.put(with_elastic(self._session.design, None), "Make the shaft rigid")
+            self._session.end_gesture()
+
+
+__all__ = ["Designing"]

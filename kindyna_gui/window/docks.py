@@ -1,0 +1,183 @@
+"""The views of the window as a table, and the docks that hold them: a view is made when it is first seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
+
+from kindyna_gui.documents.session import Session
+from kindyna_gui.view import View, in_sight
+from kindyna_gui.window.player import Player
+
+LEFT = Qt.DockWidgetArea.LeftDockWidgetArea
+RIGHT = Qt.DockWidgetArea.RightDockWidgetArea
+BOTTOM = Qt.DockWidgetArea.BottomDockWidgetArea
+CENTRE = Qt.DockWidgetArea.NoDockWidgetArea  # no dock: a page in the middle of the window
+
+Make = Callable[[Session, Player], View]
+
+
+def lazily(module: str, name: str, **more: Any) -> Make:
+    """Makes a view whose module is imported only then."""
+
+    def make(session: Session, player: Player) -> View:
+        view: View = getattr(import_module(f"kindyna_gui.{module}"), name)(session, player, **more)
+        return view
+
+    return make
+
+
+@dataclass(frozen=True)
+class ViewRow:
+    """One view: its title, what makes it, where it docks, in front of or behind which other (``tab_with``), whether
+    it is there from the start, whether it is a picture worth exporting; of a plot its quantities."""
+
+    title: str
+    make: Make
+    area: Qt.DockWidgetArea
+    tab_with: str = ""
+    shown: bool = True
+    picture: bool = False
+    quantities: tuple[str, ...] = ()
+
+
+def _plot(title: str, tab_with: str, *quantities: str, shown: bool = True) -> ViewRow:
+    make = lazily("graph.plots_view", "PlotView", quantities=quantities)
+    return ViewRow(title, make, RIGHT, tab_with, shown, picture=True, quantities=quantities)
+
+
+VIEWS: Mapping[str, ViewRow] = MappingProxyType(
+    {
+        "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE, picture=True),
+        "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE, shown=False, picture=True),
+        "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE, shown=False, picture=True),
+        "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE, shown=False, picture=True),
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, shown=False),
+        "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT),
+        "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT),
+        "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT, "motion", shown=False),
+        "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT, "motion", shown=False),
+        "polygon": ViewRow(
+            "Velocity polygon", lazily("linkage.polygon_view", "PolygonView"), LEFT, "motion", shown=False, picture=True
+        ),
+        "displacement": _plot("Displacement", "", "displacement"),
+        "velocity": _plot("Velocity", "displacement", "velocity"),
+        "acceleration": _plot("Acceleration", "displacement", "acceleration"),
+        "jerk": _plot("Jerk", "displacement", "jerk"),
+        "pressure_angle": _plot("Pressure angle", "", "pressure_angle"),
+        "curvature": _plot("Curvature", "pressure_angle", "pitch_curvature", "profile_curvature"),
+        "torque": _plot("Torque", "", "drive_torque", "motor_torque", "linear_motor_torque"),
+        "camshaft_speed": _plot("Camshaft speed", "torque", "camshaft_speed", shown=False),
+        "contact_force": _plot("Contact force", "torque", "contact_force"),
+        "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
+        "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM, "findings"),
+        "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM, "findings"),
+    }
+)
+"""Every view by the name that menus and ``show_view`` use. The first of a group of tabs is in front at first."""
+
+PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
+
+SIZES: Mapping[str, tuple[Qt.Orientation, float]] = MappingProxyType(
+    {
+        "parameters": (Qt.Orientation.Horizontal, 384.0),
+        "displacement": (Qt.Orientation.Horizontal, 0.3),
+        "findings": (Qt.Orientation.Vertical, 125.0),
+        "motion": (Qt.Orientation.Vertical, 0.525),
+    }
+)
+"""Width or height of docks in the first layout: pixels, or below 1 a part of the window's."""
+
+
+class Dock(QDockWidget):
+    """A dock whose view is made when it is first seen.
+
+    seen   the view came into sight, or went out of it
+    """
+
+    seen = Signal()
+
+    def __init__(self, name: str, row: ViewRow, make: Callable[[], View]) -> None:
+        super().__init__(row.title)
+        self.setObjectName(name)
+        self._make = make
+        self._view: View | None = None
+        self._held = False
+        self._blank = QWidget()
+        self._no_title = QWidget()
+        self._no_title.setParent(self)
+        self._no_title.hide()
+        self.setWidget(self._blank)
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self.wake)
+        self.visibilityChanged.connect(self._visibility_changed)
+
+    @property
+    def view(self) -> View | None:
+        """The view, None where it has not been seen yet."""
+        return self._view
+
+    def build(self) -> View:
+        """The view, made now where it is not there yet."""
+        if self._view is None:
+            self._view = self._make()
+            self.setWidget(self._view)
+            self._blank.deleteLater()
+        return self._view
+
+    def wake(self) -> None:
+        """Make the view, or let it catch up, if something of the dock can be seen."""
+        if in_sight(self) and not self._held:
+            self.build().wake()
+        self.seen.emit()
+
+    def hold(self, on: bool) -> None:
+        """Make no view while something else is to be seen first."""
+        self._held = on
+        if not on:
+            self._soon.start()
+
+    def _visibility_changed(self, visible: bool) -> None:
+        # whether it stands in front is known once the tabs are laid out
+        self._soon.start()
+
+    def show_title(self, on: bool) -> None:
+        """Behind a tab with the same words a title is a waste of height."""
+        hidden = self.titleBarWidget() is self._no_title
+        if on and hidden:
+            self.setTitleBarWidget(None)  # type: ignore[arg-type]
+            self._no_title.setParent(self)
+            self._no_title.hide()
+        elif not on and not hidden:
+            self.setTitleBarWidget(self._no_title)
+
+
+def arrange(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
+    """The first layout: every dock at its place, the groups of tabs with their first row in front."""
+    for name, dock in docks.items():
+        row = VIEWS[name]
+        dock.setFloating(False)
+        window.removeDockWidget(dock)
+        window.addDockWidget(row.area, dock, Qt.Orientation.Vertical)
+        if row.tab_with:
+            window.tabifyDockWidget(docks[row.tab_with], dock)
+        dock.setVisible(row.shown)
+    for name, dock in docks.items():
+        if not VIEWS[name].tab_with:
+            dock.raise_()
+    proportion(window, docks)
+
+
+def proportion(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
+    """The sizes of the first layout; they count only once the window has its own."""
+    for name, (orientation, size) in SIZES.items():
+        whole = window.width() if orientation == Qt.Orientation.Horizontal else window.height()
+        window.resizeDocks([docks[name]], [round(size * whole if size < 1.0 else size)], orientation)
+    right = [docks[name] for name, row in VIEWS.items() if row.area == RIGHT and not row.tab_with]
+    window.resizeDocks(right, [100] * len(right), Qt.Orientation.Vertical)

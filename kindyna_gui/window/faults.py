@@ -1,0 +1,236 @@
+"""Faults of the program: an exception that nothing else catches is logged, said where it happened, and leaves the design as it
+was before the action.
+
+Python hands the exception of a slot, an event handler or a timer to ``sys.excepthook``, one that it cannot raise, as in a
+finalizer, to ``sys.unraisablehook``, and one of a thread to ``threading.excepthook``. All three lead here.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+from weakref import ref
+
+from PySide6.QtCore import QObject, QTimer, Signal
+from PySide6.QtGui import QAction
+from PySide6.QtWidgets import QApplication, QDialog
+from shiboken6 import isValid
+
+from kindyna_gui.documents.session import Refusal
+from kindyna_gui.documents.undo_steps import ChangeDesign, Work
+from kindyna_gui.note import Note
+from kindyna_gui.view import View
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.fault_log import FaultLog, short
+from kindyna_gui.window.titles import title_of
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Work that no fault has touched, and where it stands on the undo stack of which document."""
+
+    document: int
+    index: int
+    work: Work
+
+
+class Faults(QObject):
+    """The faults of one window, from now until it is closed.
+
+    The design is taken for good once the event that brought it has ended without a fault. A fault takes it back to the last
+    good one, by the undo stack, so that Redo makes the step again. A document that was opened stays open.
+
+    told   (str): what failed, in a sentence
+    """
+
+    told = Signal(str)
+    _in_thread = Signal(object, str)
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._session = window, window.session
+        self.log = FaultLog()
+        self._good = self._place()
+        self._action = ""  # of a menu, in the event at hand
+        self._heard: list[tuple[str, str]] = []  # in the event at hand: title of the view, the exception in a line
+        self._going_back = False
+        self._event_end = QTimer(self, singleShot=True, interval=0)
+        self._event_end.timeout.connect(self._settle)
+        self._session.stack.indexChanged.connect(self._step_taken)
+        self._session.design_changed.connect(self._event_end.start)
+        self._session.draft_changed.connect(self._event_end.start)
+        self._session.refused.connect(self._refused)
+        window.menuBar().triggered.connect(self._chosen)
+        self._in_thread.connect(self._say_of_thread)
+        _install(self)
+
+    # -- what the user does -------------------------------------------------------------------------------
+
+    def _chosen(self, action: QAction) -> None:
+        self._action = action.text().replace("&&", "\0").replace("&", "").replace("\0", "&").rstrip(".")
+        self.log.note(f"Menu: {self._action}")
+        self._event_end.start()
+
+    def _step_taken(self, index: int) -> None:
+        if index:
+            self.log.note(f"Step {index}: {self._session.stack.text(index - 1)}")
+        self._event_end.start()
+
+    def _refused(self, refusal: Refusal) -> None:
+        self.log.note(f"Refused: {refusal.path}")
+
+    # -- a fault ------------------------------------------------------------------------------------------
+
+    def hear(self, error: BaseException) -> None:
+        """A fault in the window's own thread."""
+        if not self._going_back:  # else it is said already
+            self._heard.append((self._view_of(error.__traceback__), short(error)))
+            self._event_end.start()
+        self.log.write(error, self._state())
+
+    def hear_of_thread(self, error: BaseException, thread: str) -> None:
+        """A fault in another thread, which touches nothing of the window."""
+        self.log.write(error, f"In the thread {thread}")
+        self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). Help > Log tells more.")
+
+    def _say_of_thread(self, _: object, sentence: str) -> None:
+        self._say(sentence)
+
+    def _view_of(self, trace: TracebackType | None) -> str:
+        """The title of the innermost view that a traceback goes through; empty where there is none."""
+        title = ""
+        while trace is not None:
+            view = trace.tb_frame.f_locals.get("self")
+            if isinstance(view, View):
+                title = next((title_of(n, self._session.design) for n in VIEWS if self._window.view(n) is view), title)
+            trace = trace.tb_next
+        return title
+
+    def _state(self) -> str:
+        session, focus = self._session, QApplication.focusWidget()
+        rows = {
+            "Design": f"{session.design.name}, {session.path or 'without a file'}, step {session.stack.index()}",
+            "Angle": f"{self._window.player.theta:.9g} rad{', playing' if self._window.player.playing else ''}",
+            "Focus": f"{type(focus).__name__} {focus.objectName() or focus.accessibleName()}" if focus is not None else "none",
+        }
+        return "\n".join(f"{name}: {text}" for name, text in rows.items())
+
+    # -- once the event has ended -------------------------------------------------------------------------
+
+    def _place(self) -> _Place:
+        return _Place(self._session.document, self._session.stack.index(), self._work())
+
+    def _work(self) -> Work:
+        return self._session.design, self._session.draft
+
+    def _settle(self) -> None:
+        """The event has ended: what it brought is good, or is taken back."""
+        heard, self._heard = self._heard, []
+        action, self._action = self._action, ""
+        if heard:
+            self._going_back = True
+            try:
+                step, again = self._go_back()
+            finally:
+                self._going_back = False
+                self._good = self._place()  # also where going back failed: it is not tried again
+            sentence = _sentence(heard, step or action, again)
+            if step:
+                self.log.add(sentence)
+            self._say(sentence)
+        else:
+            self._good = self._place()
+
+    def _go_back(self) -> tuple[str, str]:
+        """Put the last good design back. The name of what is taken back, and of the menu entry that makes it again; both
+        empty where the design has not changed."""
+        session, stack, good = self._session, self._session.stack, self._good
+        if session.document != good.document or all(now is then for now, then in zip(self._work(), good.work, strict=True)):
+            return "", ""
+        index = stack.index()
+        step, again = (f"Undo {stack.redoText()}", "Undo") if index < good.index else (stack.undoText(), "Redo")
+        stack.setIndex(good.index)
+        if self._work() != good.work:  # a later part of a gesture, which is one step with its beginning
+            stack.push(ChangeDesign(session, good.work, step, "", 0))
+            again = "Undo"
+        session.end_gesture()
+        return step, again
+
+    def _say(self, sentence: str) -> None:
+        """In the dialog in front, where there is one, and in the status line."""
+        front = QApplication.activeModalWidget() or QApplication.activeWindow()
+        if isinstance(front, QDialog) and front.layout() is not None:
+            note = front.findChild(Note, "fault")
+            if note is None:
+                note = Note()
+                note.setObjectName("fault")
+                front.layout().addWidget(note)
+            note.tell(sentence)
+        self._window.status.tell_fault(sentence)
+        log_view = self._window.view("log")
+        if log_view is not None:
+            log_view.invalidate()
+        self.told.emit(sentence)
+
+
+def _sentence(heard: list[tuple[str, str]], action: str, again: str) -> str:
+    """What failed, where, why, and what has become of the design."""
+    view, why = heard[0]
+    what = f"{action} failed in {view}" if action and view else f"{action or view or 'The window'} failed"
+    more = f", and {len(heard) - 1} more" if len(heard) > 1 else ""
+    end = f"; {again} makes the change again" if again else ""
+    return f"{what} ({why}{more}). The design is as it was before{end}. Help > Log tells more."
+
+
+# -- Python's hooks -------------------------------------------------------------------------------------------
+
+
+def _install(faults: Faults) -> None:
+    """Lead Python's three hooks to a window, as long as it lives, and on to those that were there before."""
+    window = ref(faults)
+
+    def lead(error: BaseException | None, said: Callable[[Faults, BaseException], None]) -> None:
+        listener = window()
+        quiet = error is None or isinstance(error, KeyboardInterrupt | SystemExit)
+        if listener is not None and isValid(listener) and not quiet:
+            said(listener, error)
+
+    def uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        before[0](kind, error, trace)
+        lead(error, Faults.hear)
+        for name in ("last_type", "last_value", "last_traceback"):  # they would keep the widgets of its frames
+            vars(sys).pop(name, None)
+
+    def unraisable(args: Any) -> None:
+        before[1](args)
+        own = threading.current_thread() is threading.main_thread()
+        lead(args.exc_value, Faults.hear if own else lambda f, e: f.hear_of_thread(e, threading.current_thread().name))
+
+    def in_thread(args: Any) -> None:
+        before[2](args)
+        lead(args.exc_value, lambda f, e: f.hear_of_thread(e, args.thread.name if args.thread is not None else "unknown"))
+
+    before: tuple[Any, Any, Any] = (sys.excepthook, sys.unraisablehook, threading.excepthook)
+    after = (uncaught, unraisable, in_thread)
+    sys.excepthook, sys.unraisablehook, threading.excepthook = after
+
+    def restore(_: object = None) -> None:
+        """Where nobody else has put a hook in since."""
+        if sys.excepthook is uncaught:
+            sys.excepthook = before[0]
+        if sys.unraisablehook is unraisable:
+            sys.unraisablehook = before[1]
+        if threading.excepthook is in_thread:
+            threading.excepthook = before[2]
+
+    faults.destroyed.connect(restore)
+
+
+__all__ = ["Faults"]

@@ -1,0 +1,75 @@
+"""What the design exceeds, the gravest first; a click leads to the cam angle and to the field that mends it."""
+
+from __future__ import annotations
+
+import math
+from math import pi
+
+from PySide6.QtCore import QModelIndex, Qt, Signal
+from PySide6.QtWidgets import QLabel, QStackedLayout
+
+from core.findings import Finding
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import READS
+
+HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °", number=True))
+
+
+class FindingsView(View):
+    """The list of findings.
+
+    field_wanted   (path): the reader wants to see this field
+    """
+
+    stages = READS["findings"]
+    pause_ms = 150
+    field_wanted = Signal(str)
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = RowsTable(HEADINGS)
+        self.empty = QLabel("No limit is exceeded.", alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
+        coloured(self.empty, QUIET)
+        self._findings: tuple[Finding, ...] = ()
+        # of the content from the start: without a parent its first page would flash up as a window
+        self._pages = QStackedLayout(self.content)
+        self._pages.addWidget(self.table)
+        self._pages.addWidget(self.empty)
+        self.table.clicked.connect(self._go)
+        self.table.activated.connect(self._go)
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """What is listed."""
+        return self._findings
+
+    def refresh(self, study: Study) -> None:
+        self._findings = study.findings()
+        rows = [
+            Row(
+                (sentence(f.message), name_of(study.design, f.field), _angle(f)),
+                sign(f.severity),
+                f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}",
+            )
+            for f in self._findings
+        ]
+        self.table.show_rows(rows)
+        self._pages.setCurrentWidget(self.table if rows else self.empty)
+
+    def _go(self, index: QModelIndex) -> None:
+        finding = self._findings[index.row()]
+        if finding.cam_angle_deg is not None:
+            self.player.play(False)
+            self.player.set_theta(finding.cam_angle_deg * pi / 180.0)
+        self.field_wanted.emit(finding.field)
+
+
+def _angle(finding: Finding) -> str:
+    angle = finding.cam_angle_deg
+    return "all" if angle is None or not math.isfinite(angle) else f"{angle:.2f}"

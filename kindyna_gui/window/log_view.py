@@ -1,0 +1,54 @@
+"""The log of the program's faults, as a page of the window."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QFontDatabase
+from PySide6.QtWidgets import QApplication, QHBoxLayout, QLabel, QPlainTextEdit, QPushButton
+
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.view import View
+from kindyna_gui.window.fault_log import log_file, log_text
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import READS
+
+EMPTY = "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
+
+
+class LogView(View):
+    """The text of the log, the newest entry in sight."""
+
+    stages = READS["log"]
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.text = QPlainTextEdit(readOnly=True, placeholderText=EMPTY)
+        self.text.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        self.file = QLabel()
+        self.file.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.file.setMinimumWidth(1)
+        coloured(self.file, QUIET)
+        self.copy = QPushButton("Copy all")
+        self.copy.clicked.connect(lambda: QApplication.clipboard().setText(self.text.toPlainText()))
+        head = QHBoxLayout()
+        head.setContentsMargins(8, 4, 8, 2)
+        head.addWidget(self.file, 1)
+        head.addWidget(self.copy)
+        self.set_column(head, self.text, grows=self.text)
+
+    def refresh(self, study: Study) -> None:
+        self.file.setText(str(log_file()))
+        try:
+            text = log_text()
+        except OSError as error:
+            text = f"{log_file()} cannot be read: {error.strerror}"
+        if text != self.text.toPlainText():
+            self.text.setPlainText(text)
+            bar = self.text.verticalScrollBar()
+            bar.setValue(bar.maximum())
+        self.copy.setEnabled(bool(text))
+
+
+__all__ = ["LogView"]

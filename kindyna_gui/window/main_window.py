@@ -1,0 +1,331 @@
+"""The window: menus above, the mechanism in the middle, docks around it."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
+from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
+
+from core.errors import KindynaError
+from core.numerics.lazy import keep_freed_memory
+from core.project import load
+from kindyna_gui import dialogs
+from kindyna_gui.documents.disk_button import DiskButton
+from kindyna_gui.documents.exports import Exports, save_picture
+from kindyna_gui.documents.file_actions import Documents, dropped_design
+from kindyna_gui.documents.file_watch import FileWatch
+from kindyna_gui.documents.recovery import Recovery, write_before_the_end
+from kindyna_gui.documents.session import Refusal, Session
+from kindyna_gui.look import dress
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.places import default_design
+from kindyna_gui.settings import Settings
+from kindyna_gui.shown_kinds import is_linkage, ranges_of
+from kindyna_gui.view import View, in_sight
+from kindyna_gui.window import menus
+from kindyna_gui.window.centre import Centre
+from kindyna_gui.window.design_actions import Designing
+from kindyna_gui.window.dock_sizes import Shares
+from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, arrange, proportion
+from kindyna_gui.window.faults import Faults
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.status_line import StatusLine
+from kindyna_gui.window.titles import Titles
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.help_view import HelpWindow
+
+FIRST_SIZE = (1440, 900)
+_FRAME = 40  # pixels a desktop takes for the window's own frame
+
+
+class MainWindow(QMainWindow):
+    """The window over one session and one player, which end with it.
+
+    furnished   the first picture is on the screen, and the docks are there
+    """
+
+    furnished = Signal()
+
+    def __init__(self, session: Session, player: Player, settings: Settings) -> None:
+        super().__init__()
+        self.session, self.player, self.settings = session, player, settings
+        for owned in (session, player):
+            owned.setParent(self)  # else what is connected to them would keep the window for ever
+        session.design_changed.connect(self._design_changed)  # before the views, which ask the player for the angle
+        self._design_changed()
+        self.documents = Documents(session, settings, self)
+        self.recovery = Recovery(self)
+        self.exports = Exports(session, player, self)
+        self.designing = Designing(self)
+        self._painted, self._begun = False, True
+        self._help: HelpWindow | None = None
+        self.setAcceptDrops(True)
+        self.setDockOptions(
+            QMainWindow.DockOption.AllowTabbedDocks
+            | QMainWindow.DockOption.AllowNestedDocks
+            | QMainWindow.DockOption.GroupedDragging
+        )
+        self.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
+        self.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
+        self.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        self.actions_by_key: dict[str, QAction] = {}
+        self.centre = Centre(session, player, self._make)
+        self.bar = self.centre.bar
+        self.setCentralWidget(self.centre)
+        self.centre.begin()
+        self.docks = {
+            name: Dock(name, row, partial(self._make, name)) for name, row in VIEWS.items() if row.area != CENTRE
+        }
+        self.actions_by_key = menus.build(self)
+        self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
+        self.status = StatusLine(session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"))
+        self.setStatusBar(self.status)
+        self.watch = FileWatch(session, self)
+        self.disk = DiskButton(self.watch, self.documents)
+        self.status.insertPermanentWidget(0, self.disk)
+        self.titles = Titles(self)
+        self._lay_out()
+        self.shares = Shares(self, self.docks.values())
+        self._connect()
+        self.faults = Faults(self)
+
+    def _make(self, name: str) -> View:
+        view = VIEWS[name].make(self.session, self.player)
+        view.told.connect(lambda text: self.status.tell(text))
+        if hasattr(view, "abilities_changed"):
+            view.abilities_changed.connect(self._enable_segment_edits)
+        if hasattr(view, "field_wanted"):
+            view.field_wanted.connect(self.focus_field)
+        menus.add_view_keys(view, name, self.actions_by_key)
+        return view
+
+    def _lay_out(self) -> None:
+        room = self.screen().availableGeometry()
+        width, height = FIRST_SIZE
+        self.resize(min(width, room.width()), min(height, room.height() - _FRAME))
+        arrange(self, self.docks)
+        self._restored = self.settings.restore_layout(self)
+
+    def _connect(self) -> None:
+        session, player = self.session, self.player
+        session.stages_on_screen = self.stages_on_screen
+        session.started.connect(partial(setattr, self, "_begun", True))
+        session.file_changed.connect(self._front_dock)
+        session.stack.indexChanged.connect(self._steps_changed)
+        session.stack.cleanChanged.connect(self._steps_changed)
+        session.refused.connect(self._tell_refusal)
+        self.documents.told.connect(self.status.tell)
+        self.exports.told.connect(self.status.tell)
+        self.disk.told.connect(self.status.tell)
+        self.recovery.told.connect(self.status.tell)
+        self.designing.told.connect(self.status.tell)
+        self.exports.layers = self._layers
+        player.playing_changed.connect(self.actions_by_key["play"].setChecked)
+        player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
+        self.centre.tabs.currentChanged.connect(lambda _: self.status.recount())
+        for dock in self.docks.values():
+            dock.hold(True)
+            dock.seen.connect(self._docks_moved)
+            dock.topLevelChanged.connect(self._docks_moved)
+            dock.dockLocationChanged.connect(self._docks_moved)
+
+    # -- views --------------------------------------------------------------------------------------------
+
+    def view(self, name: str) -> View | None:
+        """A view by its name in ``VIEWS``; None where it has not been seen yet."""
+        dock = self.docks.get(name)
+        return dock.view if dock is not None else self.centre.page(name)
+
+    def show_view(self, name: str) -> View:
+        """Bring a view to the front, made now where it is not there yet."""
+        if VIEWS[name].area == CENTRE:
+            return self.centre.show_page(name)
+        dock = self.docks[name]
+        dock.show()
+        dock.raise_()
+        view = dock.build()
+        view.wake()
+        return view
+
+    def _views(self) -> Iterator[View]:
+        yield from (dock.view for dock in self.docks.values() if dock.view is not None)
+        yield from self.centre.views()
+
+    def stages_on_screen(self) -> tuple[str, ...]:
+        """The stages that views on screen read, in the order they need each other."""
+        wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
+        return tuple(stage for stage in self.session.study.stages if stage in wanted)
+
+    def focus_field(self, path: str) -> None:
+        """Bring the field of a path, or of a section, before the reader."""
+        name = "motion" if path.partition(".")[0] == "motion" else "parameters"
+        view: Any = self.show_view(name)
+        view.focus_field(path)
+
+    def fit(self) -> None:
+        """Bring the whole of the picture in the middle into sight."""
+        if self.centre.current is not None:
+            self.centre.current.fit()
+
+    def _layers(self) -> dict[str, bool]:
+        """What the drawing of the mechanism shows, by layer."""
+        view = self.view("mechanism")
+        rows = view.layer_actions() if view is not None else []
+        return {action.objectName().partition(":")[2]: action.isChecked() for action in rows}
+
+    def export_picture(self, name: str) -> None:
+        """Ask for a file and write the picture of a view there."""
+        view = self.view(name)
+        if view is not None:
+            save_picture(view, name)
+
+    def _front_dock(self) -> None:
+        """Another kind of design: the docks of linkages come with a linkage and go with it, behind or before the motion."""
+        if not self._begun:
+            return
+        self._begun = False
+        linkage = is_linkage(self.session.design)
+        if self.docks["motion"].isHidden() and linkage:
+            return  # the user does without what stands at this place
+        for name in ("centres", "circle"):
+            self.docks[name].setVisible(linkage)
+        if linkage or in_sight(self.docks["motion"]):
+            self.docks["centres" if linkage else "motion"].raise_()
+
+    # -- the design ---------------------------------------------------------------------------------------
+
+    def _enable_segment_edits(self, able: dict[str, bool]) -> None:
+        for name, on in able.items():
+            self.actions_by_key[f"designing.segment:{name}"].setEnabled(on)
+
+    def _design_changed(self) -> None:
+        study = self.session.study
+        self.player.omega = study.omega
+        try:
+            self.player.set_ranges(ranges_of(study))
+        except KindynaError:
+            self.player.set_ranges(())  # it stands nowhere, which the views tell
+
+    def _tell_refusal(self, refusal: Refusal) -> None:
+        self.status.refuse(f"{refusal.told[0][1]}: {refusal.told[0][2]}")
+
+    def _steps_changed(self, *_: object) -> None:
+        self.titles.name_steps()
+        self.titles.name_window()
+
+    def reverse(self, on: bool) -> None:
+        """Play the other way round."""
+        self.player.set_forward(not on)
+
+    # -- help ---------------------------------------------------------------------------------------------
+
+    def show_help(self, name: str) -> None:
+        """A page of the help."""
+        if self._help is None:
+            from kindyna_gui.window.help_view import HelpWindow
+
+            self._help = HelpWindow(self)
+        self._help.open(name)
+
+    def about(self) -> None:
+        dialogs.about(self)
+
+    # -- layout -------------------------------------------------------------------------------------------
+
+    def reset_layout(self) -> None:
+        """All docks back to where they were at first."""
+        arrange(self, self.docks)
+        self._begun = True
+        self._front_dock()
+
+    def _docks_moved(self, *_: object) -> None:
+        self.titles.docks_moved()
+        self.status.recount()
+
+    # -- events -------------------------------------------------------------------------------------------
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if not self._restored and not event.spontaneous():
+            self._restored = True
+            proportion(self, self.docks)
+        if self.centre.current is not None and not event.spontaneous():
+            self.centre.current.pull()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """The first thing that is seen is the mechanism; the docks around it come next."""
+        super().paintEvent(event)
+        if not self._painted:
+            self._painted = True
+            QTimer.singleShot(0, self, self._furnish)
+
+    def _furnish(self) -> None:
+        for dock in self.docks.values():
+            dock.hold(False)
+        self._front_dock()
+        self.furnished.emit()
+
+    def closeEvent(self, event: QCloseEvent) -> None:
+        if not self.documents.may_leave():
+            event.ignore()
+            return
+        self.player.play(False)
+        self.settings.save_layout(self)
+        for view in self.findChildren(View):
+            view.leave()
+        self.recovery.close()
+        event.accept()
+
+    def dragEnterEvent(self, event: QDragEnterEvent) -> None:
+        if dropped_design(event) is not None:
+            event.acceptProposedAction()
+
+    def dropEvent(self, event: QDropEvent) -> None:
+        path = dropped_design(event)
+        if path is not None:
+            event.acceptProposedAction()
+            self.documents.open_path(path)
+
+
+def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
+    """The window with a design, paused at cam angle 0; not shown yet.
+
+    path: the file to open; None, or the default design: an example that asks for a name when it is saved. Raises
+    DesignError, FileError.
+    """
+    keep_freed_memory()
+    own = None if path is None or path == default_design() else path
+    session = Session(load(own or default_design()), own)
+    dress(app)
+    app.setApplicationName("KINDYNA")
+    app.setDesktopFileName("kindyna")
+    settings = Settings()
+    if own is not None:
+        settings.add_recent(own)
+    window = MainWindow(session, Player(), settings)
+    window.recovery.begin()
+    return window
+
+
+def run(path: Path | None = None) -> int:
+    """Open the window, with this file where one is named, and stay until it is closed; the exit code.
+
+    Raises DesignError, FileError where the file is wrong.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl+C while the window is being made ends it without a word
+    app = ensure_app()
+    window = open_window(app, path)
+    write_before_the_end(app, window.recovery)
+    window.furnished.connect(window.recovery.offer, Qt.ConnectionType.QueuedConnection)
+    window.show()
+    return QApplication.exec()
+
+
+__all__ = ["MainWindow", "open_window", "run"]

@@ -1,0 +1,302 @@
+"""Menus and toolbar as data. The menus keep the order of the program of 1995: MAKE, COMPO, KINE, DYNA, GRAPH."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from operator import attrgetter
+from typing import TYPE_CHECKING, Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QMenu, QToolBar, QWidget
+
+from kindyna_gui.look import icon
+from kindyna_gui.rebuilt import clear_menu
+from kindyna_gui.window import submenus
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+Keys = QKeySequence.StandardKey
+
+
+@dataclass(frozen=True)
+class Item:
+    """One entry. slot: what of the window is called, ``documents.save``; with ``argument`` where there is one.
+
+    name   key of the action, the slot itself where empty
+    view   whose keys they are, by its name in ``VIEWS``: they act while the focus is in it; where empty, everywhere
+    """
+
+    text: str
+    slot: str
+    argument: Any = None
+    keys: str | QKeySequence.StandardKey | None = None
+    tip: str = ""
+    icon: str = ""
+    checkable: bool = False
+    name: str = ""
+    view: str = ""
+
+    @property
+    def key(self) -> str:
+        return self.name or (self.slot if self.argument is None else f"{self.slot}:{self.argument}")
+
+
+@dataclass(frozen=True)
+class Submenu:
+    """A menu whose entries depend on the state of things; ``fill`` makes them anew each time it opens."""
+
+    text: str
+    fill: Callable[[MainWindow, QMenu], None]
+    name: str = ""
+
+
+def _later(module: str, name: str) -> Callable[[MainWindow, QMenu], None]:
+    """Fills a menu from a module that is imported when it is first opened."""
+
+    def fill(window: MainWindow, menu: QMenu) -> None:
+        getattr(import_module(f"kindyna_gui.{module}"), name)(window, menu)
+
+    return fill
+
+
+def _view(text: str, name: str, tip: str, keys: str | None = None, icon: str = "") -> Item:
+    return Item(text, "show_view", name, keys, tip, icon)
+
+
+def _segment(text: str, name: str, keys: str, tip: str) -> Item:
+    return Item(text, "designing.segment", name, keys, tip, name, view="motion")
+
+
+def _field(text: str, path: str, tip: str) -> Item:
+    return Item(text, "focus_field", path, None, tip)
+
+
+SEPARATOR = None
+Entry = Item | Submenu | None
+
+MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
+    (
+        "&File",
+        (
+            Submenu("&New", submenus.fill_new),
+            Item("&Open...", "documents.open_file", None, Keys.Open, "Open a design file", "open"),
+            Submenu("Open &recent", submenus.fill_recent),
+            Submenu("&Examples", submenus.fill_examples),
+            SEPARATOR,
+            Item("&Save", "documents.save", None, Keys.Save, "Save the design to its file", "save"),
+            Item("Re&load", "documents.reload", None, None, "Read the design's file again; Undo brings back what was here"),
+            Item("Save &as...", "documents.save_as", None, Keys.SaveAs, "Save the design to another file"),
+            Item("Reco&ver unsaved work...", "recovery.offer_again", None, None,
+                 "What was unsaved when KINDYNA ended without being closed"),
+            SEPARATOR,
+            Item("&Import measured motion...", "designing.import_measured", None, None,
+                 "Fit a motion to a table of measured displacements, velocities or accelerations"),
+            Submenu("Expor&t", submenus.fill_exports, "exports"),
+            SEPARATOR,
+            Item("&Quit", "close", None, "Ctrl+Q", "Leave KINDYNA"),
+        ),
+    ),
+    (
+        "&Edit",
+        (
+            Item("&Undo", "session.stack.undo", None, Keys.Undo, "Take the last change back", "undo", name="undo"),
+            Item("&Redo", "session.stack.redo", None, Keys.Redo, "Make the change again", "redo", name="redo"),
+        ),
+    ),
+    (
+        "&Make",
+        (
+            _view("&Motion table", "motion", "Segments of the motion: law, span, rise", "Ctrl+M"),
+            _view("&Law table", "laws", "Every motion law with its peaks, drawn over each other", "Ctrl+L"),
+            Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
+            SEPARATOR,
+            _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
+            _segment("S&plit segment", "split", "Ctrl+K", "Cut the chosen segment where the cam stands"),
+            _segment("D&uplicate segment", "duplicate", "Ctrl+Shift+D", "A copy behind the chosen segment"),
+            _segment("Mi&rror stroke", "mirror", "Ctrl+Shift+M", "Make the return the mirror image of the rise"),
+            _segment("&Delete segment", "delete", "Ctrl+D", "Take the chosen segment away"),
+            SEPARATOR,
+            _field("&Start", "motion.start", "Where the follower stands at cam angle 0"),
+            _field("S&troke", "motion.stroke", "Highest minus lowest position of the follower"),
+        ),
+    ),
+    (
+        "&Compo",
+        (
+            _view("&Mechanism", "mechanism", "The mechanism to scale"),
+            SEPARATOR,
+            Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
+                 "The layouts of the cam slider and the linkages, as pictures to begin with"),
+            SEPARATOR,
+            _field("&Follower", "follower", "Lengths of the follower"),
+            _field("&Cam", "cam", "Base circle and roller"),
+            Submenu("&Layout", submenus.fill_layouts, "layouts"),
+            Submenu("Driv&er", _later("linkage.menus", "fill_drivers"), "drivers"),
+            Submenu("Cam &roller", _later("linkage.menus", "fill_rollers"), "rollers"),
+            _field("Lin&kage", "linkage", "Dimensions, driver and assembly of a linkage"),
+            SEPARATOR,
+            _view("&Instant centres", "centres", "Instant centres, angular velocities and points at the angle at hand"),
+            _view("&Velocity polygon", "polygon", "Velocities from one pole, V_P = V_A + V_PA, at the angle at hand"),
+            _view("Circle &diagram", "circle", "Find the instant centres step by step, as the lecture does"),
+        ),
+    ),
+    (
+        "&Kine",
+        (
+            _view("&Displacement", "displacement", "Displacement over the cam angle"),
+            _view("&Velocity", "velocity", "Velocity over the cam angle"),
+            _view("&Acceleration", "acceleration", "Acceleration over the cam angle"),
+            _view("&Jerk", "jerk", "Jerk over the cam angle"),
+            SEPARATOR,
+            _view("&Pressure angle", "pressure_angle", "Pressure angle over the cam angle"),
+            _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
+            SEPARATOR,
+            Item("P&lay", "player.play", None, "F5", "Turn the cam", checkable=True, name="play"),
+            Item("Step &forward", "player.step", 1.0, "F7", "One degree forward"),
+            Item("Step &back", "player.step", -1.0, "F6", "One degree back"),
+            Item("&Reverse", "reverse", None, "F8", "Turn the other way round", checkable=True),
+        ),
+    ),
+    (
+        "&Dyna",
+        (
+            _field("&Loads", "loads", "Masses, springs and forces"),
+            SEPARATOR,
+            _view("&Contact force", "contact_force", "Force between roller and cam"),
+            _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
+            _view("&Flywheel", "flywheel", "Size of the flywheel for the wanted evenness of speed"),
+            _view("Camshaft &speed", "camshaft_speed", "Speed over the cam angle, which the flywheel evens out"),
+            SEPARATOR,
+            Item("&Give it a shaft", "designing.give_shaft", None, None,
+                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
+        ),
+    ),
+    (
+        "&Stability",
+        (
+            _view("&Chart", "stability", "Tongues of instability of the flexible camshaft, and the wind-up there", "Ctrl+T"),
+            Item("&Flexible shaft", "designing.make_flexible", None, None,
+                 "Give the camshaft a stiffness and an inertia, guessed from what it moves"),
+            Item("&Rigid shaft", "designing.make_rigid", None, None, "Take the camshaft's flexibility out of the design"),
+            Item("&Give it a shaft", "designing.give_shaft", None, None,
+                 "A shaft for a linkage: flywheel, motor and, under a cam, stability"),
+            SEPARATOR,
+            _field("Camshaft &data", "shaft", "Speed, sense of rotation, flywheel and motor of the camshaft"),
+        ),
+    ),
+    (
+        "&Graph",
+        (
+            _view("New &graph...", "graph", "Any channels over the cam angle, straight or polar", "Ctrl+G", "graph"),
+            SEPARATOR,
+            Submenu("Export &picture", submenus.fill_pictures),
+            Item("Export &numbers...", "exports.tables", None, "Ctrl+E",
+                 "Write profile, kinematics and dynamics as CSV tables", "export"),
+        ),
+    ),
+    (
+        "&View",
+        (
+            Submenu("&Docks", submenus.fill_docks),
+            Submenu("&Layers of the drawing", submenus.fill_layers),
+            SEPARATOR,
+            Item("&Fit drawing", "fit", None, "Ctrl+0", "Bring the whole mechanism into sight", "fit"),
+            Item("&Reset layout", "reset_layout", None, None, "Put all docks back to where they were at first"),
+        ),
+    ),
+    (
+        "&Help",
+        (
+            Item("&Tour", "show_help", "tour", Keys.HelpContents, "What is where, in five minutes", "help"),
+            Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
+            Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),
+            Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging follower"),
+            Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
+            Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
+            Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
+            SEPARATOR,
+            _view("Lo&g", "log", "What has failed in this program, and when"),
+            Item("&About KINDYNA", "about", None, None, "Version and origin"),
+        ),
+    ),
+)  # fmt: skip
+
+TOOLBAR = ("documents.open_file", "documents.save", None, "undo", "redo", None, "fit", "show_view:graph")
+
+
+def build(window: MainWindow) -> dict[str, QAction]:
+    """Fill the window's menu bar; the actions by their keys, those of whole menus by their texts.
+
+    The window must keep them all: once Python forgets a menu's action, it takes the menu for deleted.
+    """
+    actions: dict[str, QAction] = {}
+    for title, entries in MENUS:
+        menu = window.menuBar().addMenu(title)
+        actions[title] = menu.menuAction()
+        for entry in entries:
+            if entry is SEPARATOR:
+                menu.addSeparator()
+            elif isinstance(entry, Submenu):
+                _add_submenu(window, menu, entry, actions)
+            else:
+                actions[entry.key] = _add_action(window, menu, entry)
+    return actions
+
+
+def _add_action(window: MainWindow, menu: QMenu, item: Item) -> QAction:
+    action = menu.addAction(item.text)
+    action.setObjectName(item.key)
+    action.setCheckable(item.checkable)
+    action.setStatusTip(item.tip)
+    action.setToolTip(item.tip)
+    if item.keys is not None:
+        action.setShortcut(QKeySequence(item.keys))
+    if item.view:
+        action.setShortcutContext(Qt.ShortcutContext.WidgetWithChildrenShortcut)
+    if item.icon:
+        action.setIcon(icon(item.icon))
+    slot = attrgetter(item.slot)
+    if item.checkable:
+        action.triggered.connect(lambda on: slot(window)(on))
+    elif item.argument is None:
+        action.triggered.connect(lambda: slot(window)())
+    else:
+        action.triggered.connect(lambda: slot(window)(item.argument))
+    return action
+
+
+def add_view_keys(view: QWidget, name: str, actions: dict[str, QAction]) -> None:
+    """Give a view its own shortcuts; name: its name in ``VIEWS``."""
+    rows = (row for _, entries in MENUS for row in entries if isinstance(row, Item) and row.view == name)
+    view.addActions([actions[row.key] for row in rows])
+
+
+def _add_submenu(window: MainWindow, menu: QMenu, row: Submenu, actions: dict[str, QAction]) -> None:
+    submenu = menu.addMenu(row.text)
+    submenu.setToolTipsVisible(True)
+
+    def refill() -> None:
+        clear_menu(submenu)
+        row.fill(window, submenu)
+
+    # with the menu it stands in, so that an empty one can be greyed or left out
+    menu.aboutToShow.connect(refill)
+    submenu.aboutToShow.connect(refill)
+    actions[row.name or row.text] = submenu.menuAction()
+
+
+def build_toolbar(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
+    """The toolbar: some of the menus' actions."""
+    bar = QToolBar("Toolbar")
+    bar.setObjectName("toolbar")
+    bar.setMovable(False)
+    for key in TOOLBAR:
+        if key is None:
+            bar.addSeparator()
+        else:
+            bar.addAction(actions[key])
+    return bar

@@ -1,0 +1,290 @@
+"""The bar below the drawing: play, step, turn by hand, speed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees, inf, radians
+from types import MappingProxyType
+
+from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, QSignalBlocker, QSize, Qt
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPalette, QPen, QShowEvent, QWheelEvent
+from PySide6.QtWidgets import (
+    QAbstractSlider,
+    QApplication,
+    QComboBox,
+    QDoubleSpinBox,
+    QHBoxLayout,
+    QSizePolicy,
+    QToolButton,
+)
+
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.text_keys import TextKeys
+from kindyna_gui.look import CHOSEN, LINE, PAPER, QUIET, icon
+from kindyna_gui.pictures.units import digits
+from kindyna_gui.view import View
+from kindyna_gui.window.player import TURN, Player
+from kindyna_gui.window.player_keys import TOLD, obey, step_of
+from kindyna_gui.window.player_speeds import Speed, speeds, usual
+
+FINE = 100  # steps of the slider in a degree
+NEAR = 1e-9  # a join so near [rad] is where the cam stands
+JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
+
+
+def words(speed: Speed) -> str:
+    """Part of true time, and what a turn takes."""
+    named = "true" if speed.part == 1 else f"{speed.part} \u00d7"
+    return f"{named}, {digits(speed.seconds, 2)} s"
+
+
+class AngleSlider(QAbstractSlider):
+    """A strip of one turn: every other segment shaded as in the plots, a tick every 30 degrees, a handle at the cam
+    angle. A click anywhere goes there."""
+
+    GROOVE, HANDLE, EDGE = 12.0, 9.0, 7.0
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setOrientation(Qt.Orientation.Horizontal)
+        self.setRange(0, 360 * FINE)
+        self.setSingleStep(FINE)
+        self.setPageStep(10 * FINE)
+        self.setAccessibleName("Cam angle")
+        self.setToolTip(f"Cam angle; drag or click. {TOLD}")
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        self._joins: tuple[float, ...] = ()
+
+    def show_joins(self, degrees_of: tuple[float, ...]) -> None:
+        """The cam angles where segments meet, 0 or 360 included [deg]."""
+        joins = tuple(sorted({0.0, 360.0, *degrees_of}))
+        if joins != self._joins:
+            self._joins = joins
+            self.update()
+
+    def sizeHint(self) -> QSize:
+        return QSize(240, 30)
+
+    def minimumSizeHint(self) -> QSize:
+        return QSize(80, 30)
+
+    def place_of(self, angle: float) -> float:
+        """Where an angle [deg] stands [pixels]."""
+        return self.EDGE + angle / 360.0 * (self.width() - 2.0 * self.EDGE)
+
+    def _go(self, x: float) -> None:
+        part = (x - self.EDGE) / max(1.0, self.width() - 2.0 * self.EDGE)
+        self.setSliderPosition(round(min(max(part, 0.0), 1.0) * self.maximum()))
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        if event.button() == Qt.MouseButton.LeftButton:
+            self.setSliderDown(True)
+            self._go(event.position().x())
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        if self.isSliderDown():
+            self._go(event.position().x())
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        self.setSliderDown(False)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        event.ignore()  # the arrow keys belong to the player
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        event.ignore()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        top = (self.height() - self.GROOVE) / 2.0 - 3.0
+        bottom = top + self.GROOVE
+        strip = QRectF(QPointF(self.place_of(0.0), top), QPointF(self.place_of(360.0), bottom))
+        painter.fillRect(strip, QColor(PAPER))
+        for start, end in zip(self._joins[1::2], self._joins[2::2], strict=False):
+            band = QRectF(QPointF(self.place_of(start), top), QPointF(self.place_of(end), bottom))
+            painter.fillRect(band, QColor("#DFE2E4"))
+        painter.setPen(QPen(QColor(LINE), 1.0))
+        painter.drawRect(strip)
+        painter.setPen(QPen(QColor(QUIET), 1.0))
+        for angle in range(0, 361, 30):
+            x = self.place_of(float(angle))
+            painter.drawLine(QPointF(x, bottom + 1.5), QPointF(x, bottom + (5.5 if angle % 90 == 0 else 4.0)))
+        x = self.place_of(self.sliderPosition() / FINE)
+        colour = QColor(CHOSEN) if self.isEnabled() else self.palette().color(QPalette.ColorRole.Mid)
+        painter.setPen(QPen(QColor(PAPER), 1.0))
+        painter.setBrush(colour)
+        handle = QRectF(x - self.HANDLE / 2.0, top - 4.0, self.HANDLE, self.GROOVE + 8.0)
+        painter.drawRoundedRect(handle, 3.0, 3.0)
+        painter.end()
+
+
+class AngleBox(TextKeys, QDoubleSpinBox):
+    """The cam angle as a number."""
+
+
+class PlayerBar(View):
+    """What moves the cam by hand and by time."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self._joins: tuple[float, ...] = ()
+        self._chosen = False  # the speed was chosen by hand
+        self._watched: QObject | None = None
+        self.join_back = self._button("join_back", "Previous join of segments (Page Up)")
+        self.back = self._button("step_back", "1° back (Left; with Shift 0.1°, with Ctrl 10°)")
+        self.play = self._button("play", "Play (Space)")
+        self.forward = self._button("step_forward", "1° forward (Right; with Shift 0.1°, with Ctrl 10°)")
+        self.join_forward = self._button("join_forward", "Next join of segments (Page Down)")
+        self.reverse = self._button("reverse", "Turn backwards (F8)")
+        self.reverse.setCheckable(True)
+        self.slider = AngleSlider()
+        self.angle = self._angle_box()
+        self.speed = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
+        self.speed.setAccessibleName("Speed of playing")
+        self.speed.setToolTip("Speed: part of the shaft's own, and how many seconds one turn takes then")
+        self.speed.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 3, 6, 3)
+        row.setSpacing(0)
+        for button in (self.join_back, self.back, self.play, self.forward, self.join_forward, self.reverse):
+            row.addWidget(button)
+        row.addSpacing(4)
+        row.addWidget(self.slider, 1)
+        row.addSpacing(4)
+        row.addWidget(self.angle)
+        row.addSpacing(4)
+        row.addWidget(self.speed)
+        self.set_content_layout(row)
+        self.setFixedHeight(self.content.sizeHint().height())
+        self._connect()
+
+    def _button(self, name: str, tip: str) -> QToolButton:
+        made = QToolButton(autoRaise=True)
+        made.setIcon(icon(name))
+        made.setIconSize(QSize(18, 18))
+        made.setToolTip(tip)
+        made.setStatusTip(tip)
+        made.setAccessibleName(tip.partition(" (")[0])
+        made.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        return made
+
+    def _angle_box(self) -> QDoubleSpinBox:
+        box = AngleBox(decimals=2, minimum=0.0, maximum=360.0, singleStep=1.0)
+        box.setWrapping(True)
+        box.setSuffix("°")
+        box.setAlignment(Qt.AlignmentFlag.AlignRight)
+        box.setKeyboardTracking(False)
+        box.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
+        box.setAccessibleName("Cam angle")
+        box.setToolTip("Cam angle of all views")
+        return box
+
+    def _connect(self) -> None:
+        player = self.player
+        self.session.started.connect(self._forget_speed)
+        self.play.clicked.connect(lambda: player.play(not player.playing))
+        self.back.clicked.connect(lambda: self._step(-1.0))
+        self.forward.clicked.connect(lambda: self._step(1.0))
+        self.join_back.clicked.connect(lambda: self.go_to_join(-1))
+        self.join_forward.clicked.connect(lambda: self.go_to_join(1))
+        self.reverse.toggled.connect(lambda on: player.set_forward(not on))
+        self.slider.sliderMoved.connect(lambda value: self._go(value / FINE))
+        self.angle.valueChanged.connect(self._go)
+        self.angle.lineEdit().textEdited.connect(lambda _: player.play(False))
+        self.speed.activated.connect(self._choose_speed)
+        player.playing_changed.connect(self._show_playing)
+        player.forward_changed.connect(lambda forward: self.reverse.setChecked(not forward))
+        player.speed_changed.connect(lambda _: self._show_speed())
+
+    # -- from the session and the player ------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        self._joins = tuple(join.theta for join in study.program.joins)
+        name = study.angle_name.capitalize()
+        if self.angle.accessibleName() != name:
+            for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {TOLD}")):
+                widget.setAccessibleName(name)
+                widget.setToolTip(tip)
+        self.slider.show_joins(tuple(degrees(theta) for theta in self._joins))
+        rows = speeds(study.omega)
+        if [self.speed.itemData(i) for i in range(self.speed.count())] != list(rows):
+            self.speed.clear()
+            for row in rows:
+                self.speed.addItem(words(row), row)
+            self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
+        if not self._chosen:
+            self.player.set_speed(float(usual(study.omega).part))
+        self._show_speed()
+
+    def follow(self, theta: float) -> None:
+        angle = degrees(theta)
+        with QSignalBlocker(self.slider), QSignalBlocker(self.angle):
+            self.slider.setSliderPosition(round(angle * FINE))
+            if self.angle.value() != round(angle, self.angle.decimals()):  # it would be painted all the same
+                self.angle.setValue(angle)
+
+    def _show_playing(self, playing: bool) -> None:
+        self.play.setIcon(icon("pause" if playing else "play"))
+        self.play.setToolTip("Pause (Space)" if playing else "Play (Space)")
+
+    def _show_speed(self) -> None:
+        rows = [self.speed.itemData(i) for i in range(self.speed.count())]
+        if rows:
+            near = min(range(len(rows)), key=lambda i: abs(float(rows[i].part) / self.player.speed - 1.0))
+            self.speed.setCurrentIndex(near)
+
+    # -- to the player ------------------------------------------------------------------------------------
+
+    def _go(self, angle: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(radians(angle))
+
+    def _step(self, way: float) -> None:
+        self.player.step(way * (step_of(QApplication.keyboardModifiers()) or 1.0))
+
+    def _choose_speed(self, index: int) -> None:
+        self._chosen = True
+        self.player.set_speed(float(self.speed.itemData(index).part))
+
+    def _forget_speed(self) -> None:
+        """Another shaft turns at another speed."""
+        self._chosen = False
+
+    def go_to_join(self, way: int) -> None:
+        """Go to the next join of segments, or with -1 to the one before."""
+        here = self.player.theta
+        gaps = [(way * (theta - here)) % TURN for theta in self._joins]
+        ahead = [gap if NEAR < gap < TURN - NEAR else inf for gap in gaps]
+        if ahead and min(ahead) < inf:
+            self.player.play(False)
+            self.player.set_theta(self._joins[ahead.index(min(ahead))])
+
+    # -- keys ---------------------------------------------------------------------------------------------
+
+    def showEvent(self, event: QShowEvent) -> None:
+        super().showEvent(event)
+        if self._watched is None and self.window() is not self:
+            self._watched = self.window()
+            self._watched.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Keys that no widget of the window wanted come to the window itself."""
+        if watched is self._watched and isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress:
+            return self._obey(event)
+        return super().eventFilter(watched, event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not self._obey(event):
+            super().keyPressEvent(event)
+
+    def _obey(self, event: QKeyEvent) -> bool:
+        if event.key() in JOIN_KEYS and not event.modifiers():
+            self.go_to_join(JOIN_KEYS[event.key()])
+            return True
+        return obey(self.player, event)
+
+
+__all__ = ["AngleSlider", "PlayerBar"]

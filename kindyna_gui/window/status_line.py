@@ -1,0 +1,116 @@
+"""The status line: how many limits are exceeded, what was done last, what is assumed, where the cam stands."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from math import pi
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtWidgets import QLabel, QStatusBar, QToolButton
+
+from core.errors import KindynaError
+from core.findings import ERROR, NOTE, WARNING, Finding
+from kindyna_gui.documents.session import Session
+from kindyna_gui.labels import reason
+from kindyna_gui.look import QUIET, coloured, sign
+from kindyna_gui.window.player import Player
+
+PAUSE_MS = 150
+STAY_MS = 6000  # of a message
+
+
+class StatusLine(QStatusBar):
+    """What the session and the player are at; the findings are those of the stages on screen, no other is computed."""
+
+    def __init__(self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object]) -> None:
+        super().__init__()
+        self._session, self._player = session, player
+        self.findings = QToolButton(autoRaise=True)
+        self.findings.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.findings.clicked.connect(lambda: show_findings())
+        self.faults = QToolButton(autoRaise=True, text="Log")
+        self.faults.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self.faults.setIcon(sign(ERROR))
+        self.faults.clicked.connect(lambda: show_log())
+        self.faults.hide()
+        self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
+        self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        # of a fixed size: else each angle that is told would lay out the whole line anew
+        self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
+        self.angle.setToolTip("Angle of all views")
+        self.assumed.setToolTip("Values that are not taken from a source")
+        for label in (self.saved, self.assumed):
+            coloured(label, QUIET)
+            label.setContentsMargins(6, 0, 6, 0)
+        for widget in (self.faults, self.findings, self.saved, self.assumed, self.angle):
+            self.addPermanentWidget(widget)
+        self._soon = QTimer(self, singleShot=True, interval=PAUSE_MS)
+        self._soon.timeout.connect(self.count_findings)
+        self._refusal = ""
+        session.mended.connect(self._mended)
+        session.restored.connect(self._mended)
+        session.design_changed.connect(self._design_changed)
+        session.file_changed.connect(self._file_changed)
+        player.angle_changed.connect(self._angle_changed)
+        self._design_changed()
+        self._file_changed()
+        self._angle_changed(player.theta)
+
+    def tell(self, text: str) -> None:
+        """Say what has been done, for a while."""
+        self.showMessage(text, STAY_MS)
+
+    def refuse(self, text: str) -> None:
+        """Say that an edit was refused, until it is mended or taken back, or for a while."""
+        self._refusal = f"Refused: {text}"
+        self.tell(self._refusal)
+
+    def tell_fault(self, text: str) -> None:
+        """Say that the program has failed, until something else is to be said; the way to the log stays."""
+        self.faults.setToolTip(f"{text} Click to read the log.")
+        self.faults.show()
+        self.showMessage(text)
+
+    def _mended(self, *_: object) -> None:
+        if self._refusal and self.currentMessage() == self._refusal:
+            self.clearMessage()
+
+    def recount(self) -> None:
+        """Count the findings once things are at rest."""
+        self._soon.start()
+
+    def count_findings(self) -> None:
+        """Show how many limits are exceeded."""
+        self._soon.stop()
+        stages = tuple(self._session.stages_on_screen())
+        try:
+            found = self._session.study.findings(stages) if stages else ()
+            text, severity = counted(found) if stages else ("limits not checked", NOTE)
+            tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
+        except KindynaError as error:
+            text, severity, tip = "no answer", ERROR, reason(self._session.design, error)
+        self.findings.setText(text)
+        self.findings.setIcon(sign(severity))
+        self.findings.setToolTip(tip)
+
+    def _design_changed(self) -> None:
+        number = len(self._session.design.assumed)
+        self.assumed.setText(f"{number} assumed" if number else "")
+        self.recount()
+        self._angle_changed(self._player.theta)
+
+    def _file_changed(self) -> None:
+        named = "saved" if self._session.path is not None else "not saved to a file"
+        self.saved.setText("unsaved changes" if self._session.modified else named)
+
+    def _angle_changed(self, theta: float) -> None:
+        self.angle.setText(f"{self._session.study.angle_name} {theta * 180.0 / pi:.1f}°")
+
+
+def counted(findings: Iterable[Finding]) -> tuple[str, str]:
+    """``1 error, 2 warnings`` and the gravest severity; ``none`` where nothing is found."""
+    numbers = Counter(f.severity for f in findings)
+    told = [f"{n} {s}{'s' if n > 1 else ''}" for s in (ERROR, WARNING, NOTE) if (n := numbers[s])]
+    gravest = next((s for s in (ERROR, WARNING, NOTE) if numbers[s]), "none")
+    return ", ".join(told) or "no findings", gravest

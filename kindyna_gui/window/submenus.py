@@ -1,0 +1,149 @@
+"""Menus whose entries depend on the state of things; each is made anew when it opens."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING
+
+from PySide6.QtGui import QActionGroup
+from PySide6.QtWidgets import QMenu
+
+from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider
+from kindyna_gui import dialogs
+from kindyna_gui.documents.session import Refusal
+from kindyna_gui.labels import choice_tip
+from kindyna_gui.places import examples
+from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.titles import title_of
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+
+def fill_new(window: MainWindow, menu: QMenu) -> None:
+    """A design of each kind, or a mechanism chosen by its picture."""
+    for slug, row in FOLLOWER_KINDS.items():
+        action = menu.addAction(row.label)
+        action.setStatusTip(f"Begin a design of this kind: {row.label}")
+        action.triggered.connect(partial(_without_state, window.documents.new, slug))
+    action = menu.addAction("Chosen by its picture...")
+    action.setStatusTip("Begin with a layout of the cam slider or with a linkage")
+    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.choose_mechanism))
+
+
+def fill_recent(window: MainWindow, menu: QMenu) -> None:
+    """Files opened or saved lately."""
+    for number, path in enumerate(window.settings.recent, 1):
+        action = menu.addAction(f"&{number}  {_plain(path.name)}")
+        action.setToolTip(str(path))
+        action.setStatusTip(str(path))
+        action.triggered.connect(partial(_without_state, window.documents.open_path, path))
+    empty = menu.isEmpty()
+    menu.menuAction().setEnabled(not empty)
+    if not empty:
+        menu.addSeparator()
+        menu.addAction("&Clear list", window.settings.clear_recent)
+
+
+def fill_examples(window: MainWindow, menu: QMenu) -> None:
+    """The examples that come with the program."""
+    for name, path in examples():
+        action = menu.addAction(_plain(name))
+        action.setStatusTip(f"Begin with the example {path.stem}")
+        action.triggered.connect(partial(_without_state, window.documents.open_example, path))
+
+
+def fill_layouts(window: MainWindow, menu: QMenu) -> None:
+    """The layouts of the follower, where its kind has any."""
+    design = window.session.design
+    follower = None if design.drive.is_linkage else design.drive.mechanism
+    menu.menuAction().setVisible(isinstance(follower, CamSlider))
+    if not isinstance(follower, CamSlider):
+        return
+    group = QActionGroup(menu)
+    for letter in LAYOUTS:
+        action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
+        action.setCheckable(True)
+        action.setChecked(letter == follower.layout)
+        action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; the pivot goes to its side of the cam")
+        group.addAction(action)
+        action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))
+
+
+def choose_layout(window: MainWindow, letter: str) -> None:
+    """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it, say
+    so: no field holds what was chosen here."""
+    path, session = "follower.layout", window.session
+    told: list[str] = []
+
+    def listen(refusal: Refusal) -> None:
+        told.extend(refusal.at(path).splitlines())
+
+    session.refused.connect(listen)
+    session.edit(path, letter, f"Change layout to {letter}")
+    session.refused.disconnect(listen)
+    session.end_gesture()
+    if told:
+        session.withdraw(path)
+        dialogs.show_faults(window, f"Layout {letter} is not possible with these lengths.", told)
+
+
+def fill_exports(window: MainWindow, menu: QMenu) -> None:
+    """Everything that can be written besides the design."""
+    for text, tip, slot in (
+        (
+            "&Tables...",
+            "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder",
+            window.exports.tables,
+        ),
+        ("&Report...", "Write the whole report as text", window.exports.report),
+        (
+            "&Picture of the mechanism...",
+            "Write the drawing as PNG or SVG",
+            partial(window.export_picture, "mechanism"),
+        ),
+        ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation),
+    ):
+        action = menu.addAction(text)
+        action.setStatusTip(tip)
+        action.triggered.connect(partial(_without_state, lambda call: call(), slot))
+
+
+def fill_pictures(window: MainWindow, menu: QMenu) -> None:
+    """The pictures that are on the screen."""
+    for name, row in VIEWS.items():
+        view = window.view(name)
+        if row.picture and view is not None and view.on_screen():
+            title = title_of(name, window.session.design)
+            action = menu.addAction(f"{title}...")
+            action.setEnabled(not view.no_picture)
+            action.setStatusTip(view.no_picture.replace("\n", " ") or f"Write the picture {title} as PNG or SVG")
+            action.triggered.connect(partial(_without_state, window.export_picture, name))
+    menu.menuAction().setEnabled(not menu.isEmpty())
+
+
+def fill_docks(window: MainWindow, menu: QMenu) -> None:
+    """Every dock, checked where it is shown."""
+    for dock in window.docks.values():
+        action = dock.toggleViewAction()
+        action.setStatusTip(f"Show or hide {dock.windowTitle()}")
+        menu.addAction(action)
+
+
+def fill_layers(window: MainWindow, menu: QMenu) -> None:
+    """What the drawing of the mechanism can show and hide."""
+    view = window.view("mechanism")
+    for action in view.layer_actions() if view is not None else ():
+        menu.addAction(action)
+    menu.menuAction().setVisible(not menu.isEmpty())
+
+
+def _without_state(slot: object, argument: object, *_: object) -> None:
+    """Call a slot without the checked state that ``triggered`` brings."""
+    assert callable(slot)
+    slot(argument)
+
+
+def _plain(text: str) -> str:
+    """A text without keys of access."""
+    return text.replace("&", "&&")

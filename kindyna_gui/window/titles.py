@@ -1,0 +1,70 @@
+"""The words on the frame: of the window its file, of each dock what it shows, of Undo and Redo their steps."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QTimer
+
+from core.design import Design
+from kindyna_gui.graph.linkage_plots import title_for
+from kindyna_gui.shown_kinds import is_linkage
+from kindyna_gui.window.docks import VIEWS
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+
+def title_of(name: str, design: Design) -> str:
+    """What a view of ``VIEWS`` is called while this design is in place."""
+    row = VIEWS[name]
+    return title_for(design, row.quantities[0], row.title) if row.quantities and is_linkage(design) else row.title
+
+
+class Titles(QObject):
+    """Keeps them right."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._session = window, window.session
+        self._soon = QTimer(self, singleShot=True, interval=0)
+        self._soon.timeout.connect(self._show_or_hide)
+        self._session.file_changed.connect(self.name_window)
+        self._session.design_changed.connect(self.name_docks)
+        self.name_window()
+        self.name_docks()
+        self.name_steps()
+
+    def name_window(self) -> None:
+        self._window.setWindowTitle(f"{self._window.documents.name}[*] \u2013 KINDYNA")
+        self._window.setWindowModified(self._session.modified)
+        self._window.setWindowFilePath(str(self._session.path or ""))
+
+    def name_docks(self) -> None:
+        for name, dock in self._window.docks.items():
+            title = title_of(name, self._session.design)
+            if title != dock.windowTitle():
+                dock.setWindowTitle(title)
+
+    def name_steps(self) -> None:
+        stack = self._session.stack
+        for key, able, text in (
+            ("undo", stack.canUndo(), stack.undoText()),
+            ("redo", stack.canRedo(), stack.redoText()),
+        ):
+            action, word = self._window.actions_by_key[key], key.capitalize()
+            action.setEnabled(able)
+            action.setText(f"&{word} {text}".rstrip().replace(" &", " &&"))
+            action.setToolTip(f"{word} {text}".rstrip())
+
+    def docks_moved(self) -> None:
+        """Docks with tabs need no title of their own; which have is known once they are laid out."""
+        self._soon.start()
+
+    def _show_or_hide(self) -> None:
+        for dock in self._window.docks.values():
+            others = [d for d in self._window.tabifiedDockWidgets(dock) if not d.isHidden()]
+            dock.show_title(dock.isFloating() or not others)
+
+
+__all__ = ["Titles", "title_of"]
