@@ -55,7 +55,7 @@ def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, 
 
     paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
     """
-    from kindyna_gui.documents.file_actions import export_dialogs
+    from kindyna_gui.documents import export_dialogs
 
     if path is None:
         return ""
@@ -127,7 +127,7 @@ class Exports(QObject):
 
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
-        from kindyna_gui.documents.file_actions import export_dialogs
+        from kindyna_gui.documents import export_dialogs
 
         wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
         if wanted is None:
@@ -156,7 +156,7 @@ class Exports(QObject):
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
-        from kindyna_gui.documents.file_actions import export_dialogs
+        from kindyna_gui.documents import export_dialogs
         from kindyna_gui.pictures.film import shoot
 
         seconds = 2.0 * pi / (abs(self._player.omega) * self._player.speed)

@@ -1,4 +1,4 @@
-"""kindyna_gui.blend_*: Yang's questions in a window, answered while they are typed."""
+"""kindyna_gui.blend: Yang's questions in a window, answered while they are typed."""
 
 import threading
 import time

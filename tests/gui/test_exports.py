@@ -19,6 +19,7 @@ from core.output.report import report
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
+from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import (
     FilmDialog,
     TablesDialog,
@@ -27,7 +28,6 @@ from kindyna_gui.documents.export_dialogs import (
     progress,
     tables_wanted,
 )
-from kindyna_gui.documents.file_actions import export_dialogs
 from kindyna_gui.pictures.film import LEAST_DELAY, TICK, Camera, Film, shoot
 from kindyna_gui.places import example
 

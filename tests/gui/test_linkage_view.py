@@ -14,8 +14,8 @@ from core.mechanism.dragging import with_point_at
 from core.output.export import files
 from core.project import load
 from core.study import Study
+from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import TablesWanted
-from kindyna_gui.documents.file_actions import export_dialogs
 from kindyna_gui.places import example, examples
 from kindyna_gui.window.player import TURN
 

@@ -1,4 +1,4 @@
-"""kindyna_gui.measured_*: a measured table is read, corrected, fitted and put into the design the way a user does it."""
+"""kindyna_gui.measured: a measured table is read, corrected, fitted and put into the design the way a user does it."""
 
 import math
 from collections.abc import Callable
