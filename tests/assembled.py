@@ -12,8 +12,8 @@ from linkages import KINDS, assembly
 
 from core.design import Design
 from core.instant_centres import CentreTable, all_centres
-from core.mechanism import Course, course_of, unit_speed_train
-from core.mechanism.kinematics import FRAME, Train
+from core.mechanism import Course, course_of, unit_speed_kinematics
+from core.mechanism.kinematics import FRAME, Kinematics
 
 SIZE = 0.1  # of the linkages [m]
 TWICE = 2  # linkages of each chain
@@ -27,22 +27,22 @@ class Case:
     design: Design
     q: float
     course: Course
-    train: Train
+    kinematics: Kinematics
 
     @cached_property
     def table(self) -> CentreTable:
-        return all_centres(self.train, SIZE)
+        return all_centres(self.kinematics, SIZE)
 
     @cached_property
     def x(self) -> np.ndarray:
         """x, y [mm] and angle of every moving link (3m,)."""
-        return coordinates(self.train)[:, 0]
+        return coordinates(self.kinematics)[:, 0]
 
 
-def coordinates(train: Train, order: int = 0) -> np.ndarray:
+def coordinates(kinematics: Kinematics, order: int = 0) -> np.ndarray:
     """x, y [mm] and angle of every moving link (3m, n), or their derivatives."""
     rows = []
-    for name, pose in train.bodies.items():
+    for name, pose in kinematics.bodies.items():
         if name != FRAME:
             rows += [pose.x[order] * 1e3, pose.y[order] * 1e3, pose.angle[order]]
     return np.array(rows)
@@ -61,7 +61,7 @@ def case(kinds: tuple[str, ...], number: int) -> Case:
     name = f"{'-'.join(kinds)}/{number}"
     design, q = assembly(zlib.crc32(name.encode()), kinds)
     course = course_of(design.drive.mechanism)
-    return Case(name, design, q, course, unit_speed_train(design.drive.mechanism, np.array([q]), course))
+    return Case(name, design, q, course, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course))
 
 
 def cases(first: str, most: int = 2) -> list[Case]:

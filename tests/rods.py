@@ -4,7 +4,7 @@ import numpy as np
 
 from core.design import Driver, Link, Linkage, Place, Side, Slider
 from core.mechanism import Mechanism, solve_mechanism
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
 
 MM = 1e-3
@@ -17,7 +17,7 @@ def metres(length: float) -> float:
 
 def arm_and_rod(
     l1: float, l2: float, height: float, slider: float, side: float, phi: float, beta: float, rates: tuple[float, ...] = (1.0,)
-) -> Train:
+) -> Kinematics:
     """Lengths [m], as ``metres`` gives them; the slider at ``slider`` [m] with its rates; angles [rad] that tell the whole
     turns. Coordinates ``phi`` and ``beta``."""
     linkage = Linkage(

@@ -85,7 +85,7 @@ def motions(draw: st.DrawFn, unit: str = "mm", named: bool = True) -> Motion:
     spans = [360.0 * w / math.fsum(weights) for w in weights[1:]]
     spans.insert(0, 360.0 - math.fsum(spans))
     shapes = [Named(draw(st.sampled_from(EITHER_WAY))) if named else draw(curves(span)) for span in spans]
-    still = [isinstance(shape, Named) and LAWS[shape.law].still for shape in shapes]
+    still = [isinstance(shape, Named) and LAWS[shape.law].is_dwell for shape in shapes]
     rises = [0.0 if rests else draw(st.floats(-1e6, 1e6)) for rests in still]
     if any(rises):
         last = max(i for i, rests in enumerate(still) if not rests)

@@ -126,11 +126,11 @@ def linkage(design: Design, theta: float) -> Sample:
         return [d for p in at.points.values() for d in p.derivatives]
 
     exact, size = sensitivity(figures, design, theta, there.motion.y[:, 0])
-    train = there.linkage
+    kinematics = there.linkage
     pins = {"arm_pin": "arm", "slider_pin": "slider", "pivot": "arm"}
-    names = [n for n in ("pivot", "arm_pin", "slider_pin", "roller") if (n in pins and "arm" in train.bodies) or n == "roller"]
+    names = [n for n in ("pivot", "arm_pin", "slider_pin", "roller") if (n in pins and "arm" in kinematics.bodies) or n == "roller"]
     got = [complex(v) for n in names
-           for v in (train.bodies[pins[n]].point(n) if n in pins else train.follower.z)[:, 0]]  # fmt: skip
+           for v in (kinematics.bodies[pins[n]].point(n) if n in pins else kinematics.follower.z)[:, 0]]  # fmt: skip
     sizes = [s + 2.0 * float(abs(e)) for s, e in zip(size, exact, strict=True)]
     return _samples(got, exact, sizes, LINKAGE_ROUNDINGS)
 
@@ -162,7 +162,7 @@ def cam(design: Design, theta: float) -> Sample:
 def forces(design: Design, theta: float) -> Sample:
     """Contact force, guide force and drive torque."""
     there, _ = there_at(Study(design), theta)
-    way = int(there.motion.way[0])
+    way = int(there.motion.velocity_sign[0])
     names = ("normal", "contact", "torque")
 
     def figures(design: Design, at: Solved) -> list[Any]:
@@ -360,11 +360,11 @@ def _as_fast_as_the_cam(by: float) -> Sample:
 def _printed_profile(there: Study, here: Solved) -> float:
     """Error of the contact point by (18)-(20), relative to its distance, in the frame with the pivot on the x axis; on
     that side of the roller where it is less, for the arctangent tells one quadrant only."""
-    d, train = there.design.shaft.sense, there.linkage
-    pivot = complex(train.bodies["arm"].z[0, 0])
+    d, kinematics = there.design.shaft.sense, there.linkage
+    pivot = complex(kinematics.bodies["arm"].z[0, 0])
     along = pivot / abs(pivot)
-    reference = complex(train.follower.z[0, 0]) / along
-    rate = -d * float(train.follower.angle[1, 0])
+    reference = complex(kinematics.follower.z[0, 0]) / along
+    rate = -d * float(kinematics.follower.angle[1, 0])
     with np.errstate(all="ignore"):
         q = np.float64(abs(pivot) * rate) / np.float64(1.0 + rate)
         psi = float(np.arctan((q - reference.real) / np.float64(reference.imag)))
@@ -492,7 +492,7 @@ def _nearly_jammed(left: float) -> Sample:
     theta = 1.5
     there, here = there_at(Study(with_loads(design, friction=0.0)), theta)
     slope = float(MP.tan(here.angles["beta"].c[0]))
-    way = float(there.motion.way[0])
+    way = float(there.motion.velocity_sign[0])
     feeds = way * slope * math.copysign(1.0, float(there.dynamics.guide.normal[0])) < 0.0
     return forces(with_loads(design, friction=(1.0 - left) / abs(slope)) if feeds else _backwards(design, left, slope), theta)
 
@@ -552,12 +552,12 @@ def scaled(design: Design, by: float) -> Design:
 def figures(design: Design, by: float, samples: int = 24) -> dict[str, np.ndarray]:
     """What a design gives, each divided by the power of the scale that it grows with."""
     study = Study(design, samples)
-    train, flank, force = study.linkage, study.cam.flank, study.dynamics
+    kinematics, flank, force = study.linkage, study.cam.flank, study.dynamics
     told = {
-        "y": study.motion.y / by, "roller": train.follower.z / by, "profile": flank.profile / by,
+        "y": study.motion.y / by, "roller": kinematics.follower.z / by, "profile": flank.profile / by,
         "pressure_angle": flank.pressure_angle, "pitch_curvature": flank.pitch_curvature * by,
         "profile_curvature": flank.profile_curvature * by, "contact": force.contact / by**4, "torque": force.torque / by**5,
-        "guide": force.guide.normal / by**4, **{f"{n} {k}": c[k] for n, c in train.coordinates.items() for k in range(4)
+        "guide": force.guide.normal / by**4, **{f"{n} {k}": c[k] for n, c in kinematics.coordinates.items() for k in range(4)
                                                 if n in ("phi", "beta")},
     }  # fmt: skip
     return told

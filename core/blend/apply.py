@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from core.blend.request import Blended
 from core.design import Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
-from core.design.edits import back_at_start, rest, still
+from core.design.edits import back_at_start, balance, is_dwell
 from core.design.motions import with_marks_of, without_marks
 from core.design.rules import CLOSING
 from core.errors import DesignError, Fault
@@ -46,7 +46,7 @@ def in_place(design: Design, blended: Blended) -> Design:
     _require_unit(design, blended)
     motion, request = require_motion(design), blended.request
     before, after = _outside(motion, request.start, request.end)
-    if abs(blended.gain) > CLOSING and all(still(segment) for segment, _ in before + after):
+    if abs(blended.gain) > CLOSING and all(is_dwell(segment) for segment, _ in before + after):
         return _there_and_back(design, blended)
     rows: list[Numbered] = [*before, *((segment, None) for segment in blended.segments), *after]
     segments = [segment for segment, _ in rows]
@@ -73,7 +73,7 @@ def _turn(design: Design, runs: Sequence[tuple[float, Sequence[Segment]]], after
     for dwell, curves in runs:
         segments += [*([Segment(dwell, 0.0)] if dwell > 0.0 else []), *curves]
     segments += [Segment(after, 0.0)] if after > 0.0 else []
-    motion = Motion(rest(start, (-_lowest(design),)), tuple(segments), require_motion(design).unit)
+    motion = Motion(balance(start, (-_lowest(design),)), tuple(segments), require_motion(design).unit)
     return without_marks(with_motion(design, motion))
 
 
@@ -106,15 +106,15 @@ def _outside(motion: Motion, start: float, end: float) -> tuple[list[Numbered], 
     after: list[Numbered] = []
     at = 0.0
     for number, segment in enumerate(motion.segments):
-        first, at = at, rest(at, (-segment.span_deg,))
+        first, at = at, balance(at, (-segment.span_deg,))
         for angle in (start, end):
-            if first + CLOSING < angle < at - CLOSING and not still(segment):
+            if first + CLOSING < angle < at - CLOSING and not is_dwell(segment):
                 angles, place = f"{first:g} ... {at:g} deg", f"a join, or an angle in a dwell; not {angle:g} deg"
                 raise _refused(f"motion.segments[{number}]", angles, "moves, and would be cut", place)
         if first < start - CLOSING:
-            span = segment.span_deg if at <= start + CLOSING else rest(start, (first,))
+            span = segment.span_deg if at <= start + CLOSING else balance(start, (first,))
             before.append((replace(segment, span_deg=span), number))
         if at > end + CLOSING:
-            span = segment.span_deg if first >= end - CLOSING else rest(at, (end,))
+            span = segment.span_deg if first >= end - CLOSING else balance(at, (end,))
             after.append((replace(segment, span_deg=span), number))
     return before, after

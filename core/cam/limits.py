@@ -11,7 +11,7 @@ import numpy as np
 from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
-from core.mechanism.kinematics import REVOLUTE, SLIDING, Train
+from core.mechanism.kinematics import REVOLUTE, SLIDING, Kinematics
 from core.motion import EPS
 from core.motion.extremes import Range
 from core.numerics.vectors import dot
@@ -51,16 +51,16 @@ def undercut(extremes: Mapping[str, Range], cam: RollerCam | LinkageCam) -> bool
     return bool(si(cam).roller_radius * extremes["pitch_curvature"].high.value >= 1.0)
 
 
-def require_hold(train: Train) -> None:
+def require_hold(kinematics: Kinematics) -> None:
     """The roller of a linkage must come nearer to the cam centre or go away from it somewhere in a turn.
 
     Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
     the linkage: NoCam.
     """
-    reference = train.follower.origin[0]
+    reference = kinematics.follower.origin[0]
     with np.errstate(invalid="ignore"):  # no travel where the roller stands still
-        hold = np.abs(dot(train.travel, reference)) / np.abs(reference)
-    if not (hold > 16.0 * EPS * train.condition).any():
+        hold = np.abs(dot(kinematics.travel, reference)) / np.abs(reference)
+    if not (hold > 16.0 * EPS * kinematics.condition).any():
         raise NoCam(
             "the roller keeps its distance from the cam centre, so no cam can move it", "cam.point",
             "choose another point",

@@ -8,13 +8,13 @@ import numpy as np
 
 from core.cam.shape import CamShape
 from core.findings import LEAST_BOUND, Residual
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 
 
-def centre_residual(train: Train, shape: CamShape) -> np.ndarray:
+def centre_residual(kinematics: Kinematics, shape: CamShape) -> np.ndarray:
     """t against i(φ'-d)(R-Q) (n,), relative to the terms of the latter: relative velocity and instant centre Q must
     say the same. Written as i(weight R - point), it stands at infinity too."""
-    centre, turn = shape.centre, train.follower.turn[1] - shape.sense
+    centre, turn = shape.centre, kinematics.follower.turn[1] - shape.sense
     # the centre's weight is φ'-d for a pivot and 1 for a guide, where the follower does not turn
     scale = turn / np.where(centre.weight == 0.0, 1.0, centre.weight)
     scale = np.where(centre.weight == 0.0, 1.0, scale)

@@ -13,9 +13,9 @@ import numpy as np
 from core.design import LinkageCam, RollerCam, si
 from core.errors import NoCam, angle_ranges
 from core.instant_centres import Centres, cam_follower_centre
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.numerics.derivatives import BINOMIAL, Derivatives
-from core.numerics.lazy import WhenAsked
+from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot
 
 
@@ -30,13 +30,13 @@ class Flank:
     pitch_curvature_slope  (n,) its derivative by cam angle
     """
 
-    pitch: WhenAsked[np.ndarray] = WhenAsked()
-    profile: WhenAsked[np.ndarray] = WhenAsked()
-    normal: WhenAsked[np.ndarray] = WhenAsked()
-    pressure_angle: WhenAsked[np.ndarray] = WhenAsked()
-    pitch_curvature: WhenAsked[np.ndarray] = WhenAsked()
-    pitch_curvature_slope: WhenAsked[np.ndarray] = WhenAsked()
-    profile_curvature: WhenAsked[np.ndarray] = WhenAsked()
+    pitch: Lazy[np.ndarray] = Lazy()
+    profile: Lazy[np.ndarray] = Lazy()
+    normal: Lazy[np.ndarray] = Lazy()
+    pressure_angle: Lazy[np.ndarray] = Lazy()
+    pitch_curvature: Lazy[np.ndarray] = Lazy()
+    pitch_curvature_slope: Lazy[np.ndarray] = Lazy()
+    profile_curvature: Lazy[np.ndarray] = Lazy()
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,17 +48,17 @@ class CamShape:
     sense: float
     reference: np.ndarray
     relative_velocity: np.ndarray
-    centre: WhenAsked[Centres] = WhenAsked()
+    centre: Lazy[Centres] = Lazy()
 
     @property
     def flank(self) -> Flank:
         return self.flanks[0]
 
 
-def relative_motion(train: Train, sense: float) -> Derivatives:
+def relative_motion(kinematics: Kinematics, sense: float) -> Derivatives:
     """The pitch curve's derivatives, turned into the global frame: the reference point R, its velocity t = R' - idR relative
     to the cam, w = R'' - 2idR' - R and x = R''' - 3idR'' - 3R' + idR, by Leibniz of R e^{-idθ}."""
-    r = train.follower.origin
+    r = kinematics.follower.origin
 
     def row(order: int) -> np.ndarray:
         terms = [c * (-1j * sense) ** (order - k) * r[k] for k, c in enumerate(BINOMIAL[order][:-1])]
@@ -88,22 +88,22 @@ SIZES: Mapping[type, tuple[str, str]] = MappingProxyType({
 })  # fmt: skip
 
 
-def roller_envelope(train: Train, cam: RollerCam | LinkageCam, sense: float) -> CamShape:
+def roller_envelope(kinematics: Kinematics, cam: RollerCam | LinkageCam, sense: float) -> CamShape:
     """Profile of a disk cam under a roller: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
 
     Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
     Raises NoCam where the roller covers the cam centre or stands still on the cam (a cusp).
     """
     radius = si(cam).roller_radius
-    motion = relative_motion(train, sense)
+    motion = relative_motion(kinematics, sense)
     reference, t = motion[0], motion[1]
-    _require_cam(train, reference, t, cam)
+    _require_cam(kinematics, reference, t, cam)
     normal = (-1j * sense) * t / np.abs(t)
 
     @cache
     def back() -> np.ndarray:
         """e^{-idθ}."""
-        turned = train.motion.angles.unit
+        turned = kinematics.motion.angles.unit
         return turned.conj() if sense > 0.0 else turned
 
     bend = cache(lambda: curvature(motion, sense))
@@ -111,12 +111,12 @@ def roller_envelope(train: Train, cam: RollerCam | LinkageCam, sense: float) -> 
         pitch=lambda: reference * back(),
         profile=lambda: (reference + radius * normal) * back(),
         normal=normal,
-        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, train.travel)), np.abs(dot(normal, train.travel))),
+        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
         pitch_curvature=bend,
         pitch_curvature_slope=lambda: curvature_slope(motion, sense),
         profile_curvature=lambda: _beyond(bend(), radius),
     )
-    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(train, sense))
+    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(kinematics, sense))
 
 
 @np.errstate(divide="ignore")
@@ -125,7 +125,7 @@ def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
     return pitch_curvature / (1.0 - radius * pitch_curvature)
 
 
-def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, cam: RollerCam | LinkageCam) -> None:
+def _require_cam(kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, cam: RollerCam | LinkageCam) -> None:
     radius = si(cam).roller_radius
     distance = np.abs(reference)
     bad = distance <= radius
@@ -134,7 +134,7 @@ def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, cam: Roller
             f"the roller covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the roller radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
             *SIZES[type(cam)],
-            angle_ranges(train.theta, bad),
+            angle_ranges(kinematics.theta, bad),
         )
     still = t == 0.0
     if still.any():
@@ -142,15 +142,15 @@ def _require_cam(train: Train, reference: np.ndarray, t: np.ndarray, cam: Roller
             "the roller stands still on the cam (cusp of the pitch curve)",
             SIZES[type(cam)][0],
             "change it",
-            angle_ranges(train.theta, still),
+            angle_ranges(kinematics.theta, still),
         )
 
 
-ENVELOPES: Mapping[type, Callable[[Train, Any, float], CamShape]] = MappingProxyType(
+ENVELOPES: Mapping[type, Callable[[Kinematics, Any, float], CamShape]] = MappingProxyType(
     {RollerCam: roller_envelope, LinkageCam: roller_envelope}
 )
 
 
-def envelope(train: Train, cam: Any, sense: float) -> CamShape:
-    """The cam that moves the follower body of the train; sense: d = +1 counter-clockwise, -1 clockwise."""
-    return ENVELOPES[type(cam)](train, cam, sense)
+def envelope(kinematics: Kinematics, cam: Any, sense: float) -> CamShape:
+    """The cam that moves the follower body of the kinematics; sense: d = +1 counter-clockwise, -1 clockwise."""
+    return ENVELOPES[type(cam)](kinematics, cam, sense)

@@ -21,7 +21,7 @@ from core.laws import find_law
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
 
 
-def rest(total: float, given: Iterable[float]) -> float:
+def balance(total: float, given: Iterable[float]) -> float:
     """What is left of a total, without the last bits that binary numbers leave; nan where infinities meet."""
     try:
         return round(fsum([total, *(-number for number in given)]), _DECIMALS) + 0.0  # no minus zero
@@ -36,7 +36,7 @@ def with_span(motion: Motion, index: int, span_deg: float) -> Motion:
     if other == index:
         return replace(motion, segments=(replace(segments[index], span_deg=span_deg),))
     segments[index] = replace(segments[index], span_deg=span_deg)
-    left = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
+    left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
     segments[other] = replace(segments[other], span_deg=left)
     return replace(motion, segments=tuple(segments))
 
@@ -52,8 +52,8 @@ def with_rise(motion: Motion, index: int, rise: float) -> Motion:
 def back_at_start(segments: list[Segment], order: Iterable[int]) -> tuple[Segment, ...]:
     """The segments, closed: the first segment that moves, of those in ``order``, brings the follower back."""
     for other in order:
-        if not still(segments[other]):
-            left = rest(0.0, (s.rise for i, s in enumerate(segments) if i != other))
+        if not is_dwell(segments[other]):
+            left = balance(0.0, (s.rise for i, s in enumerate(segments) if i != other))
             segments[other] = replace(segments[other], rise=left)
             break
     return tuple(segments)
@@ -86,7 +86,7 @@ def with_law(motion: Motion, index: int, law: str) -> Motion:
     segments[index] = replace(segments[index], curve=curve_of(law))
     changed = replace(motion, segments=tuple(segments))
     row = find_law(law)
-    return with_rise(changed, index, 0.0) if row is not None and row.still else changed
+    return with_rise(changed, index, 0.0) if row is not None and row.is_dwell else changed
 
 
 def with_segment_inserted(motion: Motion, index: int) -> Motion:
@@ -106,7 +106,7 @@ def without_segment(motion: Motion, index: int) -> Motion:
         return motion
     gone = segments.pop(index)
     heir = max(index - 1, 0)
-    left = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
+    left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
     segments[heir] = replace(segments[heir], span_deg=left)
     order = [(index + k) % len(segments) for k in range(len(segments))] if gone.rise else []
     return replace(motion, segments=back_at_start(segments, order))
@@ -119,10 +119,10 @@ def with_layout(follower: CamSlider, layout: str) -> CamSlider:
     return replace(follower, layout=layout, pivot_x_mm=side)
 
 
-def still(segment: Segment) -> bool:
+def is_dwell(segment: Segment) -> bool:
     """A dwell, whose levels at both ends are one."""
     law = find_law(segment.curve.law)
-    return law is not None and law.still
+    return law is not None and law.is_dwell
 
 
 MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any], Motion]] = MappingProxyType(

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
-from core.design.edits import rest, still
+from core.design.edits import balance, is_dwell
 from core.design.parts import Motion, Point, Segment, Spline
 
 LEAST_SPAN = 0.5
@@ -21,12 +21,12 @@ _ON = 1e-9  # a point of a spline this close to an end of its segment [deg] belo
 
 def join_angles(motion: Motion) -> tuple[float, ...]:
     """Cam angle of each join [deg], the first one 0."""
-    return tuple(rest(0.0, (-s.span_deg for s in motion.segments[:k])) for k in range(len(motion.segments)))
+    return tuple(balance(0.0, (-s.span_deg for s in motion.segments[:k])) for k in range(len(motion.segments)))
 
 
 def join_levels(motion: Motion) -> tuple[float, ...]:
     """Where the follower stands at each join, in the motion's unit."""
-    return tuple(rest(motion.start, (-s.rise for s in motion.segments[:k])) for k in range(len(motion.segments)))
+    return tuple(balance(motion.start, (-s.rise for s in motion.segments[:k])) for k in range(len(motion.segments)))
 
 
 def joins_of_level(motion: Motion, join: int) -> frozenset[int]:
@@ -35,7 +35,7 @@ def joins_of_level(motion: Motion, join: int) -> frozenset[int]:
     held = {join}
     for way, before in ((1, 0), (-1, -1)):
         at = join
-        while still(motion.segments[(at + before) % count]) and (at + way) % count not in held:
+        while is_dwell(motion.segments[(at + before) % count]) and (at + way) % count not in held:
             at = (at + way) % count
             held.add(at)
     return frozenset(held)
@@ -50,7 +50,7 @@ def join_range(motion: Motion, join: int, least: float = LEAST_SPAN) -> tuple[fl
     here = join_angles(motion)[join]
     low = here - before.span_deg + max((p.at_deg for p in _inner(before)), default=0.0) + least
     high = here + min((p.at_deg for p in _inner(after)), default=after.span_deg) - least
-    return min(rest(low, ()), here), max(rest(high, ()), here)
+    return min(balance(low, ()), here), max(balance(high, ()), here)
 
 
 def with_join_moved(motion: Motion, join: int, angle: float | None = None, level: float | None = None) -> Motion:
@@ -69,25 +69,25 @@ def with_join_moved(motion: Motion, join: int, angle: float | None = None, level
 def _turned(motion: Motion, join: int, angle: float) -> Motion:
     segments = list(motion.segments)
     before, after = segments[join - 1], segments[join]
-    span = rest(angle, (s.span_deg for s in segments[: join - 1]))
-    by = rest(span, (before.span_deg,))
+    span = balance(angle, (s.span_deg for s in segments[: join - 1]))
+    by = balance(span, (before.span_deg,))
     segments[join - 1] = _with_points(
         replace(before, span_deg=span),
         lambda p: replace(p, at_deg=span) if _at_end(p, before.span_deg) else p,
     )
-    left = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != join))
+    left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != join))
     segments[join] = _with_points(
         replace(after, span_deg=left),
         # the one at the far end must not miss it by rounding
         lambda p: (
-            p if p.at_deg <= _ON else replace(p, at_deg=left if _at_end(p, after.span_deg) else rest(p.at_deg, (by,)))
+            p if p.at_deg <= _ON else replace(p, at_deg=left if _at_end(p, after.span_deg) else balance(p.at_deg, (by,)))
         ),
     )
     return replace(motion, segments=tuple(segments))
 
 
 def _lifted(motion: Motion, join: int, level: float) -> Motion:
-    by = rest(level, (join_levels(motion)[join],))
+    by = balance(level, (join_levels(motion)[join],))
     lifted = joins_of_level(motion, join)
     segments = list(motion.segments)
     leaving = None
@@ -95,16 +95,16 @@ def _lifted(motion: Motion, join: int, level: float) -> Motion:
         start, end = i in lifted, (i + 1) % len(segments) in lifted
         if end and not start:
             segments[i] = _with_points(
-                replace(segment, rise=rest(segment.rise, (-by,))),
+                replace(segment, rise=balance(segment.rise, (-by,))),
                 partial(_raised_at_end, span=segment.span_deg, by=by),
             )
         elif start and not end:
             leaving = i
             segments[i] = _with_points(segment, lambda p: p if p.at_deg <= _ON else _raised(p, -by))
     if leaving is not None:
-        left = rest(0.0, (s.rise for i, s in enumerate(segments) if i != leaving))
+        left = balance(0.0, (s.rise for i, s in enumerate(segments) if i != leaving))
         segments[leaving] = replace(segments[leaving], rise=left)
-    start_level = rest(motion.start, (-by,)) if 0 in lifted else motion.start
+    start_level = balance(motion.start, (-by,)) if 0 in lifted else motion.start
     return replace(motion, start=start_level, segments=tuple(segments))
 
 
@@ -120,7 +120,7 @@ def _at_end(point: Point, span: float) -> bool:
 
 
 def _raised(point: Point, by: float) -> Point:
-    return point if point.value is None else replace(point, value=rest(point.value, (-by,)))
+    return point if point.value is None else replace(point, value=balance(point.value, (-by,)))
 
 
 def _raised_at_end(point: Point, span: float, by: float) -> Point:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from math import fsum
 from types import MappingProxyType
 
-from core.design.edits import back_at_start, rest, still
+from core.design.edits import back_at_start, balance, is_dwell
 from core.design.joins import LEAST_SPAN, join_levels
 from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
 from core.design.stretch import stretched, times
@@ -28,7 +28,7 @@ MIRRORS: Mapping[str, str] = MappingProxyType(
 def has_image(curve: Curve) -> bool:
     """Whether the curve run backwards is a curve that can be named."""
     law = find_law(curve.law)
-    return law is None or law.still or law.slug in MIRRORS or law.symmetric
+    return law is None or law.is_dwell or law.slug in MIRRORS or law.symmetric
 
 
 def mirrored(segment: Segment) -> Segment:
@@ -39,14 +39,14 @@ def mirrored(segment: Segment) -> Segment:
 def _mirrored_curve(segment: Segment) -> Curve:
     curve = segment.curve
     if isinstance(curve, Named):
-        return Named(MIRRORS.get(curve.law, curve.law), rest(1.0, (curve.crossover,)))
+        return Named(MIRRORS.get(curve.law, curve.law), balance(1.0, (curve.crossover,)))
     if isinstance(curve, Polynomial):
         return Polynomial(_backwards(curve.end), _backwards(curve.start))
     if isinstance(curve, Spline):
         points = [
             Point(
-                rest(segment.span_deg, (p.at_deg,)),
-                None if p.value is None else rest(p.value, (segment.rise,)),
+                balance(segment.span_deg, (p.at_deg,)),
+                None if p.value is None else balance(p.value, (segment.rise,)),
                 times(p.velocity, -1.0),
                 p.acceleration,
             )
@@ -75,7 +75,7 @@ class _Turn:
 
 
 def _way(segment: Segment) -> int:
-    return 0 if still(segment) or segment.rise == 0.0 else 1 if segment.rise > 0.0 else -1
+    return 0 if is_dwell(segment) or segment.rise == 0.0 else 1 if segment.rise > 0.0 else -1
 
 
 def _turn_from(motion: Motion, index: int) -> _Turn | None:
@@ -121,7 +121,7 @@ def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
     rows = [(segments[i], i) for i in turn.own + turn.between]
     rows += zip(image, reversed(turn.own), strict=True)
     rows += [(segments[i], i) for i in turn.behind]
-    if rest(0.0, (s.rise for s, _ in rows)):
+    if balance(0.0, (s.rise for s, _ in rows)):
         others = [k for part in (turn.behind, turn.between) for k, (_, i) in enumerate(rows) if i in part]
         closed = back_at_start([s for s, _ in rows], others)
         rows = [(s, i) for s, (_, i) in zip(closed, rows, strict=True)]
@@ -129,7 +129,7 @@ def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
     rows = rows[first:] + rows[:first]
     made = tuple(s for s, _ in rows)
     ahead = len(rows) - first if first else 0  # segments before the stroke
-    start = rest(level, (s.rise for s in made[:ahead]))
+    start = balance(level, (s.rise for s in made[:ahead]))
     start = motion.start if abs(start - motion.start) < CLOSE else start
     return replace(motion, start=start, segments=made), [i for _, i in rows]
 
@@ -149,16 +149,16 @@ def _with_room(segments: list[Segment], turn: _Turn, image: list[Segment]) -> tu
     """The segments, and the image, with spans that make a turn once the image stands in the place of the other
     stroke."""
     own, others = turn.own, turn.behind + turn.between
-    more = rest(_total(segments, own), (_total(segments, turn.other),))
+    more = balance(_total(segments, own), (_total(segments, turn.other),))
     if more == 0.0:
         return segments, image
     giver = _giver(segments, turn, more)
     if giver is not None:
-        return _with_total(segments, [giver], rest(segments[giver].span_deg, (more,))), image
-    room = rest(_total(segments, others), (more,))
+        return _with_total(segments, [giver], balance(segments[giver].span_deg, (more,))), image
+    room = balance(_total(segments, others), (more,))
     if others and room >= LEAST_SPAN * len(others):
         return _with_total(segments, others, room), image
-    segments = _with_total(segments, own, rest((360.0 - _total(segments, others)) / 2.0, ()))
+    segments = _with_total(segments, own, balance((360.0 - _total(segments, others)) / 2.0, ()))
     return segments, [mirrored(segments[i]) for i in reversed(own)]
 
 
@@ -180,7 +180,7 @@ def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float)
     made, by = list(segments), total / _total(segments, which)
     for i in which:
         others = (made[j].span_deg for j in which[:-1])
-        span = rest(total, others) if i == which[-1] else rest(made[i].span_deg * by, ())
+        span = balance(total, others) if i == which[-1] else balance(made[i].span_deg * by, ())
         made[i] = replace(made[i], span_deg=span, curve=stretched(made[i].curve, span / made[i].span_deg, 1.0))
     return made
 

@@ -58,7 +58,7 @@ def _law_fits_rise(segment: Segment, path: str, unit: str) -> Iterator[Fault]:
     law = find_law(segment.curve.law) if isinstance(segment.curve, Named) else None
     if law is None:
         return
-    if law.still and segment.rise != 0.0:
+    if law.is_dwell and segment.rise != 0.0:
         yield Fault(f"{path}.rise_{unit}", segment.rise, "a dwell does not rise", "0, or another law")
     elif law.rises < 0 and segment.rise >= 0.0:
         yield Fault(f"{path}.rise_{unit}", segment.rise, f"{law.slug} is a return", f"< 0 {unit}, or a law that rises")

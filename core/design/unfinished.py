@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from core.design.edits import back_at_start, edited, rest, still, with_law
+from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
 from core.design.mirror import MIRRORS
 from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
 from core.design.parts import Motion, Named, Segment
@@ -35,7 +35,7 @@ def rise_gap(motion: Motion) -> float:
 
 
 def _gap(number: float) -> float:
-    return 0.0 if abs(number) <= CLOSING else rest(number, ())
+    return 0.0 if abs(number) <= CLOSING else balance(number, ())
 
 
 def lacks(design: Design) -> list[Fault]:
@@ -105,7 +105,7 @@ def without_unbalanced(motion: Motion, index: int) -> Motion:
         return motion
     gone = segments.pop(index)
     heir = max(index - 1, 0)
-    segments[heir] = replace(segments[heir], span_deg=rest(segments[heir].span_deg, (-gone.span_deg,)))
+    segments[heir] = replace(segments[heir], span_deg=balance(segments[heir].span_deg, (-gone.span_deg,)))
     return replace(motion, segments=tuple(segments))
 
 
@@ -153,10 +153,10 @@ def _turns(motion: Motion, index: int) -> Iterator[Motion]:
         return
     segments = list(motion.segments)
     if gap < 0.0:
-        added = Segment(rest(0.0, (gap,)), rest(0.0, (rise_gap(motion),)), Named(RETURN_LAW))
+        added = Segment(balance(0.0, (gap,)), balance(0.0, (rise_gap(motion),)), Named(RETURN_LAW))
         yield replace(motion, segments=(*segments, added if added.rise else replace(added, curve=Named("dwell"))))
     for other in _after(motion, index):
-        span = rest(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
+        span = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
         yield _with_cell(motion, other, "span_deg", span)
     for kept in ([index], []):
         yield replace(motion, segments=_in_proportion(segments, kept))
@@ -167,11 +167,11 @@ def _in_proportion(segments: list[Segment], kept: list[int]) -> tuple[Segment, .
     others = [i for i in range(len(segments)) if i not in kept]
     if not others:
         return tuple(segments)
-    left = rest(360.0, (segments[i].span_deg for i in kept))
+    left = balance(360.0, (segments[i].span_deg for i in kept))
     now, made = total_of(segments[i].span_deg for i in others), list(segments)
     for i in others[:-1]:
-        made[i] = replace(made[i], span_deg=rest(made[i].span_deg * left / now, ()))
-    last = rest(left, (made[i].span_deg for i in others[:-1]))
+        made[i] = replace(made[i], span_deg=balance(made[i].span_deg * left / now, ()))
+    last = balance(left, (made[i].span_deg for i in others[:-1]))
     made[others[-1]] = replace(made[others[-1]], span_deg=last)
     return tuple(made)
 
@@ -186,11 +186,11 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
         yield motion
     segments = list(motion.segments)
     for other in _after(motion, index):
-        if not still(segments[other]):
+        if not is_dwell(segments[other]):
             yield replace(motion, segments=back_at_start(segments, (other,)))
     if gap != 0.0:
-        back = rest(0.0, (gap,))
-        dwells = [i for i in range(index + 1, len(segments)) if still(segments[i])]
+        back = balance(0.0, (gap,))
+        dwells = [i for i in range(index + 1, len(segments)) if is_dwell(segments[i])]
         for law in (_law_back(segments[index]), RETURN_LAW):
             if len(dwells) > 1:
                 at = min(reversed(dwells[1:]), key=lambda i: abs(segments[i].span_deg - segments[index].span_deg))
@@ -209,7 +209,7 @@ def _returns(motion: Motion, index: int) -> Iterator[Motion]:
 def _law_back(segment: Segment) -> str:
     """The law of a return that answers a segment: its mirror image, itself where its halves are alike."""
     law = find_law(segment.curve.law)
-    if law is None or law.still or not (law.symmetric or law.slug in MIRRORS):
+    if law is None or law.is_dwell or not (law.symmetric or law.slug in MIRRORS):
         return RETURN_LAW
     return MIRRORS.get(law.slug, law.slug)
 
@@ -217,7 +217,7 @@ def _law_back(segment: Segment) -> str:
 def _fitting(segment: Segment) -> Segment:
     """The segment with a law that fits its rise."""
     law = find_law(segment.curve.law)
-    if law is not None and law.still and segment.rise != 0.0:
+    if law is not None and law.is_dwell and segment.rise != 0.0:
         return replace(segment, curve=Named(RETURN_LAW))
     if law is not None and law.rises < 0 and segment.rise >= 0.0:
         return replace(segment, curve=Named(MIRRORS.get(law.slug, RETURN_LAW)))

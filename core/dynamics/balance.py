@@ -9,24 +9,24 @@ import numpy as np
 from core.cam import CamShape
 from core.dynamics.elements import Load, Loading, Rate
 from core.dynamics.forces import Forces
-from core.mechanism.kinematics import FRAME, REVOLUTE, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.numerics.vectors import cross
 
 
-def kinetic_energy(train: Train, loading: Loading, omega: float) -> np.ndarray:
+def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
     """KE (n,) [J] of all moved bodies."""
-    return np.asarray(0.5 * omega * omega * loading.inertia(train)[0])
+    return np.asarray(0.5 * omega * omega * loading.inertia(kinematics)[0])
 
 
 @np.errstate(invalid="ignore")  # inf - inf where friction jams, which counts as balanced
-def power_residual(train: Train, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
+def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
     """What cam or driver give against the rates of kinetic and potential energy and what friction takes (n,), relative to
     the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
     left."""
     omega = forces.omega
-    given = forces.torque * omega + forces.driver * train.motion.y[1] * omega
-    terms = [0.5 * omega**3 * loading.inertia(train)[1], forces.lost]
-    terms += [omega * element.potential(train)[0] for element in loading.elements]
+    given = forces.torque * omega + forces.driver * kinematics.motion.y[1] * omega
+    terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
+    terms += [omega * element.potential(kinematics)[0] for element in loading.elements]
     sizes = list(terms)
     if shape is not None:
         sizes.append(omega * np.abs(shape.reference) * forces.contact)
@@ -36,22 +36,22 @@ def power_residual(train: Train, shape: CamShape | None, forces: Forces, loading
 
 
 @np.errstate(invalid="ignore")
-def momentum_residual(train: Train, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
+def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
     """Sum of outer forces and inertia forces of all bodies, and of their moments about the origin (n,), each relative to
     the peak of its terms, of a moment |r||F|. Power alone cannot see an error in a pin, the pivot or a frictionless guide.
 
     Outer forces are those of the frame, of the cam, of the driver, and of all force elements.
     """
-    outer: list[Load] = [load for element in loading.elements for load in element.loads(train, Rate(forces.omega))]
-    for name, pair in train.pairs.items():
+    outer: list[Load] = [load for element in loading.elements for load in element.loads(kinematics, Rate(forces.omega))]
+    for name, pair in kinematics.pairs.items():
         if FRAME in (pair.on, pair.body):
             sign = 1.0 if pair.on == FRAME else -1.0
-            at = train.bodies[pair.body if pair.on == FRAME else pair.on].place(pair.point)
+            at = kinematics.bodies[pair.body if pair.on == FRAME else pair.on].place(pair.point)
             couple = sign * forces.couples.get(name, np.zeros(1))
             outer.append(Load("", at, sign * forces.pairs.get(name, np.zeros(1, dtype=complex)), couple))
-            if name == train.driver_name:
+            if name == kinematics.driver_name:
                 turns = pair.kind == REVOLUTE
-                push = np.zeros(1, dtype=complex) if turns else forces.driver * train.line(pair)
+                push = np.zeros(1, dtype=complex) if turns else forces.driver * kinematics.line(pair)
                 outer.append(Load("", at, push, forces.driver if turns else 0.0))
     if shape is not None:
         outer.append(Load("", shape.reference, -forces.contact * shape.flank.normal))

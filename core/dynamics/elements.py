@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from core.mechanism.kinematics import REVOLUTE, Train
+from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.derivatives import Derivatives
 from core.numerics.vectors import dot
 
@@ -48,9 +48,9 @@ class Element(Protocol):
     @property
     def acts(self) -> bool: ...
 
-    def loads(self, train: Train, rate: Rate) -> Iterator[Load]: ...
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]: ...
 
-    def potential(self, train: Train) -> np.ndarray: ...
+    def potential(self, kinematics: Kinematics) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
@@ -82,25 +82,25 @@ class Mass:
     def acts(self) -> bool:
         return bool(self.inertia.mass or self.inertia.about_centre)
 
-    def loads(self, train: Train, rate: Rate) -> Iterator[Load]:
-        pose, part = train.bodies[self.body], self.inertia
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
         zero = rate == Rate(0.0)
-        pull = np.full(train.theta.size, part.mass * self.gravity) if zero else (
+        pull = np.full(kinematics.theta.size, part.mass * self.gravity) if zero else (
             part.mass * (self.gravity - rate.second(z))
         )  # fmt: skip
         couple = -part.about_centre * rate.second(a) if part.about_centre and not zero else 0.0
         yield Load(self.body, z[0], pull, couple)
 
-    def potential(self, train: Train) -> np.ndarray:
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V = -m g·z."""
-        z = train.bodies[self.body].carried(self.inertia.centre)
+        z = kinematics.bodies[self.body].carried(self.inertia.centre)
         along = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array([(along * z[order]).real for order in (1, 2)])
 
-    def worth(self, train: Train) -> np.ndarray:
+    def worth(self, kinematics: Kinematics) -> np.ndarray:
         """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²]."""
-        pose, part = train.bodies[self.body], self.inertia
+        pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
         m, i = part.mass, part.about_centre
         return np.array([
@@ -123,22 +123,22 @@ class OutputForce:
     def acts(self) -> bool:
         return bool(self.force or self.rate)
 
-    def size(self, train: Train) -> np.ndarray:
+    def size(self, kinematics: Kinematics) -> np.ndarray:
         """F (n,)."""
-        return np.asarray(self.force - self.rate * train.motion.y[0])
+        return np.asarray(self.force - self.rate * kinematics.motion.y[0])
 
-    def loads(self, train: Train, rate: Rate) -> Iterator[Load]:
-        pair, along = train.driver_pair, self.sense * self.size(train)
-        at = train.bodies[train.output].place(pair.point)
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        pair, along = kinematics.driver_pair, self.sense * self.size(kinematics)
+        at = kinematics.bodies[kinematics.output].place(pair.point)
         if pair.kind == REVOLUTE:
-            yield Load(train.output, at, np.zeros(at.size, dtype=complex), along)
+            yield Load(kinematics.output, at, np.zeros(at.size, dtype=complex), along)
         else:
-            yield Load(train.output, at, along * pair.axis)
+            yield Load(kinematics.output, at, along * pair.axis)
 
-    def potential(self, train: Train) -> np.ndarray:
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F y'."""
-        _, v, a, _ = train.motion.y
-        force = self.size(train)
+        _, v, a, _ = kinematics.motion.y
+        force = self.size(kinematics)
         return np.array([-force * v, self.rate * v * v - force * a])
 
 
@@ -155,13 +155,13 @@ class PointForce:
     def acts(self) -> bool:
         return bool(self.force or self.torque)
 
-    def loads(self, train: Train, rate: Rate) -> Iterator[Load]:
-        at = train.bodies[self.body].place(self.point)
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        at = kinematics.bodies[self.body].place(self.point)
         yield Load(self.body, at, np.full(at.size, self.force), self.torque)
 
-    def potential(self, train: Train) -> np.ndarray:
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F·z' - T α'."""
-        pose = train.bodies[self.body]
+        pose = kinematics.bodies[self.body]
         rows = [
             -dot(pose.place(self.point, order), np.asarray(self.force)) - self.torque * pose.turn[order] for order in (1, 2)
         ]
@@ -214,10 +214,10 @@ class Loading:
         """Its masses alone, without their weight."""
         return Loading(tuple(Mass(m.body, m.inertia) for m in self.masses), (), (), self.guide)
 
-    def inertia(self, train: Train) -> np.ndarray:
+    def inertia(self, kinematics: Kinematics) -> np.ndarray:
         """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²]: the kinetic energy is J θ̇²/2."""
-        return sum((mass.worth(train) for mass in self.masses), np.zeros((3, train.theta.size)))
+        return sum((mass.worth(kinematics) for mass in self.masses), np.zeros((3, kinematics.theta.size)))
 
-    def potential(self, train: Train) -> np.ndarray:
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V'(θ) and V'' of all elements (2, n) [N m]: the torque at standstill that they ask of the cam."""
-        return sum((element.potential(train) for element in self.elements), np.zeros((2, train.theta.size)))
+        return sum((element.potential(kinematics) for element in self.elements), np.zeros((2, kinematics.theta.size)))

@@ -16,8 +16,8 @@ from core.cam import CamShape
 from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
-from core.mechanism.kinematics import REVOLUTE, Pair, Train
-from core.numerics.lazy import WhenAsked
+from core.mechanism.kinematics import REVOLUTE, Kinematics, Pair
+from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot
 
 BEARING = "bearing"
@@ -49,7 +49,7 @@ class Forces:
     lever: np.ndarray
     lost: np.ndarray
     jam: np.ndarray
-    follower_torque: WhenAsked[np.ndarray] = WhenAsked()
+    follower_torque: Lazy[np.ndarray] = Lazy()
     guide: GuideReaction | None = None
 
 
@@ -65,9 +65,9 @@ class _Case:
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton_euler(
-    train: Train, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
+    kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
 ) -> Forces:
-    """Forces at camshaft speed omega [rad/s, > 0] and acceleration [rad/s²] of what the train's derivatives are by.
+    """Forces at camshaft speed omega [rad/s, > 0] and acceleration [rad/s²] of the coordinate that the poses are differentiated by.
 
     T_c = -d (R × F_c n) (27), F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
     (26). Where friction jams the forces are infinite; the findings say so.
@@ -75,16 +75,16 @@ def newton_euler(
     rate = Rate(omega, acceleration)
     cam = None if shape is None else (shape.reference, shape.flank.normal)
     places: dict[str, np.ndarray] = {}
-    press = None if cam is None else Walk(train, [Load(train.carrier, cam[0], -cam[1])], places)
-    own = Walk(train, [load for element in loading.elements for load in element.loads(train, rate)], places)
+    press = None if cam is None else Walk(kinematics, [Load(kinematics.carrier, cam[0], -cam[1])], places)
+    own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
     case = _case(own, press)
     signs, rubbing = {}, {}
     for friction in loading.frictions:
-        signs[friction.pair] = _direction(train, friction.pair) * np.sign(omega)
-        rubbing[friction.pair] = _case(Walk(train, _unit_friction(train, friction), places), press)
-    found = _rubbed(train, loading, case, rubbing, signs)
+        signs[friction.pair] = _direction(kinematics, friction.pair) * np.sign(omega)
+        rubbing[friction.pair] = _case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
+    found = _rubbed(kinematics, loading, case, rubbing, signs)
     pairs, couples, contact, driver, guide, jam, lost = found
-    n = train.theta.size
+    n = kinematics.theta.size
     if cam is not None:
         pairs[BEARING] = -contact * cam[1]
     torque = np.zeros(n) if shape is None else -shape.sense * cross(shape.reference, contact * shape.flank.normal)
@@ -98,7 +98,7 @@ def newton_euler(
         lever=np.full(n, np.inf) if press is None else np.broadcast_to(press.needed, n),
         lost=lost * omega,
         jam=jam,
-        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(train, shape, contact),
+        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact),
         guide=guide,
     )
     return _limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
@@ -118,46 +118,46 @@ def _case(walk: Walk, press: Walk | None) -> _Case:
     )
 
 
-def _unit_friction(train: Train, friction: Friction) -> list[Load]:
+def _unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
     """One newton of friction (one newton metre in a pin) on ``body`` against positive slip, and the like on ``on``."""
-    pair = train.pairs[friction.pair]
-    at = train.bodies[pair.body].place(pair.point)
-    force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -train.line(pair)
+    pair = kinematics.pairs[friction.pair]
+    at = kinematics.bodies[pair.body].place(pair.point)
+    force = np.zeros(1, dtype=complex) if pair.kind == REVOLUTE else -kinematics.line(pair)
     couple = -1.0 if pair.kind == REVOLUTE else 0.0
     return [Load(pair.body, at, force, couple), Load(pair.on, at, -force, -couple)]
 
 
-def _direction(train: Train, name: str) -> np.ndarray:
+def _direction(kinematics: Kinematics, name: str) -> np.ndarray:
     """Which way a pair slips (n,): -1, 0, 1, as the motion's segment says; rounding beside a dwell must not toggle it."""
-    if name == train.driver_name:
-        return train.motion.way
-    return np.asarray(train.motion.way * np.sign(train.slip(name)))
+    if name == kinematics.driver_name:
+        return kinematics.motion.velocity_sign
+    return np.asarray(kinematics.motion.velocity_sign * np.sign(kinematics.slip(name)))
 
 
-def _normal(pair: Pair, train: Train, force: np.ndarray) -> np.ndarray:
+def _normal(pair: Pair, kinematics: Kinematics, force: np.ndarray) -> np.ndarray:
     """The normal force N of a sliding pair (n,), along its line + 90 deg; of a pin the force itself."""
-    return force if pair.kind == REVOLUTE else dot(1j * train.line(pair), force)
+    return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
 def _rubbed(
-    train: Train, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
+    kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
 ) -> tuple[
     dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, np.ndarray, GuideReaction | None, np.ndarray, np.ndarray
 ]:
     """Pairs, couples, contact, driver, guide, jam factor, and what friction takes per radian of the shaft [N m], with the
     friction that goes with the reactions."""
-    n, guide = train.theta.size, None
+    n, guide = kinematics.theta.size, None
     pairs, couples, contact, driver = dict(case.pairs), dict(case.couples), case.contact, case.driver
     jam, lost = np.zeros(n), np.zeros(n)
-    normals = {f.pair: _normal(train.pairs[f.pair], train, case.pairs[f.pair]) for f in loading.frictions}
-    if len(loading.frictions) == 1 and train.pairs[loading.frictions[0].pair].kind != REVOLUTE:
+    normals = {f.pair: _normal(kinematics.pairs[f.pair], kinematics, case.pairs[f.pair]) for f in loading.frictions}
+    if len(loading.frictions) == 1 and kinematics.pairs[loading.frictions[0].pair].kind != REVOLUTE:
         (friction,) = loading.frictions
-        slope = -_normal(train.pairs[friction.pair], train, _of(rubbing[friction.pair], friction.pair))
+        slope = -_normal(kinematics.pairs[friction.pair], kinematics, _of(rubbing[friction.pair], friction.pair))
         reaction = guide_reaction(normals[friction.pair], signs[friction.pair], slope, friction.coefficient)
         sizes, jam = {friction.pair: np.abs(reaction.friction)}, reaction.jam
     else:
         gains = {
-            (f.pair, g.pair): signs[g.pair] * _normal(train.pairs[f.pair], train, _of(rubbing[g.pair], f.pair))
+            (f.pair, g.pair): signs[g.pair] * _normal(kinematics.pairs[f.pair], kinematics, _of(rubbing[g.pair], f.pair))
             for f in loading.frictions
             for g in loading.frictions
         }
@@ -167,25 +167,25 @@ def _rubbed(
         found = magnitudes(names, normals, gains, coefficients, jam, n)
         sizes = {name: coefficient * size for name, coefficient, size in zip(names, coefficients, found, strict=True)}
     for name, size in sizes.items():
-        pair, signed = train.pairs[name], signs[name] * size
+        pair, signed = kinematics.pairs[name], signs[name] * size
         for other, force in rubbing[name].pairs.items():
             pairs[other] = pairs.get(other, 0.0) + signed * force
         for other, couple in rubbing[name].couples.items():
             couples[other] = couples.get(other, 0.0) + signed * couple
         contact, driver = contact + signed * rubbing[name].contact, driver + signed * rubbing[name].driver
-        moves = train.motion.y[1] if name == train.driver_name else train.slip(name) * train.motion.y[1]
+        moves = kinematics.motion.y[1] if name == kinematics.driver_name else kinematics.slip(name) * kinematics.motion.y[1]
         lost = lost + signed * moves
         if pair.kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - signed
         else:
-            pairs[name] = pairs[name] - signed * train.line(pair)
+            pairs[name] = pairs[name] - signed * kinematics.line(pair)
     if loading.guide:
         name = loading.guide
-        normal = np.broadcast_to(_normal(train.pairs[name], train, pairs[name]), n)
+        normal = np.broadcast_to(_normal(kinematics.pairs[name], kinematics, pairs[name]), n)
         rubs = -signs[name] * sizes[name] if name in sizes else np.zeros(n)
         guide = GuideReaction(normal, np.broadcast_to(rubs, n), jam)
-    sliding = (name for name, pair in train.pairs.items() if pair.kind != REVOLUTE)
-    pairs = {name: np.broadcast_to(pairs.get(name, 0j), n) for name in train.pairs}
+    sliding = (name for name, pair in kinematics.pairs.items() if pair.kind != REVOLUTE)
+    pairs = {name: np.broadcast_to(pairs.get(name, 0j), n) for name in kinematics.pairs}
     couples = {name: np.broadcast_to(couples.get(name, 0.0), n) for name in {**dict.fromkeys(sliding), **couples}}
     return pairs, couples, contact, driver, guide, jam, lost
 
@@ -194,15 +194,15 @@ def _of(case: _Case, name: str) -> np.ndarray:
     return np.asarray(case.pairs.get(name, np.zeros(1, dtype=complex)))
 
 
-def _follower_torque(train: Train, shape: CamShape, contact: np.ndarray) -> np.ndarray:
+def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarray) -> np.ndarray:
     """T_L = -F_c (r_R × n) about the pivot that holds the follower's link (24); along its guide -F_c n·e."""
     normal = shape.flank.normal
-    if not train.ground:
-        return np.full(train.theta.size, np.nan)
-    pair = train.pairs[train.ground]
+    if not kinematics.ground:
+        return np.full(kinematics.theta.size, np.nan)
+    pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
-        return -contact * dot(normal, train.line(pair))
-    return -contact * cross(shape.reference - train.bodies[pair.body].place(pair.point), normal)
+        return -contact * dot(normal, kinematics.line(pair))
+    return -contact * cross(shape.reference - kinematics.bodies[pair.body].place(pair.point), normal)
 
 
 def _limitless(forces: Forces) -> Forces:

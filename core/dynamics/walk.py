@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics.elements import Load
-from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Pair, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics, Pair
 from core.numerics.vectors import cross, dot
 
 Number = float | np.ndarray
@@ -28,10 +28,10 @@ class Walk:
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
     """
 
-    def __init__(self, train: Train, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None) -> None:
+    def __init__(self, kinematics: Kinematics, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None) -> None:
         """places: where pairs stand, from the origin of moments; what one walk finds serves the next one."""
-        self.train = train
-        self.origin = _near(train)
+        self.kinematics = kinematics
+        self.origin = _near(kinematics)
         self._places = {} if places is None else places
         self.force: dict[str, np.ndarray] = {}
         self.moment: dict[str, np.ndarray] = {}
@@ -39,7 +39,7 @@ class Walk:
         self.couples: dict[str, np.ndarray] = {}
         for load in loads:
             self.load(load.body, load.at - self.origin, load.force, load.couple)
-        for dyad in train.dyads:
+        for dyad in kinematics.dyads:
             if any(body in self.force for body in dyad.bodies):
                 for body in dyad.bodies:
                     self.load(body, np.zeros(1), np.zeros(1, dtype=complex))
@@ -47,17 +47,17 @@ class Walk:
         self.needed = self._driver()
 
     def _driver(self) -> np.ndarray:
-        train = self.train
-        driver, pair = train.output, train.driver_pair
+        kinematics = self.kinematics
+        driver, pair = kinematics.output, kinematics.driver_pair
         if driver not in self.force:
             return np.zeros(1)
         at, force = self.place(pair), self.force[driver]
         if pair.kind == REVOLUTE:
             needed = -self.about(driver, at)
-            self._record(train.driver_name, driver, -force)
+            self._record(kinematics.driver_name, driver, -force)
             return np.asarray(needed)
         line = self.line(pair)
-        self._record(train.driver_name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
+        self._record(kinematics.driver_name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
         return np.asarray(-dot(line, force))
 
     def load(self, body: str, at: np.ndarray, force: np.ndarray, couple: Number = 0.0) -> None:
@@ -72,12 +72,12 @@ class Walk:
     def place(self, pair: Pair) -> np.ndarray:
         """Where the body has its point of a pair (n,), from the origin of moments."""
         if pair.point not in self._places:
-            self._places[pair.point] = self.train.bodies[pair.body].place(pair.point) - self.origin
+            self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point) - self.origin
         return self._places[pair.point]
 
     def line(self, pair: Pair) -> np.ndarray:
         """The direction of a sliding pair (n,)."""
-        return self.train.line(pair)
+        return self.kinematics.line(pair)
 
     def about(self, body: str, at: np.ndarray) -> np.ndarray:
         """Moment of a body's loads about a place."""
@@ -86,7 +86,7 @@ class Walk:
     def react(self, name: str, body: str, force: np.ndarray) -> None:
         """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
         balances what is left of that body's moment."""
-        pair = self.train.pairs[name]
+        pair = self.kinematics.pairs[name]
         at = self.place(pair)
         self.load(body, at, force)
         couple: Number = 0.0
@@ -97,13 +97,13 @@ class Walk:
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
-        pair = self.train.pairs[name]
+        pair = self.kinematics.pairs[name]
         at = self.place(pair)
         couple = 0.0 if pair.kind == REVOLUTE else -self.about(body, at)
         self._pass_on(name, body, at, -self.force[body], couple)
 
     def _pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
-        pair = self.train.pairs[name]
+        pair = self.kinematics.pairs[name]
         self._record(name, body, force, couple)
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
@@ -111,17 +111,17 @@ class Walk:
 
     def _record(self, name: str, body: str, force: np.ndarray, couple: Number = 0.0) -> None:
         """Into the tables, as by ``on`` on ``body`` of the pair."""
-        pair = self.train.pairs[name]
+        pair = self.kinematics.pairs[name]
         turned = body != pair.body
         self.pairs[name] = -force if turned else force
         if pair.kind != REVOLUTE:
             self.couples[name] = np.asarray(-couple if turned else couple)
 
 
-def _near(train: Train) -> complex:
+def _near(kinematics: Kinematics) -> complex:
     """A point near the bodies: moments about one far away would lose digits."""
-    pair = train.driver_pair
-    return complex(train.bodies[pair.body].place(pair.point).flat[0])
+    pair = kinematics.driver_pair
+    return complex(kinematics.bodies[pair.body].place(pair.point).flat[0])
 
 
 def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -> np.ndarray:
@@ -132,7 +132,7 @@ def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -
 def _rrr(walk: Walk, dyad: Dyad) -> None:
     a, b = dyad.bodies
     outer_a, inner, outer_b = dyad.pairs
-    pin_a, joint, pin_b = (walk.place(walk.train.pairs[name]) for name in dyad.pairs)
+    pin_a, joint, pin_b = (walk.place(walk.kinematics.pairs[name]) for name in dyad.pairs)
     force = _cut_force(1j * (joint - pin_a), -1j * (joint - pin_b), walk.about(a, pin_a), walk.about(b, pin_b))
     walk.react(inner, a, force)
     walk.hold(outer_a, a)
@@ -142,8 +142,8 @@ def _rrr(walk: Walk, dyad: Dyad) -> None:
 def _rrp(walk: Walk, dyad: Dyad) -> None:
     a, b = dyad.bodies
     outer, inner, guide = dyad.pairs
-    pin, joint = walk.place(walk.train.pairs[outer]), walk.place(walk.train.pairs[inner])
-    t = walk.line(walk.train.pairs[guide])
+    pin, joint = walk.place(walk.kinematics.pairs[outer]), walk.place(walk.kinematics.pairs[inner])
+    t = walk.line(walk.kinematics.pairs[guide])
     force = _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b]))
     walk.react(inner, a, force)
     walk.hold(outer, a)
@@ -153,8 +153,8 @@ def _rrp(walk: Walk, dyad: Dyad) -> None:
 def _rpr(walk: Walk, dyad: Dyad) -> None:
     a, b = dyad.bodies
     outer_a, inner, outer_b = dyad.pairs
-    pin_a, pin_b = walk.place(walk.train.pairs[outer_a]), walk.place(walk.train.pairs[outer_b])
-    t = walk.line(walk.train.pairs[inner])
+    pin_a, pin_b = walk.place(walk.kinematics.pairs[outer_a]), walk.place(walk.kinematics.pairs[outer_b])
+    t = walk.line(walk.kinematics.pairs[inner])
     turning = walk.about(a, pin_b) + walk.about(b, pin_b)
     walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force[a])))
     walk.hold(inner, a)
@@ -164,7 +164,7 @@ def _rpr(walk: Walk, dyad: Dyad) -> None:
 def _prp(walk: Walk, dyad: Dyad) -> None:
     a, b = dyad.bodies
     guide_a, inner, guide_b = dyad.pairs
-    t1, t2 = walk.line(walk.train.pairs[guide_a]), walk.line(walk.train.pairs[guide_b])
+    t1, t2 = walk.line(walk.kinematics.pairs[guide_a]), walk.line(walk.kinematics.pairs[guide_b])
     walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force[a]), dot(t2, walk.force[b])))
     walk.hold(guide_a, a)
     walk.hold(guide_b, b)
@@ -173,7 +173,7 @@ def _prp(walk: Walk, dyad: Dyad) -> None:
 def _rpp(walk: Walk, dyad: Dyad) -> None:
     a, b = dyad.bodies
     outer, inner, guide = dyad.pairs
-    t1, t2 = walk.line(walk.train.pairs[inner]), walk.line(walk.train.pairs[guide])
+    t1, t2 = walk.line(walk.kinematics.pairs[inner]), walk.line(walk.kinematics.pairs[guide])
     both = walk.force[a] + walk.force[b]
     walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, both)))
     walk.hold(inner, a)
@@ -182,11 +182,11 @@ def _rpp(walk: Walk, dyad: Dyad) -> None:
 
 def _group(walk: Walk, dyad: Dyad) -> None:
     """All reactions of a group at once, by the balance of each of its bodies."""
-    train, size = walk.train, 3 * len(dyad.bodies)
-    matrix = np.zeros((train.theta.size, size, size))
+    kinematics, size = walk.kinematics, 3 * len(dyad.bodies)
+    matrix = np.zeros((kinematics.theta.size, size, size))
     columns: list[tuple[str, np.ndarray, np.ndarray]] = []
     for i, name in enumerate(dyad.pairs):
-        pair = train.pairs[name]
+        pair = kinematics.pairs[name]
         at = walk.place(pair)
         one = np.ones_like(at)
         pulls = (
@@ -202,7 +202,7 @@ def _group(walk: Walk, dyad: Dyad) -> None:
     loads = [part for b in dyad.bodies for part in (walk.force[b].real, walk.force[b].imag, walk.moment[b])]
     found = np.linalg.solve(matrix, -np.array(loads).T[..., None])[..., 0].T
     for i, (name, first, second) in enumerate(columns):
-        pair = train.pairs[name]
+        pair = kinematics.pairs[name]
         force = found[2 * i] * first + found[2 * i + 1] * second
         couple = found[2 * i + 1] if pair.kind != REVOLUTE else 0.0 * found[0]
         walk.pairs[name] = force

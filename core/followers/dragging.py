@@ -19,7 +19,7 @@ from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.base import LAYOUT_TABLE, Layout, base_position
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.mechanism.triangle import area4_of
 
 Changes = Mapping[str, Any]
@@ -31,40 +31,40 @@ _ANGLE_DECIMALS = 2  # more of them for an angle in degrees than for a length in
 @dataclass(frozen=True)
 class Drag:
     """One joint: what it is called, the field that is edited by it above all, and what follows from a place ``to`` [m]
-    in the position that a train shows (n = 1)."""
+    in the position that ``kinematics`` shows (n = 1)."""
 
     label: str
     field: str
-    changes: Callable[[Design, Train, complex], Changes]
+    changes: Callable[[Design, Kinematics, complex], Changes]
 
 
-def _pivot(design: Design, train: Train, to: complex) -> Changes:
+def _pivot(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """It moves alone; all lengths stay."""
     return {"follower.pivot_x_mm": to.real * 1e3, "follower.pivot_y_mm": to.imag * 1e3}
 
 
-def _arm_pin(design: Design, train: Train, to: complex) -> Changes:
+def _arm_pin(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Slider arm, rod and fixed angle: pivot and slider stay where they are, the roller on the base circle."""
-    pivot, slider = _at(train, "pivot"), _at(train, "slider_pin")
+    pivot, slider = _at(kinematics, "pivot"), _at(kinematics, "slider_pin")
     return {
         "follower.slider_arm_mm": abs(to - pivot) * 1e3,
         "follower.rod_mm": abs(slider - to) * 1e3,
-        **_turned_arm(design, train, pivot, to, slider),
+        **_turned_arm(design, kinematics, pivot, to, slider),
     }
 
 
-def _slider_pin(design: Design, train: Train, to: complex) -> Changes:
+def _slider_pin(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Rod, guide height and fixed angle: pivot and arm pin stay where they are, the roller on the base circle."""
-    pivot, pin = _at(train, "pivot"), _at(train, "arm_pin")
+    pivot, pin = _at(kinematics, "pivot"), _at(kinematics, "arm_pin")
     along = cmath.exp(1j * si(design.drive.mechanism).guide_angle)
     return {
         "follower.rod_mm": abs(to - pin) * 1e3,
         "follower.guide_height_mm": ((to - pivot) / along).imag * 1e3,
-        **_turned_arm(design, train, pivot, pin, to),
+        **_turned_arm(design, kinematics, pivot, pin, to),
     }
 
 
-def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slider: complex) -> Changes:
+def _turned_arm(design: Design, kinematics: Kinematics, pivot: complex, pin: complex, slider: complex) -> Changes:
     """Fixed angle and layout with which the pins of arm and rod stand at these places: γ = α0 - φ0 - δ, Shin1995 (5), with
     φ0 of the triangle whose slider is back at the base position. Raises NoAssembly where there is none."""
     follower = design.drive.mechanism
@@ -73,7 +73,7 @@ def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slid
     along = cmath.exp(1j * g.guide_angle)
     arm, end = (pin - pivot) / along, (slider - pivot) / along
     sigma = math.copysign(1.0, (arm * end.conjugate()).imag)
-    start = complex(end.real - float(train.motion.y[0, 0]), end.imag)
+    start = complex(end.real - float(kinematics.motion.y[0, 0]), end.imag)
     l1, l2, r = abs(arm), abs(end - arm), abs(start)
     k = area4_of(r, l1, l2)
     if not k > 0.0:
@@ -91,13 +91,13 @@ def _turned_arm(design: Design, train: Train, pivot: complex, pin: complex, slid
     }
 
 
-def _roller(design: Design, train: Train, to: complex) -> Changes:
+def _roller(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Roller arm, fixed angle and base radius: arm, rod and slider stay where they are."""
     follower = design.drive.mechanism
     assert isinstance(follower, CamSlider)
     g, base = si(follower), base_position(follower, _reach(design))
-    pivot = _at(train, "pivot")
-    arm = _at(train, "arm_pin") - pivot
+    pivot = _at(kinematics, "pivot")
+    arm = _at(kinematics, "arm_pin") - pivot
     fixed = g.fixed_angle + cmath.phase((to - pivot) / (arm * cmath.exp(1j * g.fixed_angle)))
     first = abs(to - pivot) * cmath.exp(1j * (base.phi + fixed + g.guide_angle))
     left = (first / -pivot).imag < 0.0  # of the ray to the cam: the roller arm turned clockwise from it
@@ -109,11 +109,11 @@ def _roller(design: Design, train: Train, to: complex) -> Changes:
     }
 
 
-def _on_guide(design: Design, train: Train, to: complex) -> Changes:
+def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Offset and base radius: the roller has gone as far as the motion says."""
     g = si(design.drive.mechanism)
     place = to * cmath.exp(-1j * g.direction)
-    back = place.real - float(train.motion.y[0, 0])
+    back = place.real - float(kinematics.motion.y[0, 0])
     if back <= 0.0:
         raise NoAssembly(
             f"in the base position the roller would stand {-back * 1e3:.9g} mm behind the cam centre",
@@ -127,11 +127,11 @@ def _on_guide(design: Design, train: Train, to: complex) -> Changes:
     }
 
 
-def _on_arm(design: Design, train: Train, to: complex) -> Changes:
+def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Arm, side and base radius: the pivot stays, the arm has turned as far as the motion says."""
     follower = design.drive.mechanism
     assert isinstance(follower, Oscillating)
-    pivot, turned = _at(train, "pivot"), SIDES[follower.side] * float(train.motion.y[0, 0])
+    pivot, turned = _at(kinematics, "pivot"), SIDES[follower.side] * float(kinematics.motion.y[0, 0])
     first = (to - pivot) * cmath.exp(-1j * turned)  # in the base position
     side = "left" if (first / -pivot).imag > 0.0 else "right"
     return {
@@ -164,19 +164,19 @@ def drags_of(design: Design) -> Mapping[str, Drag]:
     return DRAGS[type(design.drive.mechanism)]
 
 
-def with_joint_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
-    """The design with a joint at ``to`` [m] in the position that ``train`` shows (n = 1). Lengths are rounded to so many
+def with_joint_at(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
+    """The design with a joint at ``to`` [m] in the position that ``kinematics`` shows (n = 1). Lengths are rounded to so many
     decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError, NoAssembly."""
-    for path, value in drags_of(design)[name].changes(design, train, to).items():
+    for path, value in drags_of(design)[name].changes(design, kinematics, to).items():
         if not isinstance(value, str):
             value = round(value, decimals + (_ANGLE_DECIMALS if split_unit(path)[1].symbol == "°" else 0)) + 0.0
         design = put(design, path, value)
     return design
 
 
-def _at(train: Train, point: str) -> complex:
+def _at(kinematics: Kinematics, point: str) -> complex:
     """Where a point stands [m]."""
-    body = next(body for body in train.bodies.values() if point in body.points)
+    body = next(body for body in kinematics.bodies.values() if point in body.points)
     return complex(body.place(point)[0])
 
 

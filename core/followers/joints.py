@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from core.design import Design
 from core.followers.dragging import drags_of, with_joint_at
 from core.mechanism.dragging import movable, with_point_at
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ def joints_of(design: Design) -> Mapping[str, Joint]:
     return _of_linkage(design) if design.drive.is_linkage else _of_cam(design)
 
 
-def move_joint(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
-    """The design with a joint at ``to`` [m] in the position that ``train`` shows (n = 1), rounded to so many decimals
+def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
+    """The design with a joint at ``to`` [m] in the position that ``kinematics`` shows (n = 1), rounded to so many decimals
     [mm]. It may have faults. Raises KeyError for a joint there is none of, NoAssembly where nothing fits."""
     put = with_point_at if design.drive.is_linkage else with_joint_at
-    return put(design, train, name, to, decimals)
+    return put(design, kinematics, name, to, decimals)

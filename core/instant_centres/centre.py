@@ -15,13 +15,13 @@ FAR = 1e12  # sizes of the mechanism: beyond this a centre counts as at infinity
 class Centres:
     """point (n,) complex and weight (n,): the centre is point/weight; weight 0 = at infinity in direction point.
 
-    doubt: how many times the rounding of the centres that it was constructed from it carries, as a vector (point/size,
+    error_bound: how many times the rounding of the centres that it was constructed from it carries, as a vector (point/size,
     weight) of length 1; (n,) or one for all
     """
 
     point: np.ndarray
     weight: np.ndarray
-    doubt: np.ndarray | float = 1.0
+    error_bound: np.ndarray | float = 1.0
 
     @property
     def finite(self) -> np.ndarray:
@@ -48,4 +48,4 @@ class Centres:
         """The same centres with |point|/size and weight on the unit circle."""
         length = np.hypot(np.abs(self.point) / size, self.weight)
         length = np.where(length == 0.0, 1.0, length)
-        return Centres(self.point / length, self.weight / length, self.doubt)
+        return Centres(self.point / length, self.weight / length, self.error_bound)

@@ -10,7 +10,7 @@ import numpy as np
 
 from core.instant_centres.centre import Centres, Key
 from core.instant_centres.linkage import CentreTable, centres_in_motion
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 
 Triple = tuple[str, str, str]
 
@@ -22,13 +22,13 @@ class Collinearity:
     triples  (T,) names of bodies
     zero     (T, n) determinant of the three centres' coordinates, each a vector (point/size, weight) of length 1: 0 by
              the theorem
-    doubt    (T, n) how many times the rounding of the poses it carries; infinite where the three bodies do not move
+    error_bound    (T, n) how many times the rounding of the poses it carries; infinite where the three bodies do not move
              against each other, and the theorem says nothing
     """
 
     triples: tuple[Triple, ...]
     zero: np.ndarray
-    doubt: np.ndarray
+    error_bound: np.ndarray
 
 
 def proving_triples(bodies: tuple[str, ...], primary: Iterable[Key]) -> tuple[Triple, ...]:
@@ -58,21 +58,21 @@ def collinearity(table: CentreTable) -> np.ndarray:
     return np.asarray(_determinants(table.centres, triples, table.size).max(axis=0, initial=0.0))
 
 
-def moving_collinearity(train: Train, size: float) -> Collinearity:
-    """The proof at every position of a train whose driver moves at unit speed; size [m] of the mechanism.
+def moving_collinearity(kinematics: Kinematics, size: float) -> Collinearity:
+    """The proof at every position of a mechanism whose driver moves at unit speed; size [m] of the mechanism.
 
     A determinant carries the rounding of its worst centre, and no less than that of the largest relative velocity of the
     three bodies: three links pinned to each other in a triangle have pins to see, and no centres.
     """
-    bodies = tuple(train.bodies)
-    centres, motion, primary = centres_in_motion(train, size, bodies)
+    bodies = tuple(kinematics.bodies)
+    centres, motion, primary = centres_in_motion(kinematics, size, bodies)
     triples = proving_triples(bodies, primary)
-    n = train.theta.size
-    rows = {key: np.broadcast_to(np.asarray(centre.doubt, dtype=float), (n,)) for key, centre in centres.items()}
+    n = kinematics.theta.size
+    rows = {key: np.broadcast_to(np.asarray(centre.error_bound, dtype=float), (n,)) for key, centre in centres.items()}
     with np.errstate(divide="ignore"):
-        still = 1.0 / _of_keys({key: np.broadcast_to(m, (n,)) for key, m in motion.items()}, triples).max(axis=1)
-    doubt = np.maximum(_of_keys(rows, triples).max(axis=1), still)
-    return Collinearity(triples, _determinants(centres, triples, size), doubt)
+        standstill = 1.0 / _of_keys({key: np.broadcast_to(m, (n,)) for key, m in motion.items()}, triples).max(axis=1)
+    error_bound = np.maximum(_of_keys(rows, triples).max(axis=1), standstill)
+    return Collinearity(triples, _determinants(centres, triples, size), error_bound)
 
 
 def _of_keys(rows: Mapping[Key, np.ndarray], triples: tuple[Triple, ...]) -> np.ndarray:

@@ -115,15 +115,15 @@ def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Cent
     """The wanted centre where the lines of two of its triangles cross; at each position of the two that cross at the
     steepest angle (n,). size [m] of the mechanism: coordinates are compared in units of it."""
     lines = list(zip(_lines(centres, wanted, size), _line_doubts(centres, wanted, size), strict=True))
-    best, square, doubt = np.zeros(1), np.full(1, -1.0), np.zeros(1)
+    best, square, error_bound = np.zeros(1), np.full(1, -1.0), np.zeros(1)
     for (one, of_one), (other, of_other) in combinations(lines, 2):
         cut = np.cross(one, other, axis=0)
         steeper = (cut * cut).sum(axis=0)
         better = steeper > square
-        best, doubt = np.where(better, cut, best), np.where(better, of_one + of_other, doubt)
+        best, error_bound = np.where(better, cut, best), np.where(better, of_one + of_other, error_bound)
         square = np.where(better, steeper, square)
     with np.errstate(divide="ignore"):
-        return Centres(size * (best[0] + 1j * best[1]), best[2], doubt / np.sqrt(square))
+        return Centres(size * (best[0] + 1j * best[1]), best[2], error_bound / np.sqrt(square))
 
 
 def agreement(centres: Mapping[Key, Centres], wanted: Wanted, found: Centres, size: float) -> np.ndarray:
@@ -149,14 +149,14 @@ def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[
 
 
 def _line_doubts(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[np.ndarray]:
-    """How many times the rounding of the centres at sight each line carries: its centres' doubts over their distance."""
-    doubts = []
+    """How many times the rounding of the centres at sight each line carries: its centres' error bounds over their distance."""
+    error_bounds = []
     for t in wanted.triangles:
         p, q = (_unit(centres[key].homogeneous * _scale(size)) for key in (t.first, t.second))
         line = np.cross(p, q, axis=0)
         length = np.maximum(np.sqrt((line * line).sum(axis=0)), _TOLD)
-        doubts.append((centres[t.first].doubt + centres[t.second].doubt) / length)
-    return doubts
+        error_bounds.append((centres[t.first].error_bound + centres[t.second].error_bound) / length)
+    return error_bounds
 
 
 _TOLD = 1e-7  # of unit vectors

@@ -13,7 +13,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.mechanism.kinematics import FRAME, SLIDING, Pair, Pose, Train
+from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair, Pose
 from core.numerics.derivatives import standing
 from core.numerics.vectors import dot
 
@@ -29,7 +29,7 @@ class Difference:
     body, on          of P and of A
     a, p              names of the points
     at_a, at_p        (n,) complex [m]
-    v_a, v_pa, v_p    (n,) complex, by the train's angle: V_A and V_P by the poses, V_PA by the angular velocity or the
+    v_a, v_pa, v_p    (n,) complex, by the motion's angle: V_A and V_P by the poses, V_PA by the angular velocity or the
                       direction of the guide alone
     """
 
@@ -50,23 +50,23 @@ class Difference:
         return np.abs(self.v_a + self.v_pa - self.v_p)
 
 
-def velocity_differences(train: Train) -> Iterator[Difference]:
-    """The triangles of a train: of every moving body for each two of its points, A being its pivot on the frame or the
+def velocity_differences(kinematics: Kinematics) -> Iterator[Difference]:
+    """The triangles of a mechanism: of every moving body for each two of its points, A being its pivot on the frame or the
     one nearer to the driver; then of every sliding pair."""
-    for name, body in train.bodies.items():
+    for name, body in kinematics.bodies.items():
         if name != FRAME:
-            for a, p in combinations(_outwards(train, name), 2):
+            for a, p in combinations(_outwards(kinematics, name), 2):
                 yield _turning(name, body, a, p)
-    for pair in train.pairs.values():
+    for pair in kinematics.pairs.values():
         if pair.kind == SLIDING:
-            yield _sliding(train, pair)
+            yield _sliding(kinematics, pair)
 
 
-def _outwards(train: Train, name: str) -> list[str]:
+def _outwards(kinematics: Kinematics, name: str) -> list[str]:
     """The named points of a body: its pivot on the frame before the one by which it is reached first, then the others."""
-    named = [point for point in train.bodies[name].points if not point.isdecimal()]
-    fixed = train.bodies[FRAME].points if FRAME in train.bodies else {}
-    joined = [pair.point for pair in train.pairs.values() if pair.body == name and pair.point in named]
+    named = [point for point in kinematics.bodies[name].points if not point.isdecimal()]
+    fixed = kinematics.bodies[FRAME].points if FRAME in kinematics.bodies else {}
+    joined = [pair.point for pair in kinematics.pairs.values() if pair.body == name and pair.point in named]
     return sorted(named, key=lambda point: (point not in fixed, point not in joined[:1]))
 
 
@@ -75,23 +75,23 @@ def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
     return Difference(TURNING, name, name, a, p, body.place(a), body.place(p), body.place(a, 1), turned, body.place(p, 1))
 
 
-def _sliding(train: Train, pair: Pair) -> Difference:
+def _sliding(kinematics: Kinematics, pair: Pair) -> Difference:
     """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
     from core.mechanism import body_name  # which cams do without
 
-    first = train.bodies.get(pair.on) or _still(train.bodies[pair.body])
+    first = kinematics.bodies.get(pair.on) or _still(kinematics.bodies[pair.body])
     axis = pair.axis * first.unit
     swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
     name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
-    body, line = (train.bodies[name], train.bodies[on]) if swapped else (train.bodies[name], first)
-    p = next(iter(_outwards(train, name)), pair.point)
+    body, line = (kinematics.bodies[name], kinematics.bodies[on]) if swapped else (kinematics.bodies[name], first)
+    p = next(iter(_outwards(kinematics, name)), pair.point)
     place, speed = body.place(p), body.place(p, 1)
     under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
     return Difference(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
 
 
 def _still(like: Pose) -> Pose:
-    """The frame of a train that does not list it."""
+    """The frame of a mechanism that does not list it."""
     n = like.origin[0].size
     return Pose(standing(0j).spread(n), standing(0.0).spread(n))
 
@@ -107,7 +107,7 @@ POLE: Corner = ("", FRAME)
 class Side:
     """One vector of the polygon: absolute from the pole, else a difference; ``body`` turns with it, or slides.
 
-    vector (n,) complex, by the train's angle
+    vector (n,) complex, by the motion's angle
     """
 
     kind: str
@@ -119,7 +119,7 @@ class Side:
 
 @dataclass(frozen=True, eq=False)
 class VelocityPolygon:
-    """Where the velocities end that start at the pole: corner -> (n,) complex, by the train's angle; the vectors between
+    """Where the velocities end that start at the pole: corner -> (n,) complex, by the motion's angle; the vectors between
     them; ``images``: of each body with three points or more the corners of its velocity image."""
 
     corners: Mapping[Corner, np.ndarray]
@@ -132,9 +132,9 @@ class VelocityPolygon:
         return np.max([np.abs(v) for v in self.corners.values()] or [np.zeros(1)], axis=0)
 
 
-def velocity_polygon(train: Train) -> VelocityPolygon:
-    """All velocities of a train's points from one pole, with their differences; points of the frame are the pole."""
-    fixed = set(train.bodies[FRAME].points) if FRAME in train.bodies else set()
+def velocity_polygon(kinematics: Kinematics) -> VelocityPolygon:
+    """All velocities of a mechanism's points from one pole, with their differences; points of the frame are the pole."""
+    fixed = set(kinematics.bodies[FRAME].points) if FRAME in kinematics.bodies else set()
     corners: dict[Corner, np.ndarray] = {}
     sides: list[Side] = []
     images: dict[str, tuple[Corner, ...]] = {}
@@ -146,12 +146,12 @@ def velocity_polygon(train: Train) -> VelocityPolygon:
             sides.append(Side(ABSOLUTE, owner, POLE, key, velocity))
         return key
 
-    for d in velocity_differences(train):
+    for d in velocity_differences(kinematics):
         start = corner(d.a, d.on if d.kind == SLIDING else "", d.v_a, d.on)
         end = corner(d.p, "", d.v_p, d.body)
         if POLE not in (start, end):
             sides.append(Side(d.kind, d.body, start, end, d.v_pa))
-    for name, body in train.bodies.items():
+    for name, body in kinematics.bodies.items():
         own = [(p, "") if p not in fixed else POLE for p in body.points if not p.isdecimal()]
         if name != FRAME and len(own) > 2:
             images[name] = tuple(own)

@@ -19,7 +19,7 @@ class Law:
     """One row.
 
     slug     spelling in files; label, as shown
-    pieces   s(u) as pieces; ``still`` marks the law that does not move
+    pieces   s(u) as pieces; ``is_dwell`` marks the law that does not move
     source   where the formula stands
     rises    1 where the curve is meant for a rise, -1 where it is a return and needs a rise below 0, 0 for both
     """
@@ -28,7 +28,7 @@ class Law:
     label: str
     pieces: tuple[Piece, ...]
     source: str
-    still: bool = False
+    is_dwell: bool = False
     rises: int = 0
 
     @cached_property
@@ -46,7 +46,7 @@ class Law:
     def symmetric(self) -> bool:
         """Whether s(u) + s(1-u) = 1, so that its two halves may be stretched: an asymmetric law is made of such."""
         u = np.linspace(0.0, 1.0, 9)
-        return not self.still and bool(np.abs(self(u)[0] + self(1.0 - u)[0] - 1.0).max() < 1e-12)
+        return not self.is_dwell and bool(np.abs(self(u)[0] + self(1.0 - u)[0] - 1.0).max() < 1e-12)
 
 
 def _one(*polynomial: float, sines: tuple[Sine, ...] = ()) -> tuple[Piece, ...]:
@@ -117,7 +117,7 @@ def modified_sine_with_cv(fraction: float) -> tuple[Piece, ...]:
 
 
 _ROWS = (
-    Law("dwell", "Dwell", _one(0.0), "s = 0", still=True),
+    Law("dwell", "Dwell", _one(0.0), "s = 0", is_dwell=True),
     Law("constant-velocity", "Constant velocity", LINE, "s = u"),
     Law(
         "parabolic",

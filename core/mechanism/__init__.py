@@ -1,6 +1,6 @@
 """Planar linkages of links, pins and sliding pairs: decomposed into dyads, solved for all positions at once."""
 
-from core.mechanism.assembly import course_for, linkage_train, solve_mechanism, unit_speed_train
+from core.mechanism.assembly import course_for, linkage_kinematics, solve_mechanism, unit_speed_kinematics
 from core.mechanism.driver_ranges import Change, Course, Range, course_of
 from core.mechanism.driving import CrankProgram, swept
 from core.mechanism.limits import findings
@@ -10,7 +10,7 @@ from core.mechanism.solving import Solved, at_driver, solve
 
 __all__ = [
     "ROLLER", "Change", "Course", "CrankProgram", "Mechanism", "Plan", "Range", "Reference", "Solved", "at_driver", "body_name",
-    "course_for", "course_of", "findings", "link_number", "linkage_train", "mechanism_of",
-    "plan_of", "solve", "solve_mechanism", "swept", "unit_speed_train",
+    "course_for", "course_of", "findings", "link_number", "linkage_kinematics", "mechanism_of",
+    "plan_of", "solve", "solve_mechanism", "swept", "unit_speed_kinematics",
 
 ]  # fmt: skip

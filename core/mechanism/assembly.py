@@ -1,4 +1,4 @@
-"""A solved mechanism as a Train: every link a body, so that drawing, centres, cam and forces walk it like any other."""
+"""A solved mechanism as Kinematics: every link a body, so that drawing, centres, cam and forces walk it like any other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from core.errors import NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
 from core.mechanism.driver_ranges import Course, course_of, guided_course
 from core.mechanism.dyads import Closed
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Pair, Pose, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Kinematics, Pair, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, Reference, mechanism_of
 from core.mechanism.plan import Joint, Plan
@@ -28,7 +28,7 @@ Points = Mapping[int, Mapping[str, complex]]
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | None = None) -> Train:
+def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | None = None) -> Kinematics:
     """Every body at the motion's positions y (4, n), with three derivatives by the motion's angle.
 
     course: where the links can go; without one they are followed from the base position through all that the motion
@@ -53,7 +53,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         ground = _ground(plan, names, reference.link)
         if follower not in bodies:
             bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point])
-    return Train(
+    return Kinematics(
         motion=motion,
         bodies=bodies,
         pairs={name: _pair(mechanism, joint) for joint, name in names.items()},
@@ -84,19 +84,19 @@ def course_for(mechanism: Mechanism, low: float, high: float) -> Course:
     return guided_course(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
 
 
-def linkage_train(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Train:
+def linkage_kinematics(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Kinematics:
     """Every link of a [linkage], and of a cam's roller, at the driver's positions motion.y (4, n). Raises NoPosition, naming
     the driver angles, where links do not meet."""
     return solve_mechanism(mechanism_of(linkage, None if cam is None else Reference(cam.link, cam.point)), motion, course)
 
 
-def unit_speed_train(linkage: Linkage, positions: np.ndarray, course: Course) -> Train:
+def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, course: Course) -> Kinematics:
     """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
     what needs directions only, such as instant centres, stands in a dwell of the motion too."""
     state = MotionState(
         Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions).all, np.ones(positions.size)
     )
-    return linkage_train(linkage, state, course)
+    return linkage_kinematics(linkage, state, course)
 
 
 def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
@@ -154,8 +154,8 @@ def _placed(pose: Pose, mechanism: Mechanism) -> Pose:
     along = cmath.rect(1.0, turn)
     origin, angle = pose.origin, pose.turn
     return Pose(
-        Derivatives(lambda order: origin[order] * along if order else place + origin[0] * along, origin.still),
-        Derivatives(lambda order: angle[order] if order else angle[0] + turn, angle.still),
+        Derivatives(lambda order: origin[order] * along if order else place + origin[0] * along, origin.constant),
+        Derivatives(lambda order: angle[order] if order else angle[0] + turn, angle.constant),
         pose.points,
         lambda: pose.unit * along,
     )

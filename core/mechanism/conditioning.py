@@ -17,14 +17,14 @@ from core.numerics.vectors import cross
 
 
 @dataclass(frozen=True, eq=False)
-class Doubt:
+class ErrorBound:
     """Bounds of the errors of a link's origin [m] and angle [rad], in units of eps."""
 
     origin: np.ndarray
     angle: np.ndarray
 
 
-def doubts(plan: Plan, solved: Solved) -> dict[int, Doubt]:
+def error_bounds(plan: Plan, solved: Solved) -> dict[int, ErrorBound]:
     """The bounds (n,) for every link.
 
     A dyad's coordinates x answer an error δ of its loop by |δ||c_other|/|c1 × c2|; the loop's own rounding is relative
@@ -34,8 +34,8 @@ def doubts(plan: Plan, solved: Solved) -> dict[int, Doubt]:
     zero = np.zeros(1)
     driver = plan.driver
     turned = np.ones(1) if driver.revolute else zero
-    found = {FRAME_LINK: Doubt(zero, zero)}
-    found[plan.linkage.driver.link] = Doubt(
+    found = {FRAME_LINK: ErrorBound(zero, zero)}
+    found[plan.linkage.driver.link] = ErrorBound(
         abs(driver.first.point) + abs(driver.second.point) * turned + 1e-300, turned
     )
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -49,19 +49,19 @@ def doubts(plan: Plan, solved: Solved) -> dict[int, Doubt]:
 
 def condition(plan: Plan, solved: Solved) -> np.ndarray:
     """(n,) the largest bound of any link, its whole length turned by its angle's error, relative to the size."""
-    rows = [d.origin / plan.size + d.angle for d in doubts(plan, solved).values()]
+    rows = [d.origin / plan.size + d.angle for d in error_bounds(plan, solved).values()]
     worst = np.max(np.broadcast_arrays(*rows), axis=0)
     return np.where(np.isnan(worst), np.inf, 4.0 * worst + 4.0)  # at a dead centre 0 · ∞ of a pin at its link's origin
 
 
-def _at(held: Held, poses: dict[int, Pose], found: dict[int, Doubt]) -> np.ndarray:
+def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.ndarray:
     """Of a point of a known link."""
-    doubt = found[held.link]
-    return np.asarray(doubt.origin + abs(held.point) * doubt.angle + np.abs(poses[held.link].origin[0]) + abs(held.point))
+    bound = found[held.link]
+    return np.asarray(bound.origin + abs(held.point) * bound.angle + np.abs(poses[held.link].origin[0]) + abs(held.point))
 
 
 def _dyad(
-    step: Step, joints: tuple[Joint, ...], closed: Closed, poses: dict[int, Pose], found: dict[int, Doubt]
+    step: Step, joints: tuple[Joint, ...], closed: Closed, poses: dict[int, Pose], found: dict[int, ErrorBound]
 ) -> None:
     a, b = step.links
     outer_a, inner, outer_b = joints
@@ -73,24 +73,24 @@ def _dyad(
     x1, x2 = 2.0 + np.abs(c2) * miss / det, 2.0 + np.abs(c1) * miss / det
     own_a, own_b = abs(outer_a.second.point), abs(outer_b.second.point)
     if step.kind == "RRR":
-        found[a], found[b] = Doubt(at_a + own_a * x1, x1), Doubt(at_b + own_b * x2, x2)
+        found[a], found[b] = ErrorBound(at_a + own_a * x1, x1), ErrorBound(at_b + own_b * x2, x2)
     elif step.kind == "RPR":
-        found[a], found[b] = Doubt(at_a + own_a * x1, x1), Doubt(at_b + own_b * x1, x1)
+        found[a], found[b] = ErrorBound(at_a + own_a * x1, x1), ErrorBound(at_b + own_b * x1, x1)
     elif step.kind == "RRP":
         along = found[outer_b.first.link].angle + 1.0
         found[a], found[b] = (
-            Doubt(at_a + own_a * x1, x1),
-            Doubt(at_b + x2 + miss + abs(inner.second.point) * along, along),
+            ErrorBound(at_a + own_a * x1, x1),
+            ErrorBound(at_b + x2 + miss + abs(inner.second.point) * along, along),
         )
     else:  # slides only: angles are those of the known links
         angle_b = found[outer_b.first.link].angle + 1.0
         angle_a = angle_b if step.kind == "RPP" else found[outer_a.first.link].angle + 1.0
-        found[a] = Doubt(at_a + (x1 if step.kind == "PRP" else 0.0) + miss + own_a * angle_a, angle_a)
-        found[b] = Doubt(at_b + x2 + miss + own_b * angle_b, angle_b)
+        found[a] = ErrorBound(at_a + (x1 if step.kind == "PRP" else 0.0) + miss + own_a * angle_a, angle_a)
+        found[b] = ErrorBound(at_b + x2 + miss + own_b * angle_b, angle_b)
 
 
 def _group(
-    step: Step, joints: tuple[Joint, ...], result: Settled, poses: dict[int, Pose], found: dict[int, Doubt]
+    step: Step, joints: tuple[Joint, ...], result: Settled, poses: dict[int, Pose], found: dict[int, ErrorBound]
 ) -> None:
     """By the size of J's inverse; lengths there are in units of the size."""
     known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]
@@ -100,4 +100,4 @@ def _group(
     inverse[fine] = np.abs(np.linalg.inv(result.matrix[fine])).sum(axis=2).max(axis=1)
     miss = np.max(np.broadcast_arrays(*known), axis=0) / size + 8.0
     for link in step.links:
-        found[link] = Doubt(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)
+        found[link] = ErrorBound(size * inverse * miss + np.abs(poses[link].origin[0]), inverse * miss + 1.0)

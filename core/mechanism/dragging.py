@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from core.design import FRAME_LINK, Design, Link, Place, Side, with_drive
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
 
 _MM = 1e-3
@@ -20,8 +20,8 @@ def movable(design: Design, name: str) -> bool:
     return not (driver in sliding and name in design.drive.linkage.by_number[driver].places)
 
 
-def with_point_at(design: Design, train: Train, name: str, to: complex, decimals: int = 6) -> Design:
-    """The design with a named point at ``to`` [m] in the position that ``train`` shows (n = 1).
+def with_point_at(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
+    """The design with a named point at ``to`` [m] in the position that ``kinematics`` shows (n = 1).
 
     A point of the frame moves alone, all links keep their lengths. Of any other the links that have it change where it
     stands in them, all else staying where it is at this position; on the driver it keeps to its line from the pivot, on a
@@ -39,37 +39,37 @@ def with_point_at(design: Design, train: Train, name: str, to: complex, decimals
     sliding = {s.link for s in linkage.sliders}
     for link in having:
         if link.number in sliding:
-            to = _along_guide(train, link.number, name, to)
+            to = _along_guide(kinematics, link.number, name, to)
         elif link.number == linkage.driver.link:
-            to = _along_crank(linkage.by_number[FRAME_LINK], link, train, name, to)
-    changed = {link.number: _moved(design, link, train, name, to, decimals) for link in having if link.number not in sliding}
+            to = _along_crank(linkage.by_number[FRAME_LINK], link, kinematics, name, to)
+    changed = {link.number: _moved(design, link, kinematics, name, to, decimals) for link in having if link.number not in sliding}
     links = tuple(changed.get(link.number, link) for link in linkage.links)
     return with_drive(design, mechanism=replace(linkage, links=links))
 
 
-def _pose(train: Train, link: int) -> tuple[complex, complex]:
+def _pose(kinematics: Kinematics, link: int) -> tuple[complex, complex]:
     """Origin [m] and x axis."""
-    body = train.bodies[body_name(link)]
+    body = kinematics.bodies[body_name(link)]
     return complex(body.z[0, 0]), complex(np.exp(1j * body.angle[0, 0]))
 
 
-def _along_guide(train: Train, link: int, name: str, to: complex) -> complex:
-    old, (_, axis) = complex(train.bodies[body_name(link)].point(name)[0, 0]), _pose(train, link)
+def _along_guide(kinematics: Kinematics, link: int, name: str, to: complex) -> complex:
+    old, (_, axis) = complex(kinematics.bodies[body_name(link)].point(name)[0, 0]), _pose(kinematics, link)
     return old + axis * ((to - old) * axis.conjugate()).real
 
 
-def _along_crank(frame: Link, link: Link, train: Train, name: str, to: complex) -> complex:
+def _along_crank(frame: Link, link: Link, kinematics: Kinematics, name: str, to: complex) -> complex:
     pivots = [p for p in link.places if p in frame.places]
     if not pivots or name in pivots:
         return to
-    body = train.bodies[body_name(link.number)]
+    body = kinematics.bodies[body_name(link.number)]
     start, old = complex(body.point(pivots[0])[0, 0]), complex(body.point(name)[0, 0])
     along = (old - start) / abs(old - start)
     return start + along * ((to - start) * along.conjugate()).real
 
 
-def _moved(design: Design, link: Link, train: Train, name: str, to: complex, decimals: int) -> Link:
-    origin, axis = _pose(train, link.number)
+def _moved(design: Design, link: Link, kinematics: Kinematics, name: str, to: complex, decimals: int) -> Link:
+    origin, axis = _pose(kinematics, link.number)
     places = dict(link.places)
     tidy = _is_tidy(design, link)
     places[name] = (to - origin) * axis.conjugate() / _MM

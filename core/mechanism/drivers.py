@@ -30,7 +30,7 @@ from core.design.topology import driver_pair, is_pin
 from core.errors import NoPosition
 from core.mechanism.driver_ranges import TURN, Course, Range, course_of
 from core.mechanism.driving import swept
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import body_name
 from core.mechanism.plan import plan_of
 from core.mechanism.solving import at_driver
@@ -58,8 +58,8 @@ def drivers(design: Design) -> Iterator[Driver]:
                 yield driver
 
 
-def with_driver(design: Design, driver: Driver, train: Train) -> Design:
-    """The design led by ``driver`` from the position that ``train`` shows (n = 1), in which it stays assembled.
+def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Design:
+    """The design led by ``driver`` from the position that ``kinematics`` shows (n = 1), in which it stays assembled.
 
     A link that comes to follow a motion gets one to begin with, from this position: dwell, rise, dwell, return, as far
     as the linkage lets it, all of it assumed. A crank at speed has neither motion nor cam. Raises NoPosition where the
@@ -69,18 +69,18 @@ def with_driver(design: Design, driver: Driver, train: Train) -> Design:
     if (driver.link, driver.kind) == (old.link, old.kind):
         return with_drive(design, mechanism=replace(design.drive.linkage, driver=driver))
     linkage = replace(design.drive.linkage, driver=driver, branch=())
-    place = driver_place(linkage, train)
+    place = driver_place(linkage, kinematics)
     if driver.kind == CRANK:
-        linkage, _ = _assembled(linkage, train, place % TURN, 0.0, TURN)
+        linkage, _ = _assembled(linkage, kinematics, place % TURN, 0.0, TURN)
         gone = ("motion.", "cam.")
         assumed = tuple(path for path in design.assumed if not path.startswith(gone))
         return with_drive(design, mechanism=linkage, motion=None, cam=None, assumed=assumed)
     half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
-    _, room = _assembled(linkage, train, place, place - half, place + half)
+    _, room = _assembled(linkage, kinematics, place, place - half, place + half)
     motion = _first_motion(linkage, room, place)
     # sides hold from the driver's lowest position on, which is another one now
     low, high = swept(program(motion))
-    linkage, _ = _assembled(linkage, train, min(max(place, low), high), low, high)  # its start is rounded
+    linkage, _ = _assembled(linkage, kinematics, min(max(place, low), high), low, high)  # its start is rounded
     assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
     changed = with_drive(design, mechanism=linkage, motion=motion, assumed=assumed)
     marks = tuple(path for path in all_paths(changed) if path.startswith("motion."))
@@ -124,22 +124,22 @@ def _unit(linkage: Linkage) -> str:
     return "deg" if pair is None or is_pin(pair) else "mm"
 
 
-def driver_place(linkage: Linkage, train: Train) -> float:
+def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:
     """Where the driver stands [rad or m]."""
     name = body_name(linkage.driver.link)
     if _unit(linkage) == "mm":
-        return float(train.coordinates[f"slide{linkage.driver.link}"][0, 0])
-    return float(train.coordinates[name][0, 0]) if name in train.coordinates else float(train.bodies[name].angle[0, 0])
+        return float(kinematics.coordinates[f"slide{linkage.driver.link}"][0, 0])
+    return float(kinematics.coordinates[name][0, 0]) if name in kinematics.coordinates else float(kinematics.bodies[name].angle[0, 0])
 
 
-def _assembled(linkage: Linkage, train: Train, place: float, low: float, high: float) -> tuple[Linkage, Range]:
+def _assembled(linkage: Linkage, kinematics: Kinematics, place: float, low: float, high: float) -> tuple[Linkage, Range]:
     """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
     for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
         tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
         course = course_of(tried, low, high)
         here = next((r for r in course.ranges if r.low <= place <= r.high), None)
-        if here is not None and _away(here, place) and _apart(course, train, place) < _SAME * course.plan.size:
+        if here is not None and _away(here, place) and _apart(course, kinematics, place) < _SAME * course.plan.size:
             return tried, here
     raise NoPosition(
         f"link {linkage.driver.link} cannot lead the linkage from this position", "linkage.driver.link",
@@ -154,11 +154,11 @@ def _away(here: Range, place: float) -> bool:
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")  # rates at a dead centre are infinite
-def _apart(course: Course, train: Train, place: float) -> float:
+def _apart(course: Course, kinematics: Kinematics, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
     poses = course.solve(at_driver(np.array([place]))).poses
     apart = [
-        abs(poses[link].derivative(at, 0)[0] - train.bodies[body_name(link)].derivative(at, 0)[0])
+        abs(poses[link].derivative(at, 0)[0] - kinematics.bodies[body_name(link)].derivative(at, 0)[0])
         for link, places in course.plan.points.items()
         for at in places.values()
     ]

@@ -40,7 +40,7 @@ from core.numerics.derivatives import (
     sum_of,
     turning,
 )
-from core.numerics.lazy import WhenAsked
+from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot, turned
 
 Sides = float | np.ndarray
@@ -59,10 +59,10 @@ class Closed:
     """
 
     poses: tuple[Pose, Pose]
-    columns: WhenAsked[tuple[np.ndarray, np.ndarray]] = WhenAsked()
-    gap: WhenAsked[np.ndarray] = WhenAsked()
-    sine: WhenAsked[np.ndarray] = WhenAsked()
-    reach: WhenAsked[np.ndarray] = WhenAsked()
+    columns: Lazy[tuple[np.ndarray, np.ndarray]] = Lazy()
+    gap: Lazy[np.ndarray] = Lazy()
+    sine: Lazy[np.ndarray] = Lazy()
+    reach: Lazy[np.ndarray] = Lazy()
 
 
 # -- the kinds --------------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         return np.asarray(c - dot(path[0], t[0]))
 
     def follow(order: int, both: Chain) -> np.ndarray:
-        known = path[order] if t.still else path[order] + earlier(both.part(1, start), t, order)
+        known = path[order] if t.constant else path[order] + earlier(both.part(1, start), t, order)
         known = known - centripetal(to_joint, both.part(0), order)
         return np.array([-cross(known, t[0]) * inverse, -dot(known, to_joint) * inverse])
 

@@ -1,6 +1,6 @@
 """The result shape of every linkage: bodies with their poses, the pairs that join them, how forces walk through.
 
-Drawing, cam shape, instant centres and forces read a Train and nothing else of a follower.
+Drawing, cam shape, instant centres and forces read the Kinematics and nothing else of a follower.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 
 from core.motion import MotionState
 from core.numerics.derivatives import Derivatives, sum_of, turning
-from core.numerics.lazy import WhenAsked
+from core.numerics.lazy import Lazy
 from core.numerics.vectors import dot, unit
 
 FRAME, CAM = "frame", "cam"
@@ -35,7 +35,7 @@ class Pose:
     origin: Derivatives
     turn: Derivatives
     points: Mapping[str, complex] = field(default_factory=lambda: _NOTHING)
-    unit: WhenAsked[np.ndarray] = WhenAsked(lambda pose: unit(pose.turn[0]))
+    unit: Lazy[np.ndarray] = Lazy(lambda pose: unit(pose.turn[0]))
 
     @classmethod
     def of(cls, z: np.ndarray, angle: np.ndarray, points: Mapping[str, complex] = _NOTHING) -> Pose:
@@ -118,7 +118,7 @@ class Dyad:
 
 
 @dataclass(frozen=True, eq=False)
-class Train:
+class Kinematics:
     """A solved mechanism at n cam angles. What not everyone needs may be given as a function that makes it.
 
     bodies         name -> Pose
@@ -142,13 +142,13 @@ class Train:
     output: str
     follower_body: str
     ground: str
-    travel: WhenAsked[np.ndarray] = WhenAsked()
-    coordinates: WhenAsked[Mapping[str, np.ndarray]] = WhenAsked()
-    base: WhenAsked[Mapping[str, tuple[float, str]]] = WhenAsked()
-    residual: WhenAsked[np.ndarray] = WhenAsked()
-    condition: WhenAsked[np.ndarray] = WhenAsked()
-    singular: WhenAsked[Mapping[str, np.ndarray]] = WhenAsked(lambda train: MappingProxyType({}))
-    by_driver: WhenAsked[Mapping[str, Pose]] = WhenAsked(lambda train: MappingProxyType({}))
+    travel: Lazy[np.ndarray] = Lazy()
+    coordinates: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    base: Lazy[Mapping[str, tuple[float, str]]] = Lazy()
+    residual: Lazy[np.ndarray] = Lazy()
+    condition: Lazy[np.ndarray] = Lazy()
+    singular: Lazy[Mapping[str, np.ndarray]] = Lazy(lambda kinematics: MappingProxyType({}))
+    by_driver: Lazy[Mapping[str, Pose]] = Lazy(lambda kinematics: MappingProxyType({}))
     carrier: str = ""
 
     @cached_property

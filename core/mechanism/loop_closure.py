@@ -55,7 +55,7 @@ def turned_like(pose: Pose, by: complex) -> tuple[Callable[[], np.ndarray], Deri
         return pose.unit * by
 
     angle = angle_of(heading)
-    return heading, Derivatives(lambda order: pose.turn[order] if order else angle(), pose.turn.still)
+    return heading, Derivatives(lambda order: pose.turn[order] if order else angle(), pose.turn.constant)
 
 
 BY_ROUNDING = 64.0 * float(np.finfo(float).eps)  # a gap negative by so much of the size is none

@@ -19,12 +19,12 @@ from core.laws.shapes import moved
 
 @dataclass(frozen=True)
 class Shape:
-    """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; ways: the sign of the velocity on
+    """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; velocity_signs: the sign of the velocity on
     each piece, 0 where nothing moves."""
 
     pieces: tuple[Piece, ...]
     gain: float
-    ways: tuple[float, ...]
+    velocity_signs: tuple[float, ...]
 
 
 def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape:
@@ -32,8 +32,8 @@ def _named(curve: Named, segment: Segment, whole_turn: bool, path: str) -> Shape
     if law is None:
         raise DesignError([Fault(f"{path}.law", curve.law, "unknown law")])
     pieces = law.pieces if curve.crossover == 0.5 else asymmetric(law.pieces, curve.crossover)
-    way = 0.0 if law.still else float(np.sign(segment.rise))
-    return Shape(pieces, segment.rise, (way,) * len(pieces))
+    velocity_sign = 0.0 if law.is_dwell else float(np.sign(segment.rise))
+    return Shape(pieces, segment.rise, (velocity_sign,) * len(pieces))
 
 
 def _scca(curve: Scca, segment: Segment, whole_turn: bool, path: str) -> Shape:

@@ -13,7 +13,7 @@ from core.findings import ERROR, WARNING, Finding
 from core.laws import PieceTable, runs_of
 from core.motion.curves import shape_of
 from core.numerics.compensated_sum import two_sum
-from core.numerics.lazy import WhenAsked
+from core.numerics.lazy import Lazy
 from core.numerics.vectors import unit
 
 TURN = 2.0 * pi
@@ -35,7 +35,7 @@ class Angles:
     theta: np.ndarray
     piece: np.ndarray
     kept: bool = False
-    unit: WhenAsked[np.ndarray] = WhenAsked(lambda angles: unit(angles.theta))
+    unit: Lazy[np.ndarray] = Lazy(lambda angles: unit(angles.theta))
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class MotionState:
 
     angles: Angles
     y: np.ndarray
-    way: np.ndarray
+    velocity_sign: np.ndarray
 
     @property
     def theta(self) -> np.ndarray:
@@ -76,8 +76,8 @@ class Program:
         for i, part in enumerate(motion.segments):
             shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
             span = np.deg2rad(part.span_deg)
-            for piece, way in zip(shape.pieces, shape.ways, strict=True):
-                rows.append((piece, span, heights[i], shape.gain, way))
+            for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
+                rows.append((piece, span, heights[i], shape.gain, velocity_sign))
                 starts.append(begins[i] + piece.start * span)
                 segment.append(i)
         self.motion = motion
@@ -91,7 +91,7 @@ class Program:
         scale = motion.scale
         self._base = np.array([(motion.start + row[2]) * scale for row in rows])
         self._rise = np.array([row[3] * scale for row in rows])
-        self.way_of = np.array([row[4] for row in rows])
+        self.velocity_signs = np.array([row[4] for row in rows])
         # h/β^k, so that derivatives by u become derivatives by cam angle
         self._gain = self._rise / self._span ** np.arange(4)[:, None]
 
@@ -109,15 +109,15 @@ class Program:
         runs = runs_of(angles.piece)
         if runs is None:
             return self._anywhere(angles)
-        y, way = np.empty((4, angles.theta.size)), np.empty(angles.theta.size)
+        y, velocity_sign = np.empty((4, angles.theta.size)), np.empty(angles.theta.size)
         for piece, part in runs:
             w = (angles.theta[part] - self._begin[piece]) / self._span[piece] - self._u0[piece]
             out = y[:, part]
             self._table.along(piece, w, out)
             out *= self._gain[:, piece, None]
             out[0] += self._base[piece]
-            way[part] = self.way_of[piece]
-        return MotionState(angles, y, way)
+            velocity_sign[part] = self.velocity_signs[piece]
+        return MotionState(angles, y, velocity_sign)
 
     def _anywhere(self, angles: Angles) -> MotionState:
         """The same for angles that jump from piece to piece."""
@@ -126,7 +126,7 @@ class Program:
         y = self._table.evaluate(at, w)
         y *= self._gain[:, at]
         y[0] += self._base[at]
-        return MotionState(angles, y, self.way_of[at])
+        return MotionState(angles, y, self.velocity_signs[at])
 
     @cached_property
     def joins(self) -> tuple[Join, ...]:

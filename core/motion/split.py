@@ -25,7 +25,7 @@ from core.design import (
     stretched,
     with_motion,
 )
-from core.design.edits import rest
+from core.design.edits import balance
 from core.design.motions import with_marks_of
 from core.laws import LAWS, PieceTable, find_law
 from core.motion.curves import shape_of
@@ -41,7 +41,7 @@ def cut_at(motion: Motion, index: int, angle: float | None = None) -> float:
     begin, span = join_angles(motion)[index], motion.segments[index].span_deg
     if angle is not None and begin + LEAST_CUT < angle < begin + span - LEAST_CUT:
         return angle
-    return rest(begin, (-span / 2.0,))
+    return balance(begin, (-span / 2.0,))
 
 
 def with_segment_split(motion: Motion, index: int, angle: float | None = None) -> Motion:
@@ -53,9 +53,9 @@ def with_segment_split(motion: Motion, index: int, angle: float | None = None) -
     """
     segment = motion.segments[index]
     begin, whole_turn = join_angles(motion)[index], len(motion.segments) == 1
-    first = rest(cut_at(motion, index, angle), (begin,))
+    first = balance(cut_at(motion, index, angle), (begin,))
     state = _state(motion, index, first)
-    rise = state[0] if _goes_on(segment) else rest(state[0], ())
+    rise = state[0] if _goes_on(segment) else balance(state[0], ())
     if whole_turn and isinstance(segment.curve, Spline):
         segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
     curves = _cut_curves(segment, first, rise, state)
@@ -71,7 +71,7 @@ def with_segment_copied(motion: Motion, index: int) -> Motion:
         segment = _as_part_of_a_turn(segment, _state(motion, index, 0.0))
     height = 0.5 if segment.rise else 1.0
     curve = stretched(segment.curve, 0.5, height)
-    return _with_two(motion, index, (rest(segment.span_deg / 2.0, ()), segment.rise * height), (curve, curve))
+    return _with_two(motion, index, (balance(segment.span_deg / 2.0, ()), segment.rise * height), (curve, curve))
 
 
 def split_segment(design: Design, index: int, angle: float | None = None) -> Design:
@@ -97,12 +97,12 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
     segment = motion.segments[index]
     assert isinstance(segment.curve, Spline)
     points = segment.curve.points
-    at = -1.0 if angle is None else rest(angle, (join_angles(motion)[index],))
+    at = -1.0 if angle is None else balance(angle, (join_angles(motion)[index],))
     taken = sorted({0.0, segment.span_deg, *(p.at_deg for p in points)})
     if not 0.0 < at < segment.span_deg or min(abs(at - place) for place in taken) < LEAST_CUT:
         begin, end = max(pairwise(taken), key=lambda gap: gap[1] - gap[0])
-        at = rest(begin, (-(end - begin) / 2.0,))
-    point = Point(at, rest(float(_state(motion, index, at)[0]), ()))
+        at = balance(begin, (-(end - begin) / 2.0,))
+    point = Point(at, balance(float(_state(motion, index, at)[0]), ()))
     curve = Spline(tuple(sorted((*points, point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
     return with_motion(design, replace(motion, segments=segments))
@@ -116,7 +116,7 @@ def _with_two(motion: Motion, index: int, first: tuple[float, float], curves: tu
     whole = motion.segments[index]
     parts = [Segment(*first, curves[0]), Segment(0.0, whole.rise - first[1], curves[1])]
     segments = [*motion.segments[:index], *parts, *motion.segments[index + 1 :]]
-    span = rest(360.0, (s.span_deg for s in segments))
+    span = balance(360.0, (s.span_deg for s in segments))
     segments[index] = replace(parts[0], curve=_ending(curves[0], first[0], first[0]))
     segments[index + 1] = replace(parts[1], span_deg=span, curve=_ending(curves[1], whole.span_deg - first[0], span))
     return replace(motion, segments=tuple(segments))
@@ -162,7 +162,7 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> 
         before = [p for p in curve.points if p.at_deg < at - _SAME]
         after = [p for p in curve.points if p.at_deg > at + _SAME]
         moved = [
-            Point(rest(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration)
+            Point(balance(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration)
             for p in after
         ]
         return Spline((*before, Point(at, None, v, a))), Spline((Point(0.0, None, v, a), *moved))

@@ -17,14 +17,14 @@ class Derivatives:
     it is the same everywhere.
 
     make   order -> its row, asked for once and read-only from then on; it may read lower orders
-    still  it never changes: all derivatives are 0, and whoever adds them need not ask
+    constant  it never changes: all derivatives are 0, and whoever adds them need not ask
     """
 
-    __slots__ = ("_all", "_make", "_rows", "still")
+    __slots__ = ("_all", "_make", "_rows", "constant")
 
-    def __init__(self, make: Callable[[int], np.ndarray], still: bool = False) -> None:
+    def __init__(self, make: Callable[[int], np.ndarray], constant: bool = False) -> None:
         self._make = make
-        self.still = still
+        self.constant = constant
         self._rows: list[np.ndarray | None] = [None] * ORDERS
         self._all: np.ndarray | None = None
 
@@ -59,7 +59,7 @@ class Derivatives:
 
     def spread(self, n: int) -> Derivatives:
         """The same with n values in every row, which take no memory."""
-        return Derivatives(lambda order: np.broadcast_to(self[order], n), self.still)
+        return Derivatives(lambda order: np.broadcast_to(self[order], n), self.constant)
 
     def quiet(self) -> Derivatives:
         """The same where derivatives may be infinite, as at a dead centre: none of its rows warns of that."""
@@ -92,7 +92,7 @@ class Chain:
 def standing(value: complex | np.ndarray) -> Derivatives:
     """What never changes; the same everywhere where it is a number."""
     first = value if isinstance(value, np.ndarray) else np.array([value])
-    return Derivatives(lambda order: np.zeros(1, first.dtype) if order else first, still=True)
+    return Derivatives(lambda order: np.zeros(1, first.dtype) if order else first, constant=True)
 
 
 def sum_of(a: Derivatives, b: Derivatives) -> Derivatives:
@@ -107,21 +107,21 @@ def difference(a: Derivatives, b: Derivatives) -> Derivatives:
 
 def scaled(a: Derivatives, by: complex) -> Derivatives:
     """A fixed multiple."""
-    return Derivatives(lambda order: a[order] * by, a.still)
+    return Derivatives(lambda order: a[order] * by, a.constant)
 
 
 def _joined(a: Derivatives, b: Derivatives, both: np.ufunc, second: np.ufunc) -> Derivatives:
     def row(order: int) -> np.ndarray:
-        if order and b.still:
+        if order and b.constant:
             return a[order]
-        return np.asarray(second(b[order]) if order and a.still else both(a[order], b[order]))
+        return np.asarray(second(b[order]) if order and a.constant else both(a[order], b[order]))
 
-    return Derivatives(row, a.still and b.still)
+    return Derivatives(row, a.constant and b.constant)
 
 
 def turning(u: np.ndarray, angle: Derivatives) -> Derivatives:
     """A vector u (n,) fixed in a body that turns so."""
-    return standing(u) if angle.still else Derivatives(lambda order: turned(u, angle, order))
+    return standing(u) if angle.constant else Derivatives(lambda order: turned(u, angle, order))
 
 
 def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:
@@ -133,7 +133,7 @@ def product(s: Derivatives, t: Derivatives, by: Callable[[np.ndarray, np.ndarray
     """s t, or another product of the two (Leibniz)."""
 
     def row(order: int) -> np.ndarray:
-        if t.still:
+        if t.constant:
             return by(s[order], t[0])
         return np.asarray(sum(c * by(s[k], t[order - k]) for k, c in enumerate(BINOMIAL[order])))
 

@@ -41,7 +41,7 @@ def _field_names(kind: Any) -> tuple[str, ...]:
     return tuple(field.name for field in fields(kind))
 
 
-class WhenAsked(Generic[T]):
+class Lazy(Generic[T]):
     """A field of a dataclass that may be given as a function: its value is made when it is first read.
 
     otherwise  makes it from the other fields where it is not given

@@ -150,7 +150,7 @@ def _with_curve(table: Mapping[str, Any], rise: str, strict: bool) -> dict[str, 
     gathered = {key: value for key, value in table.items() if key not in own}
     gathered["law"] = (curve_part, {key: value for key, value in table.items() if key in own})
     law = find_law(table["law"]) if isinstance(table.get("law"), str) else None
-    if rise not in table and (law.still if law else strict):
+    if rise not in table and (law.is_dwell if law else strict):
         gathered[rise] = 0.0
     return gathered
 
@@ -251,7 +251,7 @@ def _without_curve(segment: Segment, table: dict[str, Any], rise: str) -> dict[s
     curve = table.pop("law")
     slug = next((slug for slug, part in CURVES.items() if part is type(segment.curve)), None)
     law = find_law(segment.curve.law) if slug is None else None
-    if law is not None and law.still and str(segment.rise) == "0.0":
+    if law is not None and law.is_dwell and str(segment.rise) == "0.0":
         del table[rise]
     return {"law": slug or curve.pop("law"), **table, **_said(curve, segment.curve)}
 

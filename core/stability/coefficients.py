@@ -1,6 +1,6 @@
-"""The periodic coefficients of a flexible camshaft, from the energies of the whole train in closed form (Kim1990 §3).
+"""The periodic coefficients of a flexible camshaft, from the energies of the whole mechanism in closed form (Kim1990 §3).
 
-Lagrange's equation of the cam, whose train has the kinetic energy J θ̇²/2 and the potential energy V, both functions of
+Lagrange's equation of the cam, whose mechanism has the kinetic energy J θ̇²/2 and the potential energy V, both functions of
 its angle: (I_c + J) θ̈ + J' θ̇²/2 + V' = K_s (θ_i - θ). Divided by I_c ω² and with Q = max J / I_c it is Kim1990 (13),
 whose single mass M_v is the case J = M_v X'²:
 
@@ -18,7 +18,7 @@ import numpy as np
 
 from core.dynamics import Loading
 from core.errors import NoStability
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, Program
 from core.motion.extremes import find_extremes
 from core.stability.panels import Panels, fit
@@ -26,7 +26,7 @@ from core.stability.panels import Panels, fit
 FIXED, RETUNED = "fixed", "retuned"
 INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the panels: d, C, U, κ, ψ
 
-TrainAt = Callable[[Angles], Train]
+KinematicsAt = Callable[[Angles], Kinematics]
 
 
 @dataclass(frozen=True)
@@ -65,17 +65,17 @@ class Coefficients:
 
 
 def is_dwell(panels: Panels) -> np.ndarray:
-    """True (m,) where the train does not move: D = 1 and C = ψ = 0 on the whole panel."""
+    """True (m,) where nothing moves: D = 1 and C = ψ = 0 on the whole panel."""
     return np.asarray(~panels.values.any(axis=(0, 2)))
 
 
-def sizes(train_at: TrainAt, loading: Loading, program: Program) -> Sizes:
+def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
     """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
 
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
-        train = train_at(angles)
-        y = train.motion.y
-        return {"inertia": loading.inertia(train)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
+        kinematics = kinematics_at(angles)
+        y = kinematics.motion.y
+        return {"inertia": loading.inertia(kinematics)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
 
     found = find_extremes(quantities, program)
     top = found["inertia"].high.value
@@ -88,7 +88,7 @@ def sizes(train_at: TrainAt, loading: Loading, program: Program) -> Sizes:
 
 
 def coefficients(
-    train_at: TrainAt,
+    kinematics_at: KinematicsAt,
     loading: Loading,
     program: Program,
     camshaft_inertia: float,
@@ -105,14 +105,14 @@ def coefficients(
             field = f"motion.segments[{(i + 1) % len(program.joins)}]"
             at = float(np.rad2deg(join.theta))
             raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
-    size = sizes(train_at, loading, program)
+    size = sizes(kinematics_at, loading, program)
     q = size.inertia / camshaft_inertia
     heaviest, retuned = max(1.0, 2.0 * q), spring == RETUNED
 
     def functions(angles: Angles) -> np.ndarray:
-        train = train_at(angles)
-        d, d1, d2 = loading.inertia(train) / size.inertia
-        u = _valve_spring(train.motion.y, size, spring_factor) if retuned else loading.potential(train) / (stiffness * q)
+        kinematics = kinematics_at(angles)
+        d, d1, d2 = loading.inertia(kinematics) / size.inertia
+        u = _valve_spring(kinematics.motion.y, size, spring_factor) if retuned else loading.potential(kinematics) / (stiffness * q)
         # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
         big = 1.0 + heaviest * d
         return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])

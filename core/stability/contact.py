@@ -14,12 +14,12 @@ import numpy as np
 
 from core.cam import CamShape
 from core.dynamics import Loading, OutputForce, newton_euler
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, Program
 from core.stability.coefficients import RETUNED, Sizes
 from core.stability.panels import Panels, fit
 
-TrainAndShapeAt = Callable[[Angles], tuple[Train, CamShape]]
+KinematicsAndShapeAt = Callable[[Angles], tuple[Kinematics, CamShape]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Contact:
 
 
 def contact(
-    at: TrainAndShapeAt,
+    at: KinematicsAndShapeAt,
     loading: Loading,
     program: Program,
     sizes: Sizes,
@@ -65,11 +65,11 @@ def contact(
     inertial = loading.inertial
 
     def functions(angles: Angles) -> np.ndarray:
-        train, shape = at(angles)
-        standing = newton_euler(train, shape, held, 0.0)
-        turning = newton_euler(train, shape, inertial, 1.0)
-        speeding_up = newton_euler(train, shape, inertial, 0.0, acceleration=1.0)
+        kinematics, shape = at(angles)
+        standing = newton_euler(kinematics, shape, held, 0.0)
+        turning = newton_euler(kinematics, shape, inertial, 1.0)
+        speeding_up = newton_euler(kinematics, shape, inertial, 0.0, acceleration=1.0)
         return np.array([standing.contact / scale, turning.contact / unit, speeding_up.contact / unit])
 
     panels = fit(functions, program, 3)
-    return Contact(panels, spring != RETUNED, program.way_of[panels.piece] != 0.0, unit)
+    return Contact(panels, spring != RETUNED, program.velocity_signs[panels.piece] != 0.0, unit)

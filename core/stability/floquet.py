@@ -97,7 +97,7 @@ def monodromy(
 
 
 def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -> Coefficients:
-    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave; where the train stands still one
+    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave; where nothing moves one
     panel holds any wave. A short steep segment narrows itself and nothing else."""
     w, p = weight_and_potential(coefficients, equation, np.array([q]))
     fastest = np.sqrt(np.abs(eta * eta * w[0] + p[0]).max(axis=1))

@@ -16,7 +16,7 @@ from core.findings import LEAST_BOUND, Residual
 from core.motion import Program
 from core.stability.chart import ETA_MAX, count_up_to
 from core.stability.coefficients import Coefficients
-from core.stability.contact import Contact, TrainAndShapeAt, contact
+from core.stability.contact import Contact, KinematicsAndShapeAt, contact
 from core.stability.critical_speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.equations import APPROXIMATE, EXACT
 from core.stability.floquet import liouville
@@ -210,7 +210,7 @@ def stability(
     made: Coefficients,
     elastic: Elastic,
     omega: float,
-    train_and_shape_at: TrainAndShapeAt,
+    kinematics_and_shape_at: KinematicsAndShapeAt,
     loading: Loading,
     program: Program,
 ) -> Stability:
@@ -224,7 +224,7 @@ def stability(
     def contact_of() -> Contact | None:
         try:
             return contact(
-                train_and_shape_at,
+                kinematics_and_shape_at,
                 loading,
                 program,
                 made.sizes,

@@ -18,7 +18,7 @@ from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
 from core.mechanism import mechanism_of
-from core.mechanism.kinematics import SLIDING, Train
+from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import Angles
 from core.shaft import Flywheel
 
@@ -176,17 +176,17 @@ def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
     return lambda s: s.linkage.coordinates[name][order] * s.omega**order
 
 
-def body_of(train: Train, point: str) -> str:
+def body_of(kinematics: Kinematics, point: str) -> str:
     """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
-    having = [name for name, body in train.bodies.items() if point in body.points]
-    sliding = [pair.body for pair in train.pairs.values() if pair.kind == SLIDING and pair.body in having]
+    having = [name for name, body in kinematics.bodies.items() if point in body.points]
+    sliding = [pair.body for pair in kinematics.pairs.values() if pair.kind == SLIDING and pair.body in having]
     return (sliding or having)[0]
 
 
 def _point(name: str, order: int) -> Callable[[Study], np.ndarray]:
     def value(study: Study) -> np.ndarray:
-        train = study.linkage
-        at: np.ndarray = train.bodies[body_of(train, name)].point(name)[order]
+        kinematics = study.linkage
+        at: np.ndarray = kinematics.bodies[body_of(kinematics, name)].point(name)[order]
         return at * study.omega**order
 
     return value

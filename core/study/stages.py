@@ -14,8 +14,8 @@ from core.design import Elastic, Follower, Linkage, Motion, si
 from core.dynamics import Forces, Loading, loading_of, newton_euler
 from core.errors import NoStability
 from core.instant_centres import CentreTable, all_centres
-from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism, unit_speed_train
-from core.mechanism.kinematics import Train
+from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism, unit_speed_kinematics
+from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState, degrees, program
 from core.numerics.lazy import locked
 
@@ -87,24 +87,24 @@ def crank_state(course: Course, angles: Angles) -> MotionState:
 
 
 @stage("linkage")
-def linkage_stage(mechanism: Mechanism, course: Course, state: MotionState) -> Train:
+def linkage_stage(mechanism: Mechanism, course: Course, state: MotionState) -> Kinematics:
     return solve_mechanism(mechanism, state, course)
 
 
 @stage("centres")
 def centres_stage(linkage: Linkage, course: Course, state: MotionState) -> CentreTable:
     """By the driver's own coordinate, so that a dwell of the motion has centres too."""
-    return all_centres(unit_speed_train(linkage, state.y[0], course), course.plan.size)
+    return all_centres(unit_speed_kinematics(linkage, state.y[0], course), course.plan.size)
 
 
 @stage("cam")
-def cam_stage(train: Train, cam: Any, sense: float) -> CamShape:
-    return envelope(train, cam, sense)
+def cam_stage(kinematics: Kinematics, cam: Any, sense: float) -> CamShape:
+    return envelope(kinematics, cam, sense)
 
 
 @stage("dynamics")
-def dynamics_stage(train: Train, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
-    return newton_euler(train, shape, loading, omega)
+def dynamics_stage(kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
+    return newton_euler(kinematics, shape, loading, omega)
 
 
 @remembered
@@ -145,11 +145,11 @@ def stability_stage(
         return made
     compiled = program(motion)
 
-    def train_and_shape(angles: Angles) -> tuple[Train, CamShape]:
-        train = solve_mechanism(mechanism, compiled.state(angles), course)
-        return train, envelope(train, cam, sense)
+    def kinematics_and_shape(angles: Angles) -> tuple[Kinematics, CamShape]:
+        kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
+        return kinematics, envelope(kinematics, cam, sense)
 
-    return stability(made, elastic, omega, train_and_shape, loading, compiled)
+    return stability(made, elastic, omega, kinematics_and_shape, loading, compiled)
 
 
 class Memory:

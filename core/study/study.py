@@ -16,8 +16,8 @@ from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, moving_collinearity
-from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_train
-from core.mechanism.kinematics import REVOLUTE, Train
+from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_kinematics
+from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion import EPS, TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
@@ -218,7 +218,7 @@ class Study:
         return self.drive
 
     @cached_property
-    def linkage(self) -> Train:
+    def linkage(self) -> Kinematics:
         try:
             return self._stage(linkage_stage, self.mechanism, self.course, self.drive)
         except NoAnswer as error:
@@ -345,7 +345,7 @@ class Study:
             """The guide's force where it rubs: friction turns round with its sign."""
             guide = there(angles).dynamics.guide
             assert guide is not None
-            return np.asarray(guide.normal * np.abs(there(angles).drive.way))
+            return np.asarray(guide.normal * np.abs(there(angles).drive.velocity_sign))
 
         return load_curve(load, self.program, rubbing if self.loading.friction else None)
 
@@ -454,8 +454,8 @@ class Study:
         return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
 
     def _cam_findings(self) -> list[Finding]:
-        train = self.linkage
-        ground = train.pairs[train.ground].kind if train.ground else REVOLUTE
+        kinematics = self.linkage
+        ground = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
         return cam.findings(self._cam_extremes, ground, self.design.drive.cam)
 
     def _dynamics_findings(self) -> list[Finding]:
@@ -497,7 +497,7 @@ class Study:
                 proof["three_centres"] = self._three_centres()
         if "cam" in wanted:
             centre, part = cam.centre_residual(self.linkage, self.cam), self.design.drive.cam
-            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.doubt)
+            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.error_bound)
             radius: float = si(part).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
             farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
@@ -517,9 +517,9 @@ class Study:
         """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
         a triple whose bound would say nothing is left out where it is so."""
         step = max(1, self.theta.size // _POSITIONS)
-        train = unit_speed_train(self.mechanism.linkage, self.drive.y[0, ::step], self.course)
-        found = moving_collinearity(train, self.course.plan.size)
-        bound = 16.0 * EPS * self.linkage.condition[::step] * found.doubt
+        kinematics = unit_speed_kinematics(self.mechanism.linkage, self.drive.y[0, ::step], self.course)
+        found = moving_collinearity(kinematics, self.course.plan.size)
+        bound = 16.0 * EPS * self.linkage.condition[::step] * found.error_bound
         well = bound <= _SAYS_NOTHING
         worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
         return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
@@ -550,10 +550,10 @@ class Study:
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""
-        train, found = self.linkage, {}
+        kinematics, found = self.linkage, {}
         links = self.design.drive.linkage.by_number
         for name in (name for n in sorted(links) for name in links[n].places):
             if name not in found:
-                z = train.bodies[body_of(train, name)].point(name)
+                z = kinematics.bodies[body_of(kinematics, name)].point(name)
                 found[name] = (z[0], z[1] * self.omega)
         return found

@@ -8,7 +8,7 @@ from math import fsum
 
 from core.blend import candidates
 from core.design import Motion, Segment, join_angles
-from core.design.edits import still
+from core.design.edits import is_dwell
 from kindyna_gui.blend.request import OF_A_RETURN, Asked, plan
 
 CONSTANT = ("cv1", "cv2")
@@ -17,7 +17,7 @@ CONSTANT = ("cv1", "cv2")
 def first_asked(motion: Motion, chosen: int) -> Asked:
     """What a motion is like about the chosen segment, or the next that moves, asked anew: its stroke, its angles, and
     where it is a blend its sequence and heights. A motion that stands still is asked for a card picker's."""
-    moving = [not still(s) and s.rise != 0.0 for s in motion.segments]
+    moving = [not is_dwell(s) and s.rise != 0.0 for s in motion.segments]
     count = len(moving)
     at = next((i for k in range(count) if moving[i := (chosen + k) % count]), None)
     if at is None:

@@ -101,10 +101,10 @@ class MechanismView(View):
         from core.followers.joints import joints_of, move_joint
 
         design, joint = self.session.design, joints_of(self.session.design)[name]
-        train = self.session.at(self.player.theta).linkage
+        kinematics = self.session.at(self.player.theta).linkage
         decimals = max(0, ceil(log10(self.canvas.scale_now)) + 1)
         try:
-            moved = move_joint(design, train, name, place / MM, decimals)
+            moved = move_joint(design, kinematics, name, place / MM, decimals)
         except KindynaError as error:
             self.session.refuse(joint.field, reason(design, error))
         else:

@@ -52,13 +52,13 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     def changed() -> Design:
         return with_driver(before, driver, session.at(player.theta).linkage)
 
-    train = session.at(player.theta).linkage
+    kinematics = session.at(player.theta).linkage
     step, loses = f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}", _loses(before, driver)
     window.designing.change(changed, f"{step}, without {loses}" if loses else step)
     if session.design is not before:
         if loses:
             window.status.tell(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
-        player.set_theta(driver_place(session.design.drive.mechanism, train) % TURN if driver.kind == CRANK else 0.0)
+        player.set_theta(driver_place(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0)
 
 
 def fill_rollers(window: MainWindow, menu: QMenu) -> None:

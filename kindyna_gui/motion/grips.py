@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from math import hypot
 
 from core.design import Motion, join_angles, join_levels, join_range
-from core.design.edits import still
+from core.design.edits import is_dwell
 from kindyna_gui.pictures.units import nice_below
 
 POINT, LINE, LEVEL = "point", "line", "level"
@@ -98,7 +98,7 @@ def grip_at(motion: Motion, scale: Scale, x: float, y: float) -> Grip | None:
         return Grip(LINE, join, join - 1)
     for i, segment in enumerate(motion.segments):
         _, begin, level = there[i]
-        if still(segment) and begin + AWAY < x < there[i + 1][1] - AWAY and abs(y - level) <= LINE_REACH:
+        if is_dwell(segment) and begin + AWAY < x < there[i + 1][1] - AWAY and abs(y - level) <= LINE_REACH:
             return Grip(LEVEL, i, i)
     return None
 

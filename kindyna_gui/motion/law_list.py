@@ -100,7 +100,7 @@ def found(text: str) -> dict[str, tuple[str, ...]]:
 def peaks_text(slug: str) -> str:
     """``Cv 1.76  Ca 5.53  Cj 69.5``; what the law has instead where there are none."""
     law = find_law(slug)
-    if slug in OWN or law is None or law.still:
+    if slug in OWN or law is None or law.is_dwell:
         return OWN.get(slug, "")
     own = peaks(law)
     rows = (("Cv", own.cv), ("Ca", own.ca), ("Cj", own.cj))
@@ -111,7 +111,7 @@ def law_tip(slug: str) -> str:
     """What a law is, in a line or two."""
     law = find_law(slug)
     told = sentence(law.source if law is not None else _TOLD.get(slug, ""))
-    if law is not None and not law.still:
+    if law is not None and not law.is_dwell:
         told += "\nPeaks for unit rise and span; jerk counts the inside of the law only"
         if float(np.abs(law(np.array([0.0, 1.0]))[1]).max()) > MOVING:
             told += "\nIt begins or ends in motion: the velocity jumps where it meets a dwell"

@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 )
 
 from core.design import UNITS, Motion, edited, motion_of
-from core.design.edits import still
+from core.design.edits import is_dwell
 from core.study import Study
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, shortest, value_text
@@ -176,7 +176,7 @@ class LawsView(View):
         slug = "" if segment is None else segment.curve.law
         self.model.mark(slug, f"◂ segment {self.session.segment + 1}")
         if not self.table.currentIndex().isValid():
-            if segment is not None and self.model.row_of(slug) >= 0 and not still(segment):
+            if segment is not None and self.model.row_of(slug) >= 0 and not is_dwell(segment):
                 self.model.tick(slug, True)
             self.table.choose(slug)
         self._name_button()

@@ -24,7 +24,7 @@ from core.design import (
     motion_of,
     require_motion,
 )
-from core.design.edits import rest
+from core.design.edits import balance
 from core.laws import LAWS, find_law
 from core.motion import Join
 from kindyna_gui.documents.session import Refusal, Session
@@ -79,7 +79,7 @@ def readable(value: float) -> str:
 def _ends(motion: Motion) -> tuple[float, ...]:
     """The cam angle where each segment begins, and where the last one ends [deg]."""
     begins = join_angles(motion)
-    return (*begins, rest(begins[-1], (-motion.segments[-1].span_deg,)))
+    return (*begins, balance(begins[-1], (-motion.segments[-1].span_deg,)))
 
 
 @dataclass(frozen=True)
@@ -204,12 +204,12 @@ class SegmentsModel(QAbstractTableModel):
             column == JOIN
             or (column == FROM and row == 0)
             or (column == TO and row == self.rowCount() - 1)
-            or (column == RISE and self.still(row))
+            or (column == RISE and self.is_dwell(row))
         )
 
-    def still(self, row: int) -> bool:
+    def is_dwell(self, row: int) -> bool:
         law = find_law(self._motion.segments[row].curve.law)
-        return law is not None and law.still
+        return law is not None and law.is_dwell
 
     def path(self, row: int, column: int) -> str:
         """What a cell edits; empty where it edits nothing."""

@@ -14,7 +14,7 @@ from core.cam import envelope
 
 
 def ours(there: Any, setting: None) -> Channels:
-    flank = envelope(there.train, there.cam, SENSE).flank
+    flank = envelope(there.kinematics, there.cam, SENSE).flank
     return flank.profile, flank.pressure_angle
 
 
@@ -27,8 +27,8 @@ def _back(there: Any) -> np.ndarray:
 def printed(there: Any, setting: None) -> Channels:
     """Shin1995 (18)-(20), in the frame whose x axis goes from the cam centre to the pivot, φ' counted against the cam."""
     distance, along = abs(PIVOT), PIVOT / abs(PIVOT)
-    reference = there.train.follower.z[0] / along
-    rate = -SENSE * there.train.follower.angle[1]
+    reference = there.kinematics.follower.z[0] / along
+    rate = -SENSE * there.kinematics.follower.angle[1]
     q = distance * rate / (1.0 + rate)
     psi = np.arctan((q - reference.real) / reference.imag)
     contact = reference.real + ROLLER_RADIUS * np.sin(psi) + 1j * (reference.imag - ROLLER_RADIUS * np.cos(psi))
@@ -41,7 +41,7 @@ def printed(there: Any, setting: None) -> Channels:
 def _by_tangent(curve: np.ndarray, tangent: np.ndarray, there: Any) -> Channels:
     """The offset of the pitch curve, and the angle between its normal and the way of the roller."""
     inwards = -1j * SENSE * tangent / np.abs(tangent)
-    way = there.train.travel * _back(there)
+    way = there.kinematics.travel * _back(there)
     across, along = (inwards.conjugate() * way).imag, (inwards.conjugate() * way).real
     return curve + ROLLER_RADIUS * inwards, np.arctan2(np.abs(across), np.abs(along))
 
@@ -82,7 +82,7 @@ PROFILE = Kernel(
 
 def our_curvature(there: Any, setting: None) -> Channels:
     """And its slope, which comes with it."""
-    return (envelope(there.train, there.cam, SENSE).flank.pitch_curvature,)
+    return (envelope(there.kinematics, there.cam, SENSE).flank.pitch_curvature,)
 
 
 def _bend(tangent: np.ndarray, turning: np.ndarray) -> Channels:

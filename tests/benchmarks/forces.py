@@ -15,7 +15,7 @@ from core.dynamics import newton_euler
 
 def ours(there: Any, setting: None) -> Channels:
     """And every pin's force besides."""
-    told = newton_euler(there.train, there.shape, there.loading, there.omega)
+    told = newton_euler(there.kinematics, there.shape, there.loading, there.omega)
     return told.contact, told.torque
 
 
@@ -26,13 +26,13 @@ def _cross(a: Any, b: Any) -> Any:
 def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray], spins: dict[str, np.ndarray]) -> Channels:
     """Three bodies cut free and the camshaft: nine equations for pivot, arm pin, slider pin, guide, contact and torque,
     built and solved for all angles at once; friction takes the sign of the guide's force without it."""
-    way, loading = there.motion.way, there.loading
+    way, loading = there.motion.velocity_sign, there.loading
     masses = {mass.body: mass for mass in loading.masses}
-    normal, axis = there.shape.flank.normal, there.train.pairs["guide"].axis
+    normal, axis = there.shape.flank.normal, there.kinematics.pairs["guide"].axis
     mu, n = loading.friction, way.size
     pivot, pin_b, pin_a, reference = (points[k] for k in ("pivot", "arm_pin", "slider_pin", "roller"))
     lost = {k: masses[k].inertia.mass * (masses[k].gravity - there.omega**2 * gains[k]) for k in gains}
-    push = loading.others[0].size(there.train) * axis
+    push = loading.others[0].size(there.kinematics) * axis
 
     def solved(sign: np.ndarray) -> np.ndarray:
         guide = 1j * axis - mu * way * sign * axis
@@ -63,10 +63,10 @@ def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray
 
 
 def generic(there: Any, setting: None) -> Channels:
-    bodies, loading = there.train.bodies, there.loading
+    bodies, loading = there.kinematics.bodies, there.loading
     points = {
         "pivot": bodies["arm"].z[0], "arm_pin": bodies["rod"].z[0], "slider_pin": bodies["slider"].z[0],
-        "roller": there.train.follower.z[0],
+        "roller": there.kinematics.follower.z[0],
     }  # fmt: skip
     gains = {}
     for name, inertia in ((m.body, m.inertia) for m in loading.masses):
@@ -83,7 +83,7 @@ def finite_differences(there: Any, step: float) -> Channels:
     def positions(theta: np.ndarray) -> dict[str, np.ndarray]:
         y = displacement(theta)
         pin, end = pin_at(y), roller_at(y)
-        slider = pivot + there.train.base["slider"][0] + y + 1j * G.guide_height
+        slider = pivot + there.kinematics.base["slider"][0] + y + 1j * G.guide_height
         along = (pin - pivot) / G.slider_arm
         return {
             "pivot": np.full(theta.size, pivot), "arm_pin": pin, "slider_pin": slider, "roller": end,

@@ -31,9 +31,9 @@ START = np.array([PHI0, BETA0])
 
 def ours(there: Any, setting: None) -> Channels:
     """Third derivatives, which only the cam's curvature asks for, are not made."""
-    train = solve_mechanism(built(there.follower, there.cam), there.motion)
-    rod = train.bodies["rod"]
-    return [*(pose.origin[order] for pose in (rod, train.follower) for order in range(3)), rod.unit]
+    kinematics = solve_mechanism(built(there.follower, there.cam), there.motion)
+    rod = kinematics.bodies["rod"]
+    return [*(pose.origin[order] for pose in (rod, kinematics.follower) for order in range(3)), rod.unit]
 
 
 def _carried(phi: np.ndarray, beta: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:

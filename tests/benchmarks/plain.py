@@ -31,15 +31,15 @@ def turn(n: int) -> np.ndarray:
 
 
 def given(theta: np.ndarray, fitted: bool = False) -> SimpleNamespace:
-    """Motion, train, cam and forces at these angles, as our own stages give them: what a kernel is handed."""
+    """Motion, kinematics, cam and forces at these angles, as our own stages give them: what a kernel is handed."""
     study = Study(FITTED if fitted else LIFT)
     there = study.at(study.program.angles(theta))
-    train = there.linkage
+    kinematics = there.linkage
     # what methods share is made beforehand
-    _ = train.follower.z, there.motion.angles.unit, there.cam.flank.normal, train.travel
+    _ = kinematics.follower.z, there.motion.angles.unit, there.cam.flank.normal, kinematics.travel
     drive = LIFT.drive
     return SimpleNamespace(
-        theta=theta, angles=there.angles, motion=there.motion, train=train, shape=there.cam, study=study,
+        theta=theta, angles=there.angles, motion=there.motion, kinematics=kinematics, shape=there.cam, study=study,
         follower=drive.mechanism, cam=drive.cam, reach=study.reach, loading=study.loading, omega=study.omega,
     )  # fmt: skip
 

@@ -29,7 +29,7 @@ from core.design import Design
 from core.errors import NoCam
 from core.findings import ERROR, WARNING
 from core.instant_centres import cam_follower_centre
-from core.mechanism.kinematics import Pose, Train
+from core.mechanism.kinematics import Kinematics, Pose
 from core.motion import TURN
 from core.numerics.derivatives import Derivatives
 from core.study import Study
@@ -143,20 +143,20 @@ def test_the_certificates_tangency_sees_a_dent_a_wrong_radius_and_an_undercut() 
 def check_centre(design: Design, theta: float) -> None:
     """At Q the point of the cam and the point of the follower have one velocity: i d Q = R' + iφ'(Q - R)."""
     study = Study(design).at_theta(np.array([theta]))
-    train, d = study.linkage, design.shaft.sense
-    centre = cam_follower_centre(train, d)
-    body = train.follower
+    kinematics, d = study.linkage, design.shaft.sense
+    centre = cam_follower_centre(kinematics, d)
+    body = kinematics.follower
     if abs(centre.weight[0]) < 1e-3:
         return
     q = centre.finite[0]
     of_cam = 1j * d * q
     of_follower = body.z[1, 0] + 1j * body.angle[1, 0] * (q - body.z[0, 0])
     size = abs(q) * (1.0 + abs(body.angle[1, 0])) + np.abs(body.z[:2, 0]).sum() * (1.0 + abs(body.angle[1, 0]))
-    assert abs(of_cam - of_follower) <= 16 * EPS * size / abs(centre.weight[0]) * float(train.condition.max())
+    assert abs(of_cam - of_follower) <= 16 * EPS * size / abs(centre.weight[0]) * float(kinematics.condition.max())
     # the common normal passes through it
     normal = study.cam.flank.normal[0]
     lever = abs((normal.conjugate() * (q - body.z[0, 0])).imag)
-    assert lever <= 16 * EPS * float(train.condition.max()) * (abs(q) + abs(body.z[0, 0])) / abs(centre.weight[0])
+    assert lever <= 16 * EPS * float(kinematics.condition.max()) * (abs(q) + abs(body.z[0, 0])) / abs(centre.weight[0])
 
 
 @pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
@@ -176,15 +176,15 @@ def test_a_follower_that_turns_as_fast_as_the_cam_has_its_centre_at_infinity(rot
     """φ' = d: relative to the cam the follower moves without turning, along the circles about the pivot's distance."""
     design = with_shaft(LIFT, rotation=rotation)
     study = Study(design, 72)
-    d, train = design.shaft.sense, study.linkage
-    angle = np.array(train.follower.angle)
+    d, kinematics = design.shaft.sense, study.linkage
+    angle = np.array(kinematics.follower.angle)
     angle[1] = d
-    pivot, arm = train.bodies["arm"].z, train.follower.z - train.bodies["arm"].z
-    z = np.array(train.follower.z)
+    pivot, arm = kinematics.bodies["arm"].z, kinematics.follower.z - kinematics.bodies["arm"].z
+    z = np.array(kinematics.follower.z)
     z[1] = 1j * d * arm[0]
-    bodies = {**train.bodies, "roller": Pose.of(z, angle, train.follower.points),
-              "arm": Pose.of(pivot, angle, train.bodies["arm"].points)}  # fmt: skip
-    fast = replace(train, bodies=bodies)
+    bodies = {**kinematics.bodies, "roller": Pose.of(z, angle, kinematics.follower.points),
+              "arm": Pose.of(pivot, angle, kinematics.bodies["arm"].points)}  # fmt: skip
+    fast = replace(kinematics, bodies=bodies)
     centre = cam_follower_centre(fast, d)
     assert (centre.weight == 0.0).all()
     assert np.isinf(centre.finite.real).all()
@@ -288,7 +288,7 @@ def test_an_offset_to_the_side_that_the_rise_leans_to_lowers_the_pressure_angle(
     def worst(offset: float) -> float:
         design = with_follower(PUSHER, offset_mm=offset)
         rise = Study(design, 3600)
-        return float(rise.cam.flank.pressure_angle[rise.motion.way > 0].max())
+        return float(rise.cam.flank.pressure_angle[rise.motion.velocity_sign > 0].max())
 
     assert worst(-7.0) < worst(0.0) < worst(7.0)
 
@@ -398,10 +398,10 @@ def test_a_roller_that_covers_the_cam_centre_is_told_with_the_cam_angles() -> No
 
 def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
     study = Study(LIFT, 8)
-    train: Train = study.linkage
-    z = np.array(train.follower.z)
+    kinematics: Kinematics = study.linkage
+    z = np.array(kinematics.follower.z)
     z[1, 5] = 1j * z[0, 5]
-    cusp = replace(train, bodies={**train.bodies, "roller": replace(train.follower, origin=Derivatives.of(z))})
+    cusp = replace(kinematics, bodies={**kinematics.bodies, "roller": replace(kinematics.follower, origin=Derivatives.of(z))})
     with pytest.raises(NoCam, match="cusp") as caught:
         envelope(cusp, LIFT.drive.cam, 1.0)
     assert caught.value.cam_angles == ((pytest.approx(225.0), pytest.approx(225.0)),)

@@ -26,7 +26,7 @@ def of_length_1(a: Vector) -> Vector:
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "inverted_slider_crank"])
 def test_a_centre_found_by_two_lines_keeps_its_digits(name: str) -> None:
     """Of four links each centre that is wanted has two triangles. What the lines carry of their centres' roundings is the
-    stated doubt; made from them are four products each, and as many sums."""
+    stated error bound; made from them are four products each, and as many sums."""
     study = Study(load(EXAMPLES / f"{name}.toml"), 24)
     assert study.design.drive.is_linkage
     table = study.centres
@@ -42,4 +42,4 @@ def test_a_centre_found_by_two_lines_keeps_its_digits(name: str) -> None:
                 lines.append(across(*scaled))
             exact = of_length_1(across(*lines))
             off = MP.sqrt(MP.fsum(x * x for x in across(exact, of_length_1([MP.mpf(v) for v in told[:, i]]))))
-            assert float(off) <= 4.0 * EPS * float(np.broadcast_to(found.doubt, study.theta.shape)[i]), (wanted.key, i)
+            assert float(off) <= 4.0 * EPS * float(np.broadcast_to(found.error_bound, study.theta.shape)[i]), (wanted.key, i)

@@ -17,7 +17,7 @@ from core.cam import tangency
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads
 from core.findings import Residual
 from core.instant_centres import all_centres, collinearity, moving_collinearity
-from core.mechanism import course_of, unit_speed_train
+from core.mechanism import course_of, unit_speed_kinematics
 from core.motion import EPS
 from core.project import save
 from core.study import Study
@@ -81,11 +81,11 @@ def test_what_was_left_out_stands_in_the_report_and_in_the_summary(tmp_path: Pat
 @pytest.mark.parametrize("design", [four_bar(100.0, 30.0, 90.0, 70.0), chain(8)], ids=["four-bar", "chain"])
 def test_every_centre_stands_in_a_triple_that_is_proven(design: Design) -> None:
     """Whichever centre is moved off its place, the proof sees it."""
-    train = unit_speed_train(design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.linspace(0.1, 6.0, 7), course_of(design.drive.mechanism))
     size = 0.1
-    table = all_centres(train, size)
+    table = all_centres(kinematics, size)
     assert collinearity(table).max() <= 1e-12
-    triples = moving_collinearity(train, size).triples
+    triples = moving_collinearity(kinematics, size).triples
     for key, centre in table.centres.items():
         assert any(set(key) <= set(triple) for triple in triples), key
         shifted = replace(centre, point=centre.point + 1e-6 * (1.0 + 2.0j), weight=centre.weight + 3e-6).scaled(size)

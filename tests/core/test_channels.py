@@ -182,7 +182,7 @@ def test_every_column_holds_what_its_name_says(name: str) -> None:
     seen = set()
     read = tables(design)
     for i in (1, 7, 13, 20, 31):
-        exact = _exact(design, solved(design, MP.mpf(study.theta[i])), int(study.motion.way[i]))
+        exact = _exact(design, solved(design, MP.mpf(study.theta[i])), int(study.motion.velocity_sign[i]))
         for head, rows in read.values():
             for column, values in zip(head[1:], rows.T[1:], strict=True):
                 error = float(abs(MP.mpf(values[i]) - exact[column]))

@@ -61,7 +61,7 @@ def test_an_asymmetric_law_is_its_halves_stretched(slug: str, crossover: float) 
 @pytest.mark.parametrize("slug", sorted(set(LAWS) - set(SYMMETRIC)))
 def test_a_law_of_one_half_takes_no_crossover(slug: str) -> None:
     way = -1.0 if LAWS[slug].rises < 0 else 1.0
-    rise = 0.0 if LAWS[slug].still else 10.0 * way
+    rise = 0.0 if LAWS[slug].is_dwell else 10.0 * way
     segments = (Segment(100.0, rise, Named(slug, 0.4)), Segment(260.0, -rise, Named("3-4-5")))
     found = part_faults(Motion(0.0, segments), "motion")
     assert [fault.path for fault in found] == ["motion.segments[0].crossover"]
@@ -211,8 +211,8 @@ def test_the_way_changes_where_a_curve_turns() -> None:
     motion = Motion(0.0, (Segment(100.0, 0.0, curve), Segment(260.0, 0.0)))
     compiled = Program(motion)
     state = compiled.state(compiled.angles(np.deg2rad(np.array([1.0, 49.9, 50.1, 99.0, 200.0]))))
-    assert list(state.way) == [1.0, 1.0, -1.0, -1.0, 0.0]
-    assert np.all(np.sign(state.y[1, :4]) == state.way[:4])
+    assert list(state.velocity_sign) == [1.0, 1.0, -1.0, -1.0, 0.0]
+    assert np.all(np.sign(state.y[1, :4]) == state.velocity_sign[:4])
 
 
 @given(
@@ -230,7 +230,7 @@ def test_the_sign_of_the_velocity_is_the_way(points: list[tuple[float, float]]) 
     theta = np.linspace(0.0, np.deg2rad(120.0), 400)[1:-1]
     state = compiled.state(compiled.angles(theta))
     fast = np.abs(state.y[1]) > 1e-6 * np.abs(state.y[1]).max()
-    assert np.all(np.sign(state.y[1][fast]) == state.way[fast])
+    assert np.all(np.sign(state.y[1][fast]) == state.velocity_sign[fast])
 
 
 # -- spline -----------------------------------------------------------------------------------------------

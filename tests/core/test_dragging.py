@@ -19,7 +19,7 @@ from core.errors import NoAssembly
 from core.followers import base_position
 from core.followers.joints import joints_of, move_joint
 from core.mechanism.dragging import with_point_at
-from core.mechanism.kinematics import Train
+from core.mechanism.kinematics import Kinematics
 from core.project import load
 from core.study import Study
 
@@ -45,12 +45,12 @@ def example(name: str) -> Any:
     return load(EXAMPLES / f"{name}.toml")
 
 
-def train_at(design: Design, theta: float) -> Train:
+def kinematics_at(design: Design, theta: float) -> Kinematics:
     return Study(design).at_theta(np.array([theta])).linkage
 
 
-def place(train: Train, point: str) -> complex:
-    body = next(body for body in train.bodies.values() if point in body.points)
+def place(kinematics: Kinematics, point: str) -> complex:
+    body = next(body for body in kinematics.bodies.values() if point in body.points)
     return complex(body.point(point)[0, 0])
 
 
@@ -78,11 +78,11 @@ def numbers(design: Design) -> dict[str, float]:
 @pytest.mark.parametrize("design", [*map(layout, LAYOUTS), example("kim_1990")], ids=[*LAYOUTS, "translating"])
 def test_a_joint_at_its_own_place_changes_nothing(design: Design) -> None:
     for theta in ANGLES:
-        train = train_at(design, theta)
+        kinematics = kinematics_at(design, theta)
         for name in joints_of(design):
-            same = move_joint(design, train, name, place(train, name), 12)
+            same = move_joint(design, kinematics, name, place(kinematics, name), 12)
             assert numbers(same) == pytest.approx(numbers(design), rel=1e-14, abs=1e-12)
-            assert move_joint(design, train, name, place(train, name), 6) == design
+            assert move_joint(design, kinematics, name, place(kinematics, name), 6) == design
 
 
 @pytest.mark.parametrize("letter", LAYOUTS)
@@ -93,15 +93,15 @@ def test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay(let
     stay = {"pivot": (), "arm_pin": ("pivot", "slider_pin"), "slider_pin": ("pivot", "arm_pin"),
             "roller": ("pivot", "arm_pin", "slider_pin")}  # fmt: skip
     for theta in ANGLES:
-        train = train_at(design, theta)
+        kinematics = kinematics_at(design, theta)
         for name in joints_of(design):
-            to = place(train, name) + 0.05 * complex(*rng.normal(size=2))
-            moved = move_joint(design, train, name, to, 12)
+            to = place(kinematics, name) + 0.05 * complex(*rng.normal(size=2))
+            moved = move_joint(design, kinematics, name, to, 12)
             assert not moved.drive.is_linkage
-            after = train_at(moved, theta)
+            after = kinematics_at(moved, theta)
             assert place(after, name) == pytest.approx(to, abs=1e-12)
             for other in stay[name]:
-                assert place(after, other) == pytest.approx(place(train, other), abs=1e-12)
+                assert place(after, other) == pytest.approx(place(kinematics, other), abs=1e-12)
             reach = 1e-3 * (moved.drive.cam.base_radius_mm + moved.drive.cam.roller_radius_mm)
             base = base_position(moved.drive.mechanism, reach)  # type: ignore[arg-type]
             follower = moved.drive.mechanism
@@ -120,8 +120,8 @@ def test_a_joint_of_the_cam_slider_lands_where_it_is_put_and_the_others_stay(let
     ],
 )
 def test_each_joint_changes_its_own_lengths(joint: str, changed: set[str]) -> None:
-    train = train_at(LIFT, 0.9)
-    moved = move_joint(LIFT, train, joint, place(train, joint) + 0.03 - 0.02j, 6)
+    kinematics = kinematics_at(LIFT, 0.9)
+    moved = move_joint(LIFT, kinematics, joint, place(kinematics, joint) + 0.03 - 0.02j, 6)
     before, after = numbers(LIFT), numbers(moved)
     assert {path.rpartition(".")[2] for path in before if before[path] != after[path]} == changed
     assert faults(moved) == []
@@ -132,33 +132,33 @@ def test_a_turned_guide_is_followed() -> None:
     """Fixed angle and heights are told in the frame of the guide."""
     turned = put(put(LIFT, "follower.guide_angle_deg", 20.0), "follower.fixed_angle_deg", 23.637)
     for joint in ("arm_pin", "slider_pin", "roller"):
-        train = train_at(turned, 2.0)
-        to = place(train, joint) * 1.01
-        assert place(train_at(move_joint(turned, train, joint, to, 12), 2.0), joint) == pytest.approx(to, abs=1e-12)
+        kinematics = kinematics_at(turned, 2.0)
+        to = place(kinematics, joint) * 1.01
+        assert place(kinematics_at(move_joint(turned, kinematics, joint, to, 12), 2.0), joint) == pytest.approx(to, abs=1e-12)
 
 
 def test_an_arm_drawn_to_the_other_side_changes_the_letter() -> None:
     """The arm's pin drawn across the line from pivot to slider, far beyond it: the slider comes to stand on its other side."""
-    train = train_at(LIFT, 0.0)
-    pin, slider = place(train, "arm_pin"), place(train, "slider_pin")
+    kinematics = kinematics_at(LIFT, 0.0)
+    pin, slider = place(kinematics, "arm_pin"), place(kinematics, "slider_pin")
     to = complex(2.0 * slider.real - pin.real, pin.imag)
-    moved = move_joint(LIFT, train, "arm_pin", to, 12)
+    moved = move_joint(LIFT, kinematics, "arm_pin", to, 12)
     assert not moved.drive.is_linkage
     follower = moved.drive.mechanism
     assert isinstance(follower, CamSlider)
     assert (LIFT.drive.mechanism.layout, follower.layout) == ("b", "a")  # type: ignore[union-attr]
-    assert place(train_at(moved, 0.0), "arm_pin") == pytest.approx(to, abs=1e-12)
+    assert place(kinematics_at(moved, 0.0), "arm_pin") == pytest.approx(to, abs=1e-12)
 
 
 def test_where_nothing_meets_it_is_told_with_lengths() -> None:
     """So near to the slider's lowest place that arm and rod cannot come together when the slider is back at 0."""
-    train = train_at(LIFT, 0.0)
-    assert train.motion.y[0, 0] == pytest.approx(0.15)
-    pivot, slider = place(train, "pivot"), place(train, "slider_pin")
+    kinematics = kinematics_at(LIFT, 0.0)
+    assert kinematics.motion.y[0, 0] == pytest.approx(0.15)
+    pivot, slider = place(kinematics, "pivot"), place(kinematics, "slider_pin")
     with pytest.raises(NoAssembly, match=r"follower\.rod_mm: slider arm \S+ mm and rod \S+ mm do not meet in the base"):
-        move_joint(LIFT, train, "arm_pin", pivot + (slider - pivot) * (0.5 + 1e-6j), 12)
+        move_joint(LIFT, kinematics, "arm_pin", pivot + (slider - pivot) * (0.5 + 1e-6j), 12)
     tappet = example("kim_1990")
-    there = train_at(tappet, math.pi)
+    there = kinematics_at(tappet, math.pi)
     with pytest.raises(NoAssembly, match=r"cam\.base_radius_mm: .* behind the cam centre"):
         move_joint(tappet, there, "roller", -place(there, "roller"), 6)
 
@@ -166,10 +166,10 @@ def test_where_nothing_meets_it_is_told_with_lengths() -> None:
 @given(st.floats(-0.02, 0.02), st.floats(-0.02, 0.02), st.floats(0.0, 6.28))
 def test_the_roller_of_a_translating_follower_lands_where_it_is_put(x: float, y: float, theta: float) -> None:
     design = example("kim_1990")
-    train = train_at(design, theta)
-    to = place(train, "roller") * (1.0 + complex(x, y) / abs(place(train, "roller")) * 0.2)
-    moved = move_joint(design, train, "roller", to, 12)
-    assert place(train_at(moved, theta), "roller") == pytest.approx(to, rel=1e-11)
+    kinematics = kinematics_at(design, theta)
+    to = place(kinematics, "roller") * (1.0 + complex(x, y) / abs(place(kinematics, "roller")) * 0.2)
+    moved = move_joint(design, kinematics, "roller", to, 12)
+    assert place(kinematics_at(moved, theta), "roller") == pytest.approx(to, rel=1e-11)
 
 
 # -- linkages ---------------------------------------------------------------------------------------------
@@ -179,9 +179,9 @@ def test_the_roller_of_a_translating_follower_lands_where_it_is_put(x: float, y:
 def test_a_joint_of_a_linkage_at_its_own_place_changes_nothing(name: str) -> None:
     design = example(name)
     for theta in (0.4, 2.0):
-        train = train_at(design, theta)
+        kinematics = kinematics_at(design, theta)
         for point in joints_of(design):
-            same = with_point_at(design, train, point, place(train, point), 12)
+            same = with_point_at(design, kinematics, point, place(kinematics, point), 12)
             assert numbers(same) == pytest.approx(numbers(design), rel=1e-13, abs=1e-9)
 
 
@@ -190,28 +190,28 @@ def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[Design, float
     """Of the driver along its line, of a link that slides along its guide, else right there; nothing else moves but what
     hangs on the frame's points."""
     design, q = drawn
-    train = train_at(design, q)
+    kinematics = kinematics_at(design, q)
     sliding = {str(s.link) for s in design.drive.mechanism.sliders}
     for point in joints_of(design):
         having = {link.number for link in design.drive.mechanism.links if point in link.places}
         if having & {1, design.drive.mechanism.driver.link} or having & {int(n) for n in sliding}:
             continue
-        to = place(train, point) + 1e-3 * complex(x, y)
-        moved = with_point_at(design, train, point, to, 12)
-        after = train_at(moved, q)
+        to = place(kinematics, point) + 1e-3 * complex(x, y)
+        moved = with_point_at(design, kinematics, point, to, 12)
+        after = kinematics_at(moved, q)
         size = Study(design).course.plan.size
-        assert place(after, point) == pytest.approx(to, abs=1e-12 * size * max(1.0, float(train.condition.max())))
-        for body in train.bodies:
-            for other in train.bodies[body].points:
+        assert place(after, point) == pytest.approx(to, abs=1e-12 * size * max(1.0, float(kinematics.condition.max())))
+        for body in kinematics.bodies:
+            for other in kinematics.bodies[body].points:
                 if other != point and not other.isdecimal():
-                    there = complex(train.bodies[body].point(other)[0, 0])
+                    there = complex(kinematics.bodies[body].point(other)[0, 0])
                     assert complex(after.bodies[body].point(other)[0, 0]) == pytest.approx(there, abs=1e-9 * size)
 
 
 def test_a_point_of_the_frame_moves_alone() -> None:
     design = example("four_bar")
-    train = train_at(design, 1.0)
-    moved = with_point_at(design, train, "O4", 0.11 + 0.004j, 12)
+    kinematics = kinematics_at(design, 1.0)
+    moved = with_point_at(design, kinematics, "O4", 0.11 + 0.004j, 12)
     changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
     assert changed == [1]
     assert moved.drive.mechanism.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
@@ -219,30 +219,30 @@ def test_a_point_of_the_frame_moves_alone() -> None:
 
 def test_a_point_of_the_crank_keeps_to_its_line() -> None:
     design = example("four_bar")
-    train = train_at(design, math.pi / 2.0)
-    moved = with_point_at(design, train, "A", 0.01 + 0.04j, 12)
+    kinematics = kinematics_at(design, math.pi / 2.0)
+    moved = with_point_at(design, kinematics, "A", 0.01 + 0.04j, 12)
     assert moved.drive.mechanism.by_number[2].places["A"] == pytest.approx(40.0, abs=1e-9)
-    assert place(train_at(moved, math.pi / 2.0), "A") == pytest.approx(0.04j, abs=1e-12)
+    assert place(kinematics_at(moved, math.pi / 2.0), "A") == pytest.approx(0.04j, abs=1e-12)
 
 
 def test_a_point_that_slides_keeps_to_its_guide() -> None:
     design = example("slider_crank")
-    train = train_at(design, 1.0)
-    moved = with_point_at(design, train, "B", place(train, "B") + 0.01 + 0.02j, 12)
-    assert place(train_at(moved, 1.0), "B") == pytest.approx(place(train, "B") + 0.01, abs=1e-12)
+    kinematics = kinematics_at(design, 1.0)
+    moved = with_point_at(design, kinematics, "B", place(kinematics, "B") + 0.01 + 0.02j, 12)
+    assert place(kinematics_at(moved, 1.0), "B") == pytest.approx(place(kinematics, "B") + 0.01, abs=1e-12)
     assert moved.drive.mechanism.sliders == design.drive.mechanism.sliders
 
 
 def test_what_is_no_joint_is_a_key_error() -> None:
     design = example("four_bar")
     with pytest.raises(KeyError):
-        with_point_at(design, train_at(design, 0.0), "Z", 0j)
+        with_point_at(design, kinematics_at(design, 0.0), "Z", 0j)
     with pytest.raises(KeyError):
-        move_joint(LIFT, train_at(LIFT, 0.0), "guide", 0j)
+        move_joint(LIFT, kinematics_at(LIFT, 0.0), "guide", 0j)
 
 
 def test_a_driver_that_slides_stays_where_the_motion_puts_it() -> None:
     design = example("cam_slider_linkage")
     assert "S" not in joints_of(design)
-    train = train_at(design, 0.0)
-    assert with_point_at(design, train, "S", 0j) is design
+    kinematics = kinematics_at(design, 0.0)
+    assert with_point_at(design, kinematics, "S", 0j) is design

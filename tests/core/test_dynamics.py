@@ -80,7 +80,7 @@ def computed(study: Study) -> dict[str, Any]:
 
 def check_forces(design: Design, theta: float) -> None:
     there = Study(design).at_theta(np.array([theta]))
-    way = int(there.motion.way[0])
+    way = int(there.motion.velocity_sign[0])
     names = NAMES["arm" in there.linkage.bodies]
 
     def reactions(design: Design, solved: Solved) -> list[object]:
@@ -310,7 +310,7 @@ def test_friction_adds_on_the_rise_and_helps_on_the_return(friction: float, rota
     """In-line follower with weightless parts: spring/(cos ψ - μ sin ψ) going up, spring/(cos ψ + μ sin ψ) coming down."""
     design = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=friction, follower_mass_kg=0.0)
     study = Study(with_shaft(design, rotation=rotation), 360)
-    psi, way = study.cam.flank.pressure_angle, study.motion.way
+    psi, way = study.cam.flank.pressure_angle, study.motion.velocity_sign
     force = 120.0 + 4e3 * study.motion.y[0]
     contact = force / (np.cos(psi) - friction * way * np.sin(psi))
     assert study.dynamics.contact == pytest.approx(contact, rel=128 * EPS)
@@ -322,7 +322,7 @@ def test_friction_adds_on_the_rise_and_helps_on_the_return(friction: float, rota
 @given(buildable())
 def test_friction_never_gives_power_and_rests_in_a_dwell(design: Design) -> None:
     study = Study(design, 180)
-    guide, way = study.dynamics.guide, study.motion.way
+    guide, way = study.dynamics.guide, study.motion.velocity_sign
     finite = np.isfinite(guide.normal)
     friction = design.drive.loads.friction
     assert (guide.friction[finite] * way[finite] <= 0.0).all()
@@ -338,7 +338,7 @@ def test_rounding_does_not_turn_friction_round_beside_a_dwell() -> None:
         inside = 1.0 if join in (35.0, 283.5) else -1.0
         angles = np.deg2rad(join + inside * np.array([1e-9, 1e-7, 1e-5, 1e-3]))
         there = study.at_theta(angles)
-        assert (there.motion.way == way).all()
+        assert (there.motion.velocity_sign == way).all()
         assert (np.sign(there.dynamics.guide.friction) == -way).all()
         beside = study.at_theta(np.deg2rad(join - inside * np.array([1e-9, 1e-5])))
         assert (beside.dynamics.guide.friction == 0.0).all()
@@ -401,7 +401,7 @@ def test_where_the_guide_jams_the_forces_are_infinite_and_no_motor_torque_exists
     """μ tan ψ passes 1 on the rise: there is no answer there, and there is one everywhere else."""
     design = with_loads(with_follower(PUSHER, offset_mm=0.0), friction=3.5, follower_mass_kg=0.0)
     study = Study(design, 720)
-    rises = study.motion.way > 0
+    rises = study.motion.velocity_sign > 0
     jams = rises & (3.5 * np.tan(study.cam.flank.pressure_angle) >= 1.0)
     assert jams.any()
     assert (np.isinf(study.dynamics.contact) == jams).all()
@@ -427,7 +427,7 @@ def test_a_rod_that_jams_its_slider_makes_every_force_on_its_way_infinite() -> N
     tau = 5.0 * np.abs(np.tan(study.linkage.coordinates["beta"][0]))
     assert lost.any()
     assert (tau[lost] >= 1.0).all()
-    assert (study.motion.way[lost] != 0.0).all()
+    assert (study.motion.velocity_sign[lost] != 0.0).all()
     worst = [f for f in study.findings() if f.code == "jamming"]
     assert worst[0].values["factor"] == pytest.approx(tau.max(), rel=1e-4)
 

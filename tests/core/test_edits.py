@@ -121,7 +121,7 @@ def test_a_dwell_has_no_rise() -> None:
 @given(st.data())
 def test_rises_always_come_back(data: st.DataObject) -> None:
     motion = data.draw(strategies.motions())
-    moving = [i for i, s in enumerate(motion.segments) if not LAWS[s.curve.law].still]
+    moving = [i for i, s in enumerate(motion.segments) if not LAWS[s.curve.law].is_dwell]
     assume(len(moving) > 1)
     changed = with_rise(motion, data.draw(st.sampled_from(moving)), data.draw(st.floats(-1e5, 1e5)))
     assert math.fsum(rises(changed)) == pytest.approx(0.0, abs=1e-9)

@@ -229,7 +229,7 @@ def test_the_largest_velocity_of_a_segment_is_the_root_of_the_acceleration(lette
     motion = LAYOUT_DESIGNS[letter].drive.motion
     study = Study(LAYOUT_DESIGNS[letter])
     pieces = np.flatnonzero(study.program.segment == segment)
-    way = study.program.way_of[pieces[0]]
+    way = study.program.velocity_signs[pieces[0]]
     begin, end = study.program.starts[pieces[0]], study.program.ends[pieces[-1]]
     grid = np.linspace(begin, end, 60)[1:-1]
     fastest = max(grid, key=lambda t: way * float(motion_series(motion, t, segment).derivative(1)))

@@ -18,19 +18,19 @@ from core.instant_centres import (
     line_of,
 )
 from core.instant_centres.linkage import CentreTable
-from core.mechanism import course_of, unit_speed_train
-from core.mechanism.kinematics import FRAME, Train
+from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism.kinematics import FRAME, Kinematics
 
 
-def at(design: Design, *angles: float) -> tuple[Train, CentreTable]:
-    train = unit_speed_train(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
-    return train, all_centres(train, SIZE)
+def at(design: Design, *angles: float) -> tuple[Kinematics, CentreTable]:
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism))
+    return kinematics, all_centres(kinematics, SIZE)
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_any_three_bodies_centres_lie_on_one_line(kind: str) -> None:
     for case in cases(kind, 3):
-        n = len(case.train.bodies)
+        n = len(case.kinematics.bodies)
         assert len(case.table.centres) == n * (n - 1) // 2
         assert collinearity(case.table).max() <= 1e-11, case.name
 
@@ -40,7 +40,7 @@ def test_two_bodies_have_one_velocity_at_their_centre(kind: str) -> None:
     """Where it is at infinity they turn alike, and its direction is across their relative velocity."""
     for case in cases(kind, 3):
         for (a, b), centre in case.table.centres.items():
-            one, other = case.train.bodies[a], case.train.bodies[b]
+            one, other = case.kinematics.bodies[a], case.kinematics.bodies[b]
             if centre.far(SIZE)[0]:
                 assert abs(one.angle[1, 0] - other.angle[1, 0]) <= 1e-9
                 across = (centre.point / np.abs(centre.point))[0]
@@ -57,7 +57,7 @@ def test_two_bodies_have_one_velocity_at_their_centre(kind: str) -> None:
 def test_ratios_by_centres_are_those_of_the_loop_equations(kind: str) -> None:
     told = 0
     for case in cases(kind):
-        bodies = case.train.bodies
+        bodies = case.kinematics.bodies
         for name in [name for name in bodies if name not in (FRAME, "link2")]:
             expected = bodies[name].angle[1, 0] / bodies["link2"].angle[1, 0]
             found = float(angular_ratio(case.table, name, "link2")[0])

@@ -15,7 +15,7 @@ from mechanisms import LIFT, PUSHER
 
 from core.mechanism import at_driver, course_of
 from core.numerics import lazy as keeping
-from core.numerics.lazy import WhenAsked, keep_freed_memory, locked
+from core.numerics.lazy import Lazy, keep_freed_memory, locked
 from core.study import Study
 
 CASES = [case((kind,), 0) for kind in KINDS]
@@ -24,8 +24,8 @@ CASES = [case((kind,), 0) for kind in KINDS]
 @dataclass(frozen=True)
 class Part:
     name: str
-    rows: WhenAsked[np.ndarray] = WhenAsked()
-    size: WhenAsked[int] = WhenAsked(lambda part: part.rows.size)
+    rows: Lazy[np.ndarray] = Lazy()
+    size: Lazy[int] = Lazy(lambda part: part.rows.size)
 
 
 def counted() -> tuple[list[int], Callable[[], np.ndarray]]:
@@ -86,19 +86,19 @@ def test_what_is_made_late_cannot_be_spoilt_either(design: object) -> None:
 
 def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:
     study = Study(LIFT, 24)
-    train, shape = study.linkage, study.cam
-    assert train.bodies["rod"].origin.made == train.bodies["rod"].turn.made == ()
-    assert not isinstance(vars(train)["residual"], np.ndarray)
+    kinematics, shape = study.linkage, study.cam
+    assert kinematics.bodies["rod"].origin.made == kinematics.bodies["rod"].turn.made == ()
+    assert not isinstance(vars(kinematics)["residual"], np.ndarray)
     _ = shape.flank.profile
     assert isinstance(vars(shape.flank)["profile"], np.ndarray)
     assert not isinstance(vars(shape.flank)["pitch_curvature"], np.ndarray)
-    assert train.follower.origin.made == (0, 1)
-    assert train.follower.turn.made == (1,)  # the roller is carried by its arm
+    assert kinematics.follower.origin.made == (0, 1)
+    assert kinematics.follower.turn.made == (1,)  # the roller is carried by its arm
     _ = shape.flank.profile_curvature
     assert isinstance(vars(shape.flank)["profile_curvature"], np.ndarray)
-    assert train.follower.origin.made == (0, 1, 2)
+    assert kinematics.follower.origin.made == (0, 1, 2)
     _ = shape.flank.pitch_curvature_slope
-    assert train.follower.origin.made == (0, 1, 2, 3)
+    assert kinematics.follower.origin.made == (0, 1, 2, 3)
 
 
 def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:

@@ -11,7 +11,7 @@ from references import EPS, LAW_SLUGS, LAW_TERMS, MP, law, law_joins
 
 from core.laws import ALIASES, LAWS, Acceleration, Law, find_law, integrate, scca
 
-MOVING = [slug for slug in LAW_SLUGS if not LAWS[slug].still]
+MOVING = [slug for slug in LAW_SLUGS if not LAWS[slug].is_dwell]
 
 # A value is reached over at most so many roundings of its terms: Horner's rule takes two for each of 7 powers, a sine
 # six (frequency, product, phase, sum, function, amplitude), and a coefficient of ``integrate`` comes of a dozen.

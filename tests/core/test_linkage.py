@@ -63,11 +63,11 @@ def everything(design: Design, there: Solved) -> list[object]:
 
 
 def computed(study: Study, there: Solved) -> list[complex]:
-    train = study.linkage
+    kinematics = study.linkage
     pins = {"arm_pin": "arm", "slider_pin": "slider", "pivot": "arm"}
     points = [complex(v) for name in there.points
-              for v in (train.bodies[pins[name]].point(name) if name in pins else train.follower.z)[:, 0]]  # fmt: skip
-    return points + [complex(v) for name in there.angles for v in train.coordinates[name][:, 0]]
+              for v in (kinematics.bodies[pins[name]].point(name) if name in pins else kinematics.follower.z)[:, 0]]  # fmt: skip
+    return points + [complex(v) for name in there.angles for v in kinematics.coordinates[name][:, 0]]
 
 
 def check_everything(design: Design, theta: float) -> None:
@@ -126,14 +126,14 @@ def test_roller_and_slider_stand_on_the_side_the_letter_says(letter: str) -> Non
         fixed_angle_deg=float(np.rad2deg(_alpha(pivot_x, cam, roller)) - 75.0),
     )  # fmt: skip
     design = with_drive(design, motion=levels(0.0, (180.0, 10.0, "cycloidal"), (180.0, 0.0, "cycloidal")))
-    train = Study(design, 8).linkage
-    roller_at = train.follower.z[0, 0]
+    kinematics = Study(design, 8).linkage
+    roller_at = kinematics.follower.z[0, 0]
     assert (roller_at.imag > 0.0) == (roller == "above")
-    assert (train.bodies["slider"].z[0, 0].real > train.bodies["rod"].z[0, 0].real) == (slider == "right")
-    assert (train.bodies["arm"].z[0, 0].real > 0.0) == (cam == "left")
+    assert (kinematics.bodies["slider"].z[0, 0].real > kinematics.bodies["rod"].z[0, 0].real) == (slider == "right")
+    assert (kinematics.bodies["arm"].z[0, 0].real > 0.0) == (cam == "left")
     assert abs(roller_at) == pytest.approx(float(reach_of(design)), rel=8 * EPS)
     # slider at y = 10 mm to the right of where it stood: + is to the right whichever side of the arm it is on
-    assert train.bodies["slider"].z[0, 4].real - train.bodies["slider"].z[0, 0].real == pytest.approx(0.010, rel=1e-13)
+    assert kinematics.bodies["slider"].z[0, 4].real - kinematics.bodies["slider"].z[0, 0].real == pytest.approx(0.010, rel=1e-13)
     row = LAYOUT_TABLE[letter]
     assert (row.cam_left, row.roller_above, row.slider_right) == (cam == "left", roller == "above", slider == "right")
 
@@ -159,7 +159,7 @@ def _mirror(z: np.ndarray) -> np.ndarray:
 def check_mirror(design: Design) -> None:
     here, there = Study(design, 24), Study(mirrored(design), 24)
     a, b = here.linkage, there.linkage
-    # either side keeps to the circles within the bound of the train; a derivative loses no more than (S/K)² of it
+    # either side keeps to the circles within the bound of the kinematics; a derivative loses no more than (S/K)² of it
     for name, body in a.bodies.items():
         scale = np.abs(body.z).max(axis=1, keepdims=True) + float(reach_of(design)) * np.array([[1.0], [1.0], [1.0], [1.0]])
         grow = EPS * ROUNDINGS * a.condition.max() ** np.array([[1.0], [2.0], [3.0], [4.0]])
@@ -186,7 +186,7 @@ def test_any_mirrored_design_moves_like_its_mirror_image(design: Design) -> None
 @pytest.mark.parametrize("angle", [10.0, -75.0, 90.0, 180.0])
 @pytest.mark.parametrize("letter", "adfg")
 def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -> None:
-    """Pivot, guide and layout's letter turned about the cam centre turn the whole train, and φ and β stay."""
+    """Pivot, guide and layout's letter turned about the cam centre turn the whole mechanism, and φ and β stay."""
     design = LAYOUT_DESIGNS[letter]
     g, by = design.drive.mechanism, np.exp(1j * math.radians(angle))
     pivot = complex(g.pivot_x_mm, g.pivot_y_mm) * by
@@ -212,9 +212,9 @@ def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -
 @given(cam_sliders())
 @example(LIFT)
 def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
-    train = Study(design, 360).linkage
+    kinematics = Study(design, 360).linkage
     g = design.drive.mechanism
-    arm, rod, slider = (train.bodies[name] for name in ("arm", "rod", "slider"))
+    arm, rod, slider = (kinematics.bodies[name] for name in ("arm", "rod", "slider"))
     size = (g.slider_arm_mm + g.rod_mm + abs(g.guide_height_mm)) * 1e-3
     closure = np.abs(rod.point("slider_pin") - slider.z)
     assert closure[0].max() <= 1e-13 * size
@@ -222,9 +222,9 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
     by_angles = arm.z[0] + g.slider_arm_mm * 1e-3 * np.exp(1j * arm.angle[0]) + g.rod_mm * 1e-3 * np.exp(1j * rod.angle[0])
     missed = np.abs(by_angles - slider.z[0])
     assert missed.max() <= 1e-13 * size
-    assert train.residual.max() <= EPS * train.condition.max()
+    assert kinematics.residual.max() <= EPS * kinematics.condition.max()
     # velocities and accelerations close too: each order divides by the sine once more than its velocities
-    grow = EPS * ROUNDINGS * train.condition.max() ** np.array([2.0, 3.0, 4.0])
+    grow = EPS * ROUNDINGS * kinematics.condition.max() ** np.array([2.0, 3.0, 4.0])
     parts = [np.abs(p[1:]).max(axis=1) for p in (rod.z, slider.z, rod.point("slider_pin"))]
     assert (closure[1:].max(axis=1) <= grow * np.maximum.reduce(parts)).all()
     # the arm's pin keeps to its side of the line from pivot to slider pin
@@ -232,9 +232,9 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
     assert np.unique(side).size == 1
     assert side[0] == (1.0 if np.angle((rod.z[0, 0] - arm.z[0, 0]) / (slider.z[0, 0] - arm.z[0, 0])) > 0 else -1.0)
     # and both ends of the arm, roller and pin, are on one body, whose drawing has them there
-    for name, place in (("roller", train.follower.z), ("arm_pin", rod.z)):
+    for name, place in (("roller", kinematics.follower.z), ("arm_pin", rod.z)):
         assert np.abs(arm.point(name)[0] - place[0]).max() <= 16 * EPS * (np.abs(place[0]) + np.abs(arm.z[0])).max()
-    span = (train.follower.z[0] - arm.z[0]) / (rod.z[0] - arm.z[0])
+    span = (kinematics.follower.z[0] - arm.z[0]) / (rod.z[0] - arm.z[0])
     turn = np.exp(1j * math.radians(g.fixed_angle_deg)) * g.roller_arm_mm / g.slider_arm_mm
     assert np.abs(span - turn).max() <= 16 * EPS * abs(turn) * (1.0 + abs(math.radians(g.fixed_angle_deg)) + 4 * math.pi)
 
@@ -242,23 +242,23 @@ def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
 def test_angles_do_not_wrap_within_the_cycle() -> None:
     """The lift's rod angle passes -180 degrees by 4e-5; whole turns are those of the base position."""
     for design in (LIFT, *LAYOUT_DESIGNS.values()):
-        train = Study(design, 720).linkage
+        kinematics = Study(design, 720).linkage
         for name in ("phi", "beta"):
-            angle = train.coordinates[name]
+            angle = kinematics.coordinates[name]
             step = 1.5 * (2 * math.pi / 720) * np.abs(angle[1]).max() + 1e-12
             assert np.abs(np.diff(angle[0])).max() <= step
-            assert abs(angle[0, 0] - train.base[name][0]) < 1.0
+            assert abs(angle[0, 0] - kinematics.base[name][0]) < 1.0
 
 
 @pytest.mark.parametrize("name", DESIGNS)
 def test_every_body_points_where_its_angle_says(name: str) -> None:
     """The vectors of the triangle and the angles in tables are one and the same direction, seen from its own point."""
-    train = Study(DESIGNS[name], 24).linkage
+    kinematics = Study(DESIGNS[name], 24).linkage
     for body, ends in {"arm": ("pivot", "arm_pin"), "rod": ("arm_pin", "slider_pin"), "roller": (), "slider": ()}.items():
-        if body not in train.bodies:
+        if body not in kinematics.bodies:
             continue
-        pose = train.bodies[body]
-        assert pose.unit == pytest.approx(np.exp(1j * pose.angle[0]), abs=EPS * ROUNDINGS * train.condition.max())
+        pose = kinematics.bodies[body]
+        assert pose.unit == pytest.approx(np.exp(1j * pose.angle[0]), abs=EPS * ROUNDINGS * kinematics.condition.max())
         if ends:
             here, there = (pose.point(end)[0] for end in ends)
             assert (there - here) / abs(there - here) == pytest.approx(pose.unit, abs=8 * EPS)
@@ -266,8 +266,8 @@ def test_every_body_points_where_its_angle_says(name: str) -> None:
             for k in range(4):
                 assert pose.derivative(local, k) == pytest.approx(pose.point(point)[k], rel=4 * EPS, abs=1e-300)
             assert pose.place(point).tolist() == pose.derivative(local, 0).tolist()
-    if "roller" in train.bodies:
-        assert (train.bodies["roller"].angle == train.bodies["arm"].angle).all()  # fixed to the arm
+    if "roller" in kinematics.bodies:
+        assert (kinematics.bodies["roller"].angle == kinematics.bodies["arm"].angle).all()  # fixed to the arm
 
 
 # -- the triangle -----------------------------------------------------------------------------------------
@@ -497,9 +497,9 @@ def test_a_translating_follower_stands_on_its_guide_at_its_distance(design: Desi
     assert off(complex(z[0]), start + float(y[0]) * guide) <= bound
     for k in range(1, 4):
         assert off(complex(z[k]), float(y[k]) * guide) <= EPS * (4 + math.pi) * abs(y[k])
-    train = study.linkage
-    assert train.base["follower"][0] == pytest.approx(float((start * MP.conj(guide)).real), abs=bound)
-    assert complex(train.travel[0]) == pytest.approx(complex(guide), abs=4 * EPS)
+    kinematics = study.linkage
+    assert kinematics.base["follower"][0] == pytest.approx(float((start * MP.conj(guide)).real), abs=bound)
+    assert complex(kinematics.travel[0]) == pytest.approx(complex(guide), abs=4 * EPS)
 
 
 @pytest.mark.parametrize(("offset", "fits"), [(49.999, True), (50.0, False), (-49.999, True), (-50.1, False)])

@@ -83,9 +83,9 @@ def test_a_pole_far_away_is_as_certain_as_its_lines(
     residual = study.certificate(("cam",))["instant_centre"]
     assert residual.kept
     assert residual.bound < 1e-6
-    doubt = np.asarray(study.cam.centre.doubt)
-    assert doubt.min() >= 1.0
-    assert float(np.median(doubt)) < 300.0
+    error_bound = np.asarray(study.cam.centre.error_bound)
+    assert error_bound.min() >= 1.0
+    assert float(np.median(error_bound)) < 300.0
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,8 @@ from linkages import INSIDE_OUT, SLIDING_GROUP, assemblies, four_bar, jacobian, 
 
 from core.design import Design, Drive, Driver, LinkageLoads, LinkForce, LinkMass, Motion, Named, Segment, with_drive
 from core.dynamics import link_loading, momentum_residual, newton_euler, power_residual
-from core.mechanism import body_name, course_of, unit_speed_train
-from core.mechanism.kinematics import FRAME, REVOLUTE, Train
+from core.mechanism import body_name, course_of, unit_speed_kinematics
+from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.project import load
 from core.study import Study
 
@@ -42,15 +42,15 @@ def loaded(design: Design, seed: int) -> Design:
     return with_drive(design, loads=LinkageLoads(masses=masses, forces=forces, gravity_angle_deg=-70.0))
 
 
-def multipliers(design: Design, train: Train, q: float) -> np.ndarray:
+def multipliers(design: Design, kinematics: Kinematics, q: float) -> np.ndarray:
     """λ of J'λ = -Q, lengths in mm: the loop equations' own reactions, the driver's row last."""
     numbers = sorted(n for n in design.drive.mechanism.by_number if n != 1)
-    poses = [train.bodies[body_name(n)] for n in numbers]
+    poses = [kinematics.bodies[body_name(n)] for n in numbers]
     x = np.array([v for p in poses for v in (p.x[0, 0] * 1e3, p.y[0, 0] * 1e3, p.angle[0, 0])])
     load_on = np.zeros(x.size)
     gravity = 9.80665 * complex(math.cos(math.radians(-70.0)), math.sin(math.radians(-70.0)))
     for mass in design.drive.loads.masses:
-        i, pose = numbers.index(mass.link), train.bodies[body_name(mass.link)]
+        i, pose = numbers.index(mass.link), kinematics.bodies[body_name(mass.link)]
         arm = complex(mass.centre_x_mm, mass.centre_y_mm) * np.exp(1j * pose.angle[0, 0])
         spin = pose.angle[:, 0] * OMEGA ** np.arange(4)
         acceleration = pose.z[2, 0] * OMEGA**2 + (1j * spin[2] - spin[1] ** 2) * arm * 1e-3
@@ -58,16 +58,16 @@ def multipliers(design: Design, train: Train, q: float) -> np.ndarray:
         moment = (arm.conjugate() * force).imag - mass.inertia_kg_m2 * spin[2] * 1e3
         load_on[3 * i : 3 * i + 3] += (force.real, force.imag, moment)
     for each in design.drive.loads.forces:
-        i, pose = numbers.index(each.link), train.bodies[body_name(each.link)]
+        i, pose = numbers.index(each.link), kinematics.bodies[body_name(each.link)]
         arm = (pose.point(each.point)[0, 0] - pose.z[0, 0]) * 1e3
         force = complex(each.x_n, each.y_n)
         load_on[3 * i : 3 * i + 3] += (force.real, force.imag, (arm.conjugate() * force).imag + each.torque_nm * 1e3)
     return np.linalg.solve(jacobian(design, q, x).T, -load_on)
 
 
-def check_against_multipliers(design: Design, train: Train, q: float, bound: float) -> None:
-    forces = newton_euler(train, None, link_loading(design.drive.loads, body_name), OMEGA)
-    found = multipliers(design, train, q)
+def check_against_multipliers(design: Design, kinematics: Kinematics, q: float, bound: float) -> None:
+    forces = newton_euler(kinematics, None, link_loading(design.drive.loads, body_name), OMEGA)
+    found = multipliers(design, kinematics, q)
     scale = np.abs(found).max()
     row = 0
     where: dict[str, list[int]] = {}
@@ -76,15 +76,15 @@ def check_against_multipliers(design: Design, train: Train, q: float, bound: flo
             where.setdefault(place.name, []).append(link.number)
     for name, links in where.items():
         for one, other in pairwise(links):
-            pair = train.pairs[name]
+            pair = kinematics.pairs[name]
             sign = 1.0 if pair.body == body_name(other) else -1.0
             assert {pair.on, pair.body} == {body_name(one), body_name(other)}
             force = sign * complex(found[row], found[row + 1])
             assert abs(forces.pairs[name][0] - force) <= bound * scale, name
             row += 2
     for slider in design.drive.mechanism.sliders:
-        pair = train.pairs[str(slider.link)]
-        line = train.bodies[body_name(slider.link)]
+        pair = kinematics.pairs[str(slider.link)]
+        line = kinematics.bodies[body_name(slider.link)]
         sign = 1.0 if pair.body == body_name(slider.link) else -1.0
         normal = 1j * np.exp(1j * line.angle[0, 0]) * found[row]
         assert abs(forces.pairs[str(slider.link)][0] - sign * normal) <= bound * scale
@@ -99,8 +99,8 @@ def check_against_multipliers(design: Design, train: Train, q: float, bound: flo
 def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    train = unit_speed_train(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
-    check_against_multipliers(design, train, q, 1e-10)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
+    check_against_multipliers(design, kinematics, q, 1e-10)
 
 
 @pytest.mark.parametrize("design", [INSIDE_OUT, SLIDING_GROUP], ids=lambda design: design.name)
@@ -108,7 +108,7 @@ def test_a_groups_reactions_too(design: Design) -> None:
     design = loaded(design, 1)
     course = course_of(design.drive.mechanism)
     for q in np.linspace(course.ranges[0].low + 0.3, course.ranges[0].high - 0.3, 4):
-        check_against_multipliers(design, unit_speed_train(design.drive.mechanism, np.array([q]), course), float(q), 1e-9)
+        check_against_multipliers(design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course), float(q), 1e-9)
 
 
 @settings(max_examples=25, derandomize=True, database=None)
@@ -116,23 +116,23 @@ def test_a_groups_reactions_too(design: Design) -> None:
 def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
     design = loaded(design, seed)
-    train = unit_speed_train(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
     loading = link_loading(design.drive.loads, body_name)
-    forces = newton_euler(train, None, loading, -OMEGA)
-    assert power_residual(train, None, forces, loading).max() <= 1e-11
-    assert momentum_residual(train, None, forces, loading).max() <= 1e-11
+    forces = newton_euler(kinematics, None, loading, -OMEGA)
+    assert power_residual(kinematics, None, forces, loading).max() <= 1e-11
+    assert momentum_residual(kinematics, None, forces, loading).max() <= 1e-11
 
 
 def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
     design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
-    train = unit_speed_train(design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism))
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism))
     loading = link_loading(design.drive.loads, body_name)
-    forces = newton_euler(train, None, loading, OMEGA)
+    forces = newton_euler(kinematics, None, loading, OMEGA)
     wrong = replace(forces, driver=forces.driver * 1.001)
-    assert power_residual(train, None, wrong, loading).max() > 1e-5
+    assert power_residual(kinematics, None, wrong, loading).max() > 1e-5
     pins = {**forces.pairs, "O4": forces.pairs["O4"] + 0.1}
-    assert momentum_residual(train, None, replace(forces, pairs=pins), loading).max() > 1e-5
-    assert power_residual(train, None, replace(forces, pairs=pins), loading).max() < 1e-12, "which power cannot see"
+    assert momentum_residual(kinematics, None, replace(forces, pairs=pins), loading).max() > 1e-5
+    assert power_residual(kinematics, None, replace(forces, pairs=pins), loading).max() < 1e-12, "which power cannot see"
 
 
 def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
@@ -140,10 +140,10 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
     crank, rod, push = 40.0, 140.0, 300.0
     design = slider_crank(crank, rod)
     loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
-    train = unit_speed_train(design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism))
-    forces = newton_euler(train, None, link_loading(loads, body_name), 1e-9)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism))
+    forces = newton_euler(kinematics, None, link_loading(loads, body_name), 1e-9)
     slope = crank / math.sqrt(rod**2 - crank**2)
-    assert train.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
+    assert kinematics.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
     assert forces.driver[0] == pytest.approx(-push * crank * 1e-3, rel=1e-14)
     assert abs(forces.pairs["4"][0]) == pytest.approx(push * slope, rel=1e-13)
     assert abs(forces.pairs["B"][0]) == pytest.approx(push * math.hypot(1.0, slope), rel=1e-13)
@@ -164,15 +164,15 @@ def test_the_cam_takes_the_place_of_the_driver() -> None:
     design = coupler_cam()
     study = Study(design, 360)
     assert study.design.drive.is_linkage
-    forces, train = study.dynamics, study.linkage
+    forces, kinematics = study.dynamics, study.linkage
     assert np.abs(forces.driver).max() == 0.0
-    alone = newton_euler(train, None, study.loading, study.omega)
-    driver = alone.driver * train.motion.y[1]
+    alone = newton_euler(kinematics, None, study.loading, study.omega)
+    driver = alone.driver * kinematics.motion.y[1]
     assert np.abs(driver - forces.torque).max() <= 1e-12 * np.abs(forces.torque).max()
     for name in ("power_balance", "momentum_balance"):
         residual = study.certificate()[name]
         assert residual.value <= residual.bound <= 1e-10
-    dwell = train.motion.y[1] == 0.0
+    dwell = kinematics.motion.y[1] == 0.0
     assert (forces.contact[dwell] > 100.0).all(), "known in a dwell too, where nothing moves"
 
 

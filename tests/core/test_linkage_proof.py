@@ -12,8 +12,8 @@ from references import EPS, MP
 
 from core.design import Design, Drive, Driver, Linkage, LinkageLoads, LinkForce, Slider, with_drive
 from core.instant_centres import all_centres, mechanical_advantage
-from core.mechanism import course_of, unit_speed_train
-from core.mechanism.conditioning import doubts
+from core.mechanism import course_of, unit_speed_kinematics
+from core.mechanism.conditioning import error_bounds
 from core.mechanism.solving import at_driver
 from core.project import load
 from core.study import Study, quantity
@@ -38,11 +38,11 @@ def test_a_branch_is_kept_by_continuity(kind: str) -> None:
         room = 0.02 * (here.high - here.low)
         angles = np.linspace(here.low + room, here.high - room, 1201)
         step = angles[1] - angles[0]
-        train = unit_speed_train(case.design.drive.mechanism, angles, case.course)
-        shut = np.flatnonzero(np.min(list(train.singular.values()), axis=0) < 0.02)
+        kinematics = unit_speed_kinematics(case.design.drive.mechanism, angles, case.course)
+        shut = np.flatnonzero(np.min(list(kinematics.singular.values()), axis=0) < 0.02)
         at = int(np.searchsorted(angles, case.q))
         low, high = max((i for i in shut if i < at), default=-1) + 1, min((i for i in shut if i >= at), default=angles.size)
-        for pose in train.bodies.values():
+        for pose in kinematics.bodies.values():
             z, v, a = pose.z[:3, low:high]
             if z.size < 2:
                 continue
@@ -58,9 +58,9 @@ def test_the_stated_doubt_counts_the_rods_themselves(design: Design) -> None:
     """A rod of many metres on a short crank: what rounding leaves of them is told by their own size, not by that of the crank."""
     course = course_of(design.drive.mechanism)
     angles = np.linspace(0.1, 6.1, 8)
-    train = unit_speed_train(design.drive.mechanism, angles, course)
-    stated = doubts(course.plan, course.solve(at_driver(angles)))
-    x = coordinates(train)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
+    stated = error_bounds(course.plan, course.solve(at_driver(angles)))
+    x = coordinates(kinematics)
     for i, q in enumerate(angles):
         exact = in_digits(design, float(q), x[:, i])
         for k, n in enumerate((2, 3, 4)):
@@ -101,7 +101,7 @@ def test_near_a_toggle_the_advantage_grows_without_limit() -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
     toggle = math.acos((100.0**2 + 120.0**2 - 70.0**2) / (2.0 * 100.0 * 120.0))
     angles = toggle + np.array([1e-2, 1e-4, 1e-6])
-    table = all_centres(unit_speed_train(design.drive.mechanism, angles, course_of(design.drive.mechanism)), SIZE)
+    table = all_centres(unit_speed_kinematics(design.drive.mechanism, angles, course_of(design.drive.mechanism)), SIZE)
     grown = np.abs(mechanical_advantage(table, "link4", "link2"))
     assert list(grown[1:] / grown[:-1]) == pytest.approx([100.0, 100.0], rel=0.05)
 

@@ -290,13 +290,13 @@ def test_a_cam_under_a_coupler_moves_its_four_bar(speed: float) -> None:
     followed link is where its motion says."""
     design = put(example("four_bar_coupler_cam"), "linkage.driver.speed_rpm", speed)
     study = study_of(design, 1440)
-    train, flank = study.linkage, study.cam.flank
-    roller = train.bodies["link3"].point("C")[0]
-    assert np.abs(roller - train.follower.z[0]).max() == 0.0
+    kinematics, flank = study.linkage, study.cam.flank
+    roller = kinematics.bodies["link3"].point("C")[0]
+    assert np.abs(roller - kinematics.follower.z[0]).max() == 0.0
     for i in range(0, 1440, 90):
         turned = flank.profile * np.exp(1j * math.copysign(1.0, speed) * study.theta[i])
         assert np.abs(turned - roller[i]).min() == pytest.approx(0.015, rel=1e-6)
-    assert np.abs(train.bodies["link4"].angle[0] - study.motion.y[0]).max() < 1e-15
+    assert np.abs(kinematics.bodies["link4"].angle[0] - study.motion.y[0]).max() < 1e-15
     assert study.certificate(("cam",))["instant_centre"].value < 1e-13
     columns = table(files(study)["profile.csv"])
     assert {"cam_angle_deg", "x_mm", "y_mm", "pitch_x_mm", "pressure_angle_deg", "radius_mm"} <= set(columns)
@@ -305,9 +305,9 @@ def test_a_cam_under_a_coupler_moves_its_four_bar(speed: float) -> None:
 
 def test_the_pressure_angle_is_against_the_rollers_way_also_in_a_dwell() -> None:
     study = study_of(example("four_bar_coupler_cam"), 360)
-    train, flank = study.linkage, study.cam.flank
-    moving = np.abs(train.follower.z[1]) > 1e-9
-    way = train.follower.z[1][moving] / np.abs(train.follower.z[1][moving])
+    kinematics, flank = study.linkage, study.cam.flank
+    moving = np.abs(kinematics.follower.z[1]) > 1e-9
+    way = kinematics.follower.z[1][moving] / np.abs(kinematics.follower.z[1][moving])
     angle = np.arccos(np.minimum(1.0, np.abs((flank.normal[moving] * way.conjugate()).real)))
     assert np.abs(angle - flank.pressure_angle[moving]).max() < 1e-7
     assert np.isfinite(flank.pressure_angle).all()

@@ -29,11 +29,11 @@ from references import EPS, MP
 from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Slider, put, with_drive
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
-from core.mechanism import CrankProgram, body_name, course_of, linkage_train, plan_of, unit_speed_train
-from core.mechanism.conditioning import doubts
+from core.mechanism import CrankProgram, body_name, course_of, linkage_kinematics, plan_of, unit_speed_kinematics
+from core.mechanism.conditioning import error_bounds
 from core.mechanism.dragging import other_side
 from core.mechanism.grashof import four_bar as four_bar_of
-from core.mechanism.kinematics import FRAME, Train
+from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.solving import at_driver
 from core.numerics.derivatives import Derivatives
 
@@ -41,10 +41,10 @@ TURN = 2.0 * math.pi
 DEG = math.pi / 180.0
 
 
-def train_at(design: Design, *angles: float) -> Train:
+def kinematics_at(design: Design, *angles: float) -> Kinematics:
     """The linkage at driver positions [rad or m], derivatives by the driver's coordinate."""
     ends = () if design.drive.mechanism.driver.kind == CRANK else (min(angles) - 1e-3, max(angles) + 1e-3)
-    return unit_speed_train(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism, *ends))
+    return unit_speed_kinematics(design.drive.mechanism, np.array(angles), course_of(design.drive.mechanism, *ends))
 
 
 # -- the structure ----------------------------------------------------------------------------------------
@@ -83,12 +83,12 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
     )
     design = Design("compound pin", None, (Drive(None, Linkage(links, (), Driver(2), sides(B=1, D=1)), None, LinkageLoads()),))
     assert mobility(design.drive.mechanism) == 1
-    train = train_at(design, *np.linspace(0.0, 6.0, 50))
-    b = [train.bodies[body_name(n)].point("B")[0] for n in (3, 4, 5)]
+    kinematics = kinematics_at(design, *np.linspace(0.0, 6.0, 50))
+    b = [kinematics.bodies[body_name(n)].point("B")[0] for n in (3, 4, 5)]
     assert np.abs(b[0] - b[1]).max() < 1e-16
     assert np.abs(b[2] - b[1]).max() < 1e-16
-    assert {pair.point for pair in train.pairs.values()} == {"O2", "A", "B", "O4", "D", "O6"}
-    assert len(train.pairs) == 7
+    assert {pair.point for pair in kinematics.pairs.values()} == {"O2", "A", "B", "O4", "D", "O6"}
+    assert len(kinematics.pairs) == 7
 
 
 # -- positions and derivatives ----------------------------------------------------------------------------
@@ -97,7 +97,7 @@ def test_three_links_on_one_pin_are_two_pairs() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_any_linkage_closes_and_stands_where_it_was_drawn(kind: str) -> None:
     for case in cases(kind):
-        assert case.train.residual.max() <= 1e-13, case.name
+        assert case.kinematics.residual.max() <= 1e-13, case.name
         miss = np.array(closure(case.design, case.q, list(case.x), plain_turn), dtype=float)
         assert np.abs(miss).max() <= 1e-11, case.name  # [mm], lengths of some hundred
 
@@ -105,7 +105,7 @@ def test_any_linkage_closes_and_stands_where_it_was_drawn(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_velocities_are_complex_step_derivatives(kind: str) -> None:
     for case in cases(kind):
-        x, rates = case.x, coordinates(case.train, 1)[:, 0]
+        x, rates = case.x, coordinates(case.kinematics, 1)[:, 0]
         expected = complex_step(case.design, case.q, x)
         scale = np.where(np.arange(x.size) % 3 == 2, 1.0, 100.0) + np.abs(expected).max()
         assert np.abs((rates - expected) / scale).max() <= 1e-12, case.name
@@ -133,15 +133,15 @@ def test_a_group_is_solved_like_the_others(design: Design) -> None:
     course = course_of(design.drive.mechanism)
     only = course.ranges[0]
     angles = np.linspace(only.low + 0.05, only.high - 0.05, 40)
-    train = unit_speed_train(design.drive.mechanism, angles, course)
-    assert train.residual.max() <= 1e-13
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
+    assert kinematics.residual.max() <= 1e-13
     for i in (0, 17, 39):
-        x, rates = coordinates(train)[:, i], coordinates(train, 1)[:, i]
+        x, rates = coordinates(kinematics)[:, i], coordinates(kinematics, 1)[:, i]
         expected = complex_step(design, float(angles[i]), x)
         assert np.abs(rates - expected).max() <= 1e-11 * np.abs(expected).max()
-    exact = in_series(design, float(angles[17]), coordinates(train)[:, 17])
+    exact = in_series(design, float(angles[17]), coordinates(kinematics)[:, 17])
     for order in (2, 3):
-        rates = coordinates(train, order)[:, 17]
+        rates = coordinates(kinematics, order)[:, 17]
         size = max(abs(float(row[order])) for row in exact)
         assert max(abs(float(row[order]) - value) for row, value in zip(exact, rates, strict=True)) <= 1e-10 * size
 
@@ -151,32 +151,32 @@ def test_a_group_goes_on_smoothly_and_ends_before_its_dead_centres() -> None:
     (only,) = course.ranges
     assert (only.low_joint, only.high_joint) == ("2-3-4-5", "2-3-4-5")
     angles = np.linspace(only.low, only.high, 4001)[1:-1]
-    train = unit_speed_train(INSIDE_OUT.drive.mechanism, angles, course)
-    for name, pose in train.bodies.items():
+    kinematics = unit_speed_kinematics(INSIDE_OUT.drive.mechanism, angles, course)
+    for name, pose in kinematics.bodies.items():
         steps = np.abs(np.diff(pose.angle[0])) - np.abs(pose.angle[1, :-1]) * np.diff(angles)
         assert steps.max() < 0.2, name
 
 
-def started(side: int) -> tuple[Train, np.ndarray]:
+def started(side: int) -> tuple[Kinematics, np.ndarray]:
     """The group begun with A on this side, at the driver angles tried that lie in its range."""
     linkage = replace(INSIDE_OUT.drive.mechanism, branch=sides(A=side))
     (only,) = course_of(linkage).ranges
     tried = np.linspace(0.0, TURN, 25)[:-1]
     inside = tried[(tried > only.low) & (tried < only.high)]
-    return unit_speed_train(linkage, inside, course_of(linkage)), inside
+    return unit_speed_kinematics(linkage, inside, course_of(linkage)), inside
 
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_the_stated_side_chooses_where_a_group_starts(side: int) -> None:
     """A left or right of the line from O2 to B, at the first driver angle tried that has such an assembly."""
-    train, _ = started(side)
-    o, a, b = (train.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
+    kinematics, _ = started(side)
+    o, a, b = (kinematics.bodies["link3" if name == "B" else "link2"].point(name)[0] for name in ("O2", "A", "B"))
     assert side in np.sign(((b - o).conjugate() * (a - o)).imag)
-    assert train.residual.max() < 1e-13
+    assert kinematics.residual.max() < 1e-13
 
 
 def test_the_two_sides_of_a_group_are_two_assemblies() -> None:
-    one, other = (dict(zip(at, train.bodies["link2"].angle[0], strict=True)) for train, at in (started(1), started(-1)))
+    one, other = (dict(zip(at, kinematics.bodies["link2"].angle[0], strict=True)) for kinematics, at in (started(1), started(-1)))
     both = one.keys() & other.keys()
     assert both
     assert max(abs(one[at] - other[at]) for at in both) > 0.1
@@ -192,15 +192,15 @@ def test_a_side_on_which_a_group_never_stands_has_no_range(side: int, stands: bo
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_plus_one_is_left_of_the_line_between_the_known_ends(side: int) -> None:
-    train = train_at(four_bar(100.0, 30.0, 90.0, 70.0, side), *np.linspace(0.0, 6.2, 30))
-    a, b = train.bodies["link3"].point("A")[0], train.bodies["link3"].point("B")[0]
+    kinematics = kinematics_at(four_bar(100.0, 30.0, 90.0, 70.0, side), *np.linspace(0.0, 6.2, 30))
+    a, b = kinematics.bodies["link3"].point("A")[0], kinematics.bodies["link3"].point("B")[0]
     assert (np.sign(((0.1 - a).conjugate() * (b - a)).imag) == side).all()
 
 
 @pytest.mark.parametrize("side", [1, -1])
 def test_plus_one_of_a_guide_is_forward_along_it(side: int) -> None:
-    train = train_at(slider_crank(40.0, 140.0, 10.0, side), *np.linspace(0.0, 6.2, 30))
-    a, b = train.bodies["link3"].point("A")[0], train.bodies["link4"].point("B")[0]
+    kinematics = kinematics_at(slider_crank(40.0, 140.0, 10.0, side), *np.linspace(0.0, 6.2, 30))
+    a, b = kinematics.bodies["link3"].point("A")[0], kinematics.bodies["link4"].point("B")[0]
     assert (np.sign(b.real - a.real) == side).all()
     assert np.abs(b.imag - 0.01).max() < 1e-17
 
@@ -215,9 +215,9 @@ def test_plus_one_of_a_sliding_link_has_its_pin_ahead(side: int) -> None:
     )
     design = Design("inverted", None, (Drive(None, Linkage(links, (Slider(link=3, on=4),), Driver(2), sides()), None, LinkageLoads()),))
     linkage = replace(design.drive.mechanism, branch=(*sides(), *(replace(s, joint="3") for s in sides(B=side))))
-    train = unit_speed_train(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
-    arm = train.bodies["link4"]
-    along = (train.bodies["link3"].point("A")[0] - arm.point("O4")[0]) / np.exp(1j * arm.angle[0])
+    kinematics = unit_speed_kinematics(linkage, np.linspace(0.0, 6.2, 30), course_of(linkage))
+    arm = kinematics.bodies["link4"]
+    along = (kinematics.bodies["link3"].point("A")[0] - arm.point("O4")[0]) / np.exp(1j * arm.angle[0])
     assert np.abs(along.imag).max() < 1e-16
     assert (np.sign(along.real) == side).all()
 
@@ -233,7 +233,7 @@ def test_a_slider_may_be_said_from_either_side() -> None:
     one = Linkage(links, (Slider(link=3, on=4),), Driver(2))
     other = Linkage(links, (Slider(link=4, on=3),), Driver(2), tuple(replace(s, joint="4") for s in sides(B=-1)))
     angles = np.linspace(0.0, 6.2, 30)
-    arms = [unit_speed_train(each, angles, course_of(each)).bodies["link4"] for each in (one, other)]
+    arms = [unit_speed_kinematics(each, angles, course_of(each)).bodies["link4"] for each in (one, other)]
     assert np.abs(arms[0].angle - arms[1].angle).max() < 1e-13
 
 
@@ -308,7 +308,7 @@ def test_a_four_bar_turns_where_grashof_says_so(
 def test_outside_its_ranges_a_linkage_says_where_it_can_stand() -> None:
     design = four_bar(100.0, 80.0, 60.0, 70.0)
     with pytest.raises(NoPosition) as caught:
-        train_at(design, math.pi)
+        kinematics_at(design, math.pi)
     told = str(caught.value)
     assert "links 3 and 4 do not meet at B at driver angle 180 deg" in told
     assert f"0...{math.degrees(exact_limit(100.0, 80.0, 60.0, 70.0)):.6g}" in told
@@ -343,10 +343,10 @@ def test_near_a_dead_centre_errors_stay_below_condition_times_four_eps(away: flo
     design = four_bar(100.0, 80.0, 60.0, 70.0, side)
     end = course_of(design.drive.mechanism).ranges[0].high
     for q in (end - away, end - 0.37 * away):
-        train = train_at(design, q)
+        kinematics = kinematics_at(design, q)
         coupler, rocker, condition = exact_four_bar(design, q, side)
         for name, exact in (("link3", coupler), ("link4", rocker)):
-            error = abs(float(MP.mpf(float(train.bodies[name].angle[0, 0])) - exact))
+            error = abs(float(MP.mpf(float(kinematics.bodies[name].angle[0, 0])) - exact))
             error = min(error, abs(error - TURN))
             assert error <= 4.0 * EPS * condition
 
@@ -360,12 +360,12 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
     q = end - away
     pin = 60 * MP.expj(MP.mpf(q))
     run = MP.sqrt(45**2 - pin.imag**2)
-    train = train_at(design, q)
+    kinematics = kinematics_at(design, q)
     exact = MP.arg(MP.mpc(run, -pin.imag))
     condition = float(1 + (45 + 60 + abs(pin)) / run)
-    assert abs(float(MP.mpf(float(train.bodies["link3"].angle[0, 0])) - exact)) <= 4.0 * EPS * condition
+    assert abs(float(MP.mpf(float(kinematics.bodies["link3"].angle[0, 0])) - exact)) <= 4.0 * EPS * condition
     assert (
-        abs(float(MP.mpf(float(train.bodies["link4"].x[0, 0])) * 1000 - pin.real - run)) <= 4.0 * EPS * 60.0 * condition
+        abs(float(MP.mpf(float(kinematics.bodies["link4"].x[0, 0])) * 1000 - pin.real - run)) <= 4.0 * EPS * 60.0 * condition
     )
 
 
@@ -373,9 +373,9 @@ def test_near_a_dead_centre_a_slider_keeps_its_digits(away: float) -> None:
 def test_the_stated_condition_bounds_the_error(kind: str) -> None:
     for case in cases(kind):
         exact = in_digits(case.design, case.q, case.x)
-        bound = doubts(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
+        bound = error_bounds(case.course.plan, case.course.solve(at_driver(np.array([case.q]))))
         for i, n in enumerate(sorted(n for n in case.design.drive.mechanism.by_number if n != 1)):
-            pose = case.train.bodies[body_name(n)]
+            pose = case.kinematics.bodies[body_name(n)]
             off = [float(MP.mpf(float(v)) - exact[3 * i + k] * s) for k, (v, s) in enumerate(
                 ((pose.x[0, 0], MP.mpf("0.001")), (pose.y[0, 0], MP.mpf("0.001")), (pose.angle[0, 0], 1))
             )]  # fmt: skip
@@ -394,19 +394,19 @@ def test_a_parallelogram_stays_one_through_its_change_points() -> None:
     assert [c.at for c in course.changes] == pytest.approx([0.0, math.pi], abs=1e-7)
     assert [r.free for r in course.ranges] == [True]
     angles = np.linspace(0.0, TURN, 721)[:-1]
-    train = unit_speed_train(design.drive.mechanism, angles, course)
-    rocker = train.bodies["link4"].angle
-    assert np.abs(train.bodies["link3"].angle[0]).max() < 1e-12
+    kinematics = unit_speed_kinematics(design.drive.mechanism, angles, course)
+    rocker = kinematics.bodies["link4"].angle
+    assert np.abs(kinematics.bodies["link3"].angle[0]).max() < 1e-12
     assert np.abs(np.remainder(rocker[0] - angles + 1.0, TURN) - 1.0).max() < 1e-12
     assert np.abs(rocker[1] - 1.0).max() < 1e-10
     assert np.abs(rocker[2]).max() < 1e-7
-    assert train.residual.max() < 1e-13
+    assert kinematics.residual.max() < 1e-13
 
 
 def test_an_antiparallelogram_stays_one_too() -> None:
-    train = train_at(four_bar(100.0, 40.0, 100.0, 40.0, -1), *np.linspace(0.0, TURN, 360)[:-1])
-    assert train.bodies["link4"].angle[1].max() < 0.0, "crank and rocker turn against each other"
-    assert train.residual.max() < 1e-13
+    kinematics = kinematics_at(four_bar(100.0, 40.0, 100.0, 40.0, -1), *np.linspace(0.0, TURN, 360)[:-1])
+    assert kinematics.bodies["link4"].angle[1].max() < 0.0, "crank and rocker turn against each other"
+    assert kinematics.residual.max() < 1e-13
 
 
 def test_a_slider_goes_on_through_the_pivot() -> None:
@@ -415,7 +415,7 @@ def test_a_slider_goes_on_through_the_pivot() -> None:
     course = course_of(design.drive.mechanism)
     assert [c.at for c in course.changes] == pytest.approx([0.5 * math.pi, 1.5 * math.pi], abs=1e-7)
     angles = np.linspace(0.0, TURN, 1441)[:-1]
-    x = unit_speed_train(design.drive.mechanism, angles, course).bodies["link4"].x
+    x = unit_speed_kinematics(design.drive.mechanism, angles, course).bodies["link4"].x
     exact = 0.1 * np.array([np.cos(angles), -np.sin(angles), -np.cos(angles), np.sin(angles)])
     for order, bound in enumerate((1e-14, 1e-12, 1e-9, 1e-6)):
         assert np.abs(x[order] - exact[order]).max() < bound
@@ -428,8 +428,8 @@ def test_angles_do_not_jump_within_the_turn() -> None:
     """Also where a link passes 180 deg, or goes round with the crank."""
     double = four_bar(30.0, 80.0, 70.0, 90.0)  # drag link: both go round
     for design in (double, four_bar(100.0, 30.0, 90.0, 70.0, -1), slider_crank(40.0, 140.0, 0.0, -1)):
-        train = train_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
-        for name, pose in train.bodies.items():
+        kinematics = kinematics_at(design, *np.linspace(0.0, TURN, 2881)[:-1])
+        for name, pose in kinematics.bodies.items():
             assert np.abs(np.diff(pose.angle[0])).max() < 0.1, name
     turning = course_of(double.drive.mechanism).turning
     assert turning[3].turns
@@ -439,8 +439,8 @@ def test_angles_do_not_jump_within_the_turn() -> None:
 def test_an_angle_does_not_depend_on_what_is_asked_with_it() -> None:
     design = four_bar(30.0, 80.0, 70.0, 90.0)
     angles = np.linspace(0.0, TURN, 100)[:-1]
-    together = train_at(design, *angles).bodies["link4"].angle[0]
-    alone = [train_at(design, q).bodies["link4"].angle[0, 0] for q in angles]
+    together = kinematics_at(design, *angles).bodies["link4"].angle[0]
+    alone = [kinematics_at(design, q).bodies["link4"].angle[0, 0] for q in angles]
     assert np.abs(together - alone).max() <= 8.0 * EPS
 
 
@@ -449,17 +449,17 @@ def test_an_angle_does_not_depend_on_what_is_asked_with_it() -> None:
 
 def test_a_sliding_driver_pushes_the_slider_crank_backwards() -> None:
     """The slider-crank driven by its slider: the crank angle comes back."""
-    forward = train_at(slider_crank(40.0, 140.0), 0.9)
+    forward = kinematics_at(slider_crank(40.0, 140.0), 0.9)
     s = float(forward.bodies["link4"].x[0, 0])
     base = slider_crank(40.0, 140.0).drive.mechanism
     linkage = replace(base, driver=Driver(4, "motion", 60.0), branch=sides(A=1))
-    train = unit_speed_train(linkage, np.array([s]), course_of(linkage, s - 0.01, s + 0.01))
-    both = [float(np.remainder(train.bodies["link2"].angle[0, 0], TURN))]
+    kinematics = unit_speed_kinematics(linkage, np.array([s]), course_of(linkage, s - 0.01, s + 0.01))
+    both = [float(np.remainder(kinematics.bodies["link2"].angle[0, 0], TURN))]
     other = replace(linkage, branch=sides(A=-1))
-    turned = unit_speed_train(other, np.array([s]), course_of(other, s - 0.01, s + 0.01)).bodies["link2"]
+    turned = unit_speed_kinematics(other, np.array([s]), course_of(other, s - 0.01, s + 0.01)).bodies["link2"]
     both.append(float(np.remainder(turned.angle[0, 0], TURN)))
     assert sorted(both) == pytest.approx([0.9, TURN - 0.9], abs=1e-14)
-    rate = train.bodies["link2"].angle[1, 0]
+    rate = kinematics.bodies["link2"].angle[1, 0]
     assert abs(rate) == pytest.approx(abs(1.0 / forward.bodies["link4"].x[1, 0]), rel=1e-13)
 
 
@@ -484,14 +484,14 @@ def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     linkage = STILL[design]().drive.linkage
     course = course_of(linkage)
     run = CrankProgram(course)
-    train = linkage_train(linkage, run.state(run.angles(np.arange(6.0))), course)
-    assert list(train.bodies) == [FRAME, "link2", "link3", "link4"]
-    for pair in train.pairs.values():
-        assert {pair.on, pair.body} <= set(train.bodies)
-        assert np.abs(train.bodies[pair.body].point(pair.point)[0]).max() < 1.0
-    assert train.output == "link2"
-    assert train.ground == "O2"
-    assert [dyad.kind for dyad in train.dyads] == (["RRR"] if design == "four-bar" else ["RRP"])
+    kinematics = linkage_kinematics(linkage, run.state(run.angles(np.arange(6.0))), course)
+    assert list(kinematics.bodies) == [FRAME, "link2", "link3", "link4"]
+    for pair in kinematics.pairs.values():
+        assert {pair.on, pair.body} <= set(kinematics.bodies)
+        assert np.abs(kinematics.bodies[pair.body].point(pair.point)[0]).max() < 1.0
+    assert kinematics.output == "link2"
+    assert kinematics.ground == "O2"
+    assert [dyad.kind for dyad in kinematics.dyads] == (["RRR"] if design == "four-bar" else ["RRP"])
 
 
 # -- dimensions from the drawing --------------------------------------------------------------------------

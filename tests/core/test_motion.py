@@ -40,7 +40,7 @@ def check_state(motion: Motion, theta: float) -> None:
     for k in range(4):
         assert abs(state.y[k, 0] - exact[k]) <= bound[k], k
     rise = motion.segments[segment].rise
-    assert state.way[0] == (0.0 if motion.segments[segment].curve.law == "dwell" else math.copysign(1.0, rise))
+    assert state.velocity_sign[0] == (0.0 if motion.segments[segment].curve.law == "dwell" else math.copysign(1.0, rise))
 
 
 @given(motions(-20.0, 60.0), st.floats(0.0, 1.0, exclude_max=True))
@@ -165,7 +165,7 @@ def test_in_turn_or_in_any_order_the_motion_is_the_same_to_the_last_bit(name: st
     grid = compiled.state(compiled.angles(theta))
     told = compiled.state(compiled.angles(theta[order]))
     assert told.y.tolist() == grid.y[:, order].tolist()
-    assert told.way.tolist() == grid.way[order].tolist()
+    assert told.velocity_sign.tolist() == grid.velocity_sign[order].tolist()
     one_by_one = [compiled.state(compiled.angles(theta[[i]])).y[:, 0].tolist() for i in order[:50]]
     assert one_by_one == grid.y[:, order[:50]].T.tolist()
 

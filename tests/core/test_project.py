@@ -658,6 +658,6 @@ def test_every_law_has_a_slug_that_is_read() -> None:
     for law in LAWS:
         moved = (1,) if LAWS[law].rises < 0 else (1, 3)  # the one that returns
         edits = {f"motion.segments[{i}].law": law for i in moved}
-        if LAWS[law].still:
+        if LAWS[law].is_dwell:
             edits |= {f"motion.segments[{i}].rise_mm": 0.0 for i in (1, 3)}
         project.from_table(edited(edits))

@@ -108,7 +108,7 @@ def turns_of_the_guide(study: Study, piece: int) -> list[float]:
     def normal(theta: float) -> float:
         return float(study.at(Angles(np.array([theta]), np.array([piece]))).dynamics.guide.normal[0])
 
-    if study.program.way_of[piece] == 0.0:
+    if study.program.velocity_signs[piece] == 0.0:
         return []
     theta = np.linspace(study.program.starts[piece], study.program.ends[piece], 500)[1:-1]
     values = [normal(t) for t in theta]

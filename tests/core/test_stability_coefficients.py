@@ -34,7 +34,7 @@ def energies(design: Design, theta: float) -> tuple[list[MP.mpf], list[MP.mpf]]:
 
 @pytest.mark.parametrize("theta", ANGLES)
 @pytest.mark.parametrize("name", TRAINS)
-def test_inertia_and_load_of_a_train_are_those_of_its_bodies(name: str, theta: float) -> None:
+def test_inertia_and_load_of_a_mechanism_are_those_of_its_bodies(name: str, theta: float) -> None:
     design = TRAINS[name]
     there = Study(design, 4).at_theta(np.array([theta]))
     j, v = energies(design, theta)
@@ -158,7 +158,7 @@ def test_the_contact_force_of_an_even_turn_is_that_of_the_dynamics(name: str) ->
 
 
 @pytest.mark.parametrize("name", ["pusher", "c"])
-def test_what_acceleration_adds_to_the_contact_force_turns_the_train(name: str) -> None:
+def test_what_acceleration_adds_to_the_contact_force_turns_the_mechanism(name: str) -> None:
     """Its torque about the cam centre is J for θ̈ = 1."""
     design = with_elastic(TRAINS[name], spring="fixed")
     found, study = of(design), Study(design, 4)

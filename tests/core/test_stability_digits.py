@@ -1,4 +1,4 @@
-"""core.stability to the last digits: one turn of a shaft whose train weighs nothing in closed form, slow or fast; derivatives
+"""core.stability to the last digits: one turn of a shaft whose mechanism weighs nothing in closed form, slow or fast; derivatives
 of the wind-up through jumps; the contact force; samples."""
 
 from typing import Any

@@ -1,4 +1,4 @@
-"""The drawing of a mechanism: everything stands where the Train says, moves without being made anew, and is legible."""
+"""The drawing of a mechanism: everything stands where the kinematics says, moves without being made anew, and is legible."""
 
 import statistics
 import time
@@ -16,7 +16,7 @@ from PySide6.QtWidgets import QApplication, QGraphicsLineItem
 from core.design import Design, Motion, Translating
 from core.errors import NoAnswer
 from core.instant_centres import Centres
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Pair, Pose, Train
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
 from core.motion import Angles, MotionState
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import Tag
@@ -76,8 +76,8 @@ def place(point: QPointF) -> complex:
 
 
 @designs
-def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: Design) -> None:
-    scene, train = scene_of(design), Study(design, SAMPLES).linkage
+def test_every_point_of_every_body_is_drawn_where_the_kinematics_has_it(design: Design) -> None:
+    scene, kinematics = scene_of(design), Study(design, SAMPLES).linkage
     size = abs(scene.fit_rect().width())
     found = 0
     for i in INDICES:
@@ -85,19 +85,19 @@ def test_every_point_of_every_body_is_drawn_where_the_train_has_it(design: Desig
         for key, part in scene.parts.items():
             kind, _, name = key.partition(".")
             if kind in ("body", "block", "stem"):
-                body = name if kind == "body" else train.pairs[name].body
-                for point, local in train.bodies[body].points.items():
+                body = name if kind == "body" else kinematics.pairs[name].body
+                for point, local in kinematics.bodies[body].points.items():
                     there = place(part.item.mapToScene(QPointF(local.real * 1e3, local.imag * 1e3)))
                     assert there == pytest.approx(
-                        complex(train.bodies[body].point(point)[0][i]) * 1e3, abs=1e-12 * size
+                        complex(kinematics.bodies[body].point(point)[0][i]) * 1e3, abs=1e-12 * size
                     )
                     found += 1
             if kind == "pin":
-                pair = train.pairs[name]
-                there = complex(train.bodies[pair.body].point(pair.point)[0][i]) * 1e3
+                pair = kinematics.pairs[name]
+                there = complex(kinematics.bodies[pair.body].point(pair.point)[0][i]) * 1e3
                 assert place(part.item.pos()) == pytest.approx(there, abs=1e-12 * size)
                 found += 1
-    assert found >= len(INDICES) * len(train.pairs)
+    assert found >= len(INDICES) * len(kinematics.pairs)
 
 
 @designs
@@ -503,7 +503,7 @@ def test_the_picture_has_the_colours_of_its_parts() -> None:
         assert (np.abs(shown - rgb).max(axis=2) < 12).any(), colour
 
 
-# -- other trains -----------------------------------------------------------------------------------------
+# -- other mechanisms -----------------------------------------------------------------------------------------
 
 
 class Quick:
@@ -531,7 +531,7 @@ class Quick:
         }
         n, one = SAMPLES, np.ones(SAMPLES)
         motion = MotionState(Angles(self.theta, np.zeros(n, dtype=int)), np.zeros((4, n)), np.zeros(n))
-        self.linkage = Train(motion, bodies, pairs, (), "block", "crank", "O2", one + 0j, {}, {}, 0.0 * one, one)
+        self.linkage = Kinematics(motion, bodies, pairs, (), "block", "crank", "O2", one + 0j, {}, {}, 0.0 * one, one)
 
     @property
     def cam(self) -> None:

@@ -237,7 +237,7 @@ def test_a_chart_of_no_machine_has_no_point() -> None:
 
 
 def test_the_lift_with_a_shaft_has_a_chart_of_its_own() -> None:
-    """A whole train: its inertia by cam angle, its weight and its cylinder."""
+    """A whole kinematics: its inertia by cam angle, its weight and its cylinder."""
     lift = Study(load(example("transfer_lift")))
     study = Study(flexible(lift.design, lift.linkage, lift.loading, lift.omega))
     found = study.stability

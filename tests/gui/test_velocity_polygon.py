@@ -88,7 +88,7 @@ def test_a_sliding_blocks_difference_lies_along_its_arm(open_user: Open) -> None
 def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(six_bar: User, monkeypatch: pytest.MonkeyPatch) -> None:
     view, computed = polygon(six_bar), []
     made = polygon_view.velocity_polygon
-    monkeypatch.setattr(polygon_view, "velocity_polygon", lambda train: computed.append(train) or made(train))
+    monkeypatch.setattr(polygon_view, "velocity_polygon", lambda kinematics: computed.append(kinematics) or made(kinematics))
     before = view.sheet.vectors()["V_A"][1]
     six_bar.window.player.step(10.0)
     settle()

@@ -23,7 +23,7 @@ from core.instant_centres import (
     velocity_polygon,
 )
 from core.instant_centres.velocities import link_by_link
-from core.mechanism import body_name, course_of, unit_speed_train
+from core.mechanism import body_name, course_of, unit_speed_kinematics
 from core.project import load
 from core.study import Study
 
@@ -135,10 +135,10 @@ def crossing(a: complex, b: complex, c: complex, d: complex) -> complex:
 @pytest.mark.parametrize("degrees", [7.0, 45.0, 130.0, 222.0, 301.0])
 def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
     design = four_bar(100.0, 30.0, 90.0, 70.0)
-    train = unit_speed_train(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
-    table = all_centres(train, 0.1)
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
+    table = all_centres(kinematics, 0.1)
     o2, o4 = 0j, 0.1 + 0j
-    a, b = (complex(train.bodies["link3"].point(name)[0, 0]) for name in "AB")
+    a, b = (complex(kinematics.bodies["link3"].point(name)[0, 0]) for name in "AB")
     for (i, j), exact in {(1, 3): crossing(o2, a, o4, b), (2, 4): crossing(o2, o4, a, b)}.items():
         assert abs(centre(table, i, j) - complex(exact)) <= 1e-12 * (0.1 + abs(complex(exact)))
     for (i, j), at in {(1, 2): o2, (1, 4): o4, (2, 3): a, (3, 4): b}.items():
@@ -150,9 +150,9 @@ def test_four_bar_centres_are_where_its_lines_cross(degrees: float) -> None:
 def test_slider_crank_centres_are_where_its_lines_cross(degrees: float, offset: float) -> None:
     """I13 above the slider's pin, I24 above the crank's pivot, on lines across the guide."""
     design = slider_crank(40.0, 140.0, offset)
-    train = unit_speed_train(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
-    table = all_centres(train, 0.14)
-    a, b = (complex(train.bodies["link3"].point(name)[0, 0]) for name in "AB")
+    kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([math.radians(degrees)]), course_of(design.drive.mechanism))
+    table = all_centres(kinematics, 0.14)
+    a, b = (complex(kinematics.bodies["link3"].point(name)[0, 0]) for name in "AB")
     for (i, j), exact in {(1, 3): crossing(0j, a, b, b + 1j), (2, 4): crossing(0j, 1j, a, b)}.items():
         assert abs(centre(table, i, j) - complex(exact)) <= 1e-12 * (0.1 + abs(complex(exact)))
 

@@ -101,7 +101,7 @@ def contact(reading: Reading, theme: Theme) -> Iterator[Part]:
     size = 0.8 * reading.unit
     mark = Outline(joined(cross(1.5 * size), circle(0.55 * size)), theme.pen(theme.limit, OUTLINE))
     yield Part("centre", mark, ("centre",), Z_NORMAL + 2.0, pinned(mark, _within_reach(reading)))
-    ground = next((j for j in reading.joints if j.name == reading.train.ground), None)
+    ground = next((j for j in reading.joints if j.name == reading.kinematics.ground), None)
     if ground is None:  # the roller's link is held by no pair of its own: the line turns with its pole
         return
     ends = CENTRE_LINES[ground.pair.kind](ground, reading)

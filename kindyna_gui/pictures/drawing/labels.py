@@ -122,7 +122,7 @@ def _free_points(reading: Reading) -> Iterator[Label]:
 
 def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, float]:
     joint, unit = slides[name], reading.unit
-    if joint.fixed and name == reading.train.follower_body and not reading.linkage:
+    if joint.fixed and name == reading.kinematics.follower_body and not reading.linkage:
         outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
         return joint.track + outwards * joint.line * (reading.face_radius + 0.9 * unit), unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit

@@ -13,7 +13,7 @@ import numpy as np
 
 from core.cam import CamShape
 from core.errors import NoAnswer
-from core.mechanism.kinematics import FRAME, SLIDING, Pair, Train
+from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.shown_kinds import has_cam, is_linkage, sense_of
@@ -101,7 +101,7 @@ class Reading:
 
     def __init__(self, study: Study) -> None:
         self.study = study
-        self.train: Train = study.linkage
+        self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
         self.sense = sense_of(study)
         self.linkage, self.with_cam = is_linkage(study.design), has_cam(study)
@@ -109,10 +109,10 @@ class Reading:
         self.turned = self.sense * self.cam_angle
         self.bodies = {
             name: Body(name, pose.origin[0] * MM, np.rad2deg(pose.turn[0]), {k: p * MM for k, p in pose.points.items()})
-            for name, pose in self.train.bodies.items()
+            for name, pose in self.kinematics.bodies.items()
         }
-        self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.train.pairs.items())
-        self.reference = self.bodies[self.train.follower_body].z
+        self.joints = tuple(_joint(name, pair, self.bodies) for name, pair in self.kinematics.pairs.items())
+        self.reference = self.bodies[self.kinematics.follower_body].z
         self.base_radius = self._base_radius()
 
     def _base_radius(self) -> float:
@@ -205,7 +205,7 @@ class Reading:
     def stands_as(self, other: Reading) -> bool:
         """Whether every part stands where it does in another reading: no more than speed or loads may differ."""
         return (
-            self.train is other.train
+            self.kinematics is other.kinematics
             and self.shape is other.shape
             and (self.sense, self.base_radius) == (other.sense, other.base_radius)
         )

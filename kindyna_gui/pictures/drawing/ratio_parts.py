@@ -173,7 +173,7 @@ class RatioDimensions:
 
     def list(self, i: int, room: Room, down: float) -> None:
         """All ratios in figures, one below the other under the angle; down: so many pixels further."""
-        omega, bodies = self._reading.study.omega, self._reading.train.bodies
+        omega, bodies = self._reading.study.omega, self._reading.kinematics.bodies
         seen, scale = self._sight.visible, self._sight.scale
         x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
         for number, (arms, _, tag) in enumerate(self.rows):

@@ -46,7 +46,7 @@ class Field:
 def velocities(reading: Reading) -> Field:
     """Velocity of every point of every body that moves; points that stay together count once."""
     rows: list[tuple[str, np.ndarray, np.ndarray]] = []
-    for name, pose in reading.train.bodies.items():
+    for name, pose in reading.kinematics.bodies.items():
         for point in reading.bodies[name].nodes:
             track = pose.point(point)
             place, speed = track[0] * MM, track[1] * reading.study.omega

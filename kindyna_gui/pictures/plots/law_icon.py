@@ -28,7 +28,7 @@ _EXAMPLES: Mapping[str, Curve] = MappingProxyType(
 
 def _segment(slug: str) -> Segment:
     law = find_law(slug)
-    rise = 0.0 if law is not None and law.still else -1.0 if law is not None and law.rises < 0 else 1.0
+    rise = 0.0 if law is not None and law.is_dwell else -1.0 if law is not None and law.rises < 0 else 1.0
     return Segment(SPAN, rise, _EXAMPLES.get(slug) or curve_of(slug))
 
 

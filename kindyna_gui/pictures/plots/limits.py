@@ -23,8 +23,8 @@ class Limit:
 
 
 def _pressure_angle(study: Study) -> float:
-    train = study.linkage
-    held = train.pairs[train.ground].kind if train.ground else REVOLUTE
+    kinematics = study.linkage
+    held = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
     return PRESSURE_LIMITS[held] * pi / 180.0
 
 
