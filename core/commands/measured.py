@@ -16,13 +16,12 @@ from core.measured import (
     TIME_UNITS,
     Wish,
     fit,
-    fit_data,
-    fit_text,
     into_design,
     layout,
     read_sheet,
     read_table,
 )
+from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
 from core.project import load, save
 from core.project.files import read_bytes

@@ -7,8 +7,9 @@ from math import floor, log10, sqrt
 
 import numpy as np
 
-from core.design import Motion, Point, Segment, Spline
-from core.errors import KindynaError
+from core.design import Design, Motion, Point, Segment, Spline, require_motion, with_motion
+from core.design.motions import without_marks
+from core.errors import DesignError, Fault, KindynaError
 from core.laws.ring import jerk_rows
 from core.measured.basis import Basis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
@@ -165,6 +166,15 @@ def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
         return 0.0
     power = 10.0 ** (floor(log10(found)) - 1)
     return float(f"{np.ceil(found / power) * power:.2g}")
+
+
+def into_design(design: Design, fit: Fit) -> Design:
+    """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
+    unit = require_motion(design).unit
+    if fit.motion.unit != unit:
+        value = f"measured in {fit.motion.unit}"
+        raise DesignError([Fault("motion", value, "the follower of this design does not move so", f"a table in {unit}")])
+    return without_marks(with_motion(design, fit.motion))
 
 
 # -- solving ----------------------------------------------------------------------------------------------

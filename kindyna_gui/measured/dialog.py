@@ -21,7 +21,8 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import Fit, figures, into_design
+from core.measured import Fit, into_design
+from core.output.measured_text import figures
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from core.findings import ERROR, NOTE, WARNING
-from core.measured import Fit, RowFault, notes, row_line, worst_first
+from core.measured import Fit, RowFault
+from core.output.measured_text import notes, row_line, worst_first
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign

@@ -25,22 +25,19 @@ from core.measured import (
     TableError,
     Wish,
     fit,
-    fit_data,
-    fit_text,
     guess_error,
     into_design,
     layout,
-    notes,
     outliers,
     read_sheet,
     read_table,
-    suspicions,
     value_units,
 )
 from core.motion import program
 from core.motion.curves import shape_of
 from core.output.channels import KINEMATICS
 from core.output.export import table as exported
+from core.output.measured_text import fit_data, fit_text, notes, suspicions
 from core.study import Study
 
 ROOT = Path(__file__).parents[2]

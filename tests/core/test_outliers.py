@@ -11,7 +11,8 @@ from mechanisms import levels
 
 from core.__main__ import main
 from core.design import Motion
-from core.measured import FitError, Outliers, Table, fit, layout, notes, outliers, read_sheet, read_table
+from core.measured import FitError, Outliers, Table, fit, layout, outliers, read_sheet, read_table
+from core.output.measured_text import notes
 
 SEEDED, MANY = 40, 1000
 MOST_REFUSED = 0.02  # of the tables

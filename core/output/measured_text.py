@@ -1,4 +1,4 @@
-"""What is told of a measured table and the motion fitted to it: as text, as data, and written into a design."""
+"""A measured table and the motion fitted to it as text and as data."""
 
 from __future__ import annotations
 
@@ -8,27 +8,15 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Design, require_motion, with_motion
-from core.design.motions import without_marks
-from core.errors import DesignError, Fault
+from core.measured import Fit, Sheet
 from core.measured.columns import column_name
-from core.measured.fitting import EXACT, MOST, Fit, contradiction
-from core.measured.sheet import Sheet
+from core.measured.fitting import EXACT, MOST, contradiction
 from core.output.report import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
 LARGE = 4.0  # measuring errors
 WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to tell
 MOST_LINES = 30  # of wrong rows before the rest is counted only
-
-
-def into_design(design: Design, fit: Fit) -> Design:
-    """The design with its motion replaced by the measured one. Raises DesignError where its follower moves otherwise."""
-    unit = require_motion(design).unit
-    if fit.motion.unit != unit:
-        told = f"measured in {fit.motion.unit}"
-        raise DesignError([Fault("motion", told, "the follower of this design does not move so", f"a table in {unit}")])
-    return without_marks(with_motion(design, fit.motion))
 
 
 def digits(value: float, most: int = 6) -> str:
