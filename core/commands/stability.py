@@ -16,7 +16,7 @@ from core.output.stability_tables import claims_text, needed_text
 from core.project import load
 from core.project.files import write_all
 from core.stability import ETA_MAX, Stability, claims, flexible
-from core.stability.guess import USUAL_ETA, USUAL_Q
+from core.stability.critical_speeds import USUAL_ETA, USUAL_Q
 from core.study import Study
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0

@@ -1,8 +1,7 @@
 """The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
 
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
-from core.shaft.flywheel import Flywheel, levels
-from core.shaft.limits import findings
+from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag
 from core.shaft.speed import SpeedCurve, steady_speed
 

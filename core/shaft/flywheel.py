@@ -11,6 +11,7 @@ import numpy as np
 
 from core.design import Shaft, si
 from core.errors import NoAnswer
+from core.findings import ERROR, Finding
 from core.motion import Angles
 from core.shaft.curve import NODES, LoadCurve
 from core.shaft.linear import filtered, lag
@@ -138,3 +139,18 @@ def _swing(curve: LoadCurve) -> float:
         places.append(np.array([curve.start[panel] + root * curve.width[panel]]))
     at = energy(np.concatenate(places))
     return float(at.max() - at.min())
+
+
+# -- limits: standing still ---------------------------------------------------------------------------------
+
+
+def findings(wheel: Flywheel) -> list[Finding]:
+    """Whether the motor stalls, and with which flywheel it would not."""
+    if wheel.runs:
+        return []
+    values: dict[str, float | str] = {
+        "inertia_kg_m2": wheel.shaft.flywheel_inertia_kg_m2,
+        "least_kg_m2": wheel.least_inertia,
+        "swing_j": wheel.energy_swing,
+    }
+    return [Finding("motor-stalls", ERROR, "shaft.flywheel_inertia_kg_m2", None, values)]

@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 
 from core.errors import NoStability
-from core.stability import judgements, paper
-from core.stability.coefficients import INERTIA, LOAD_SLOPE, RETUNED, Coefficients
-from core.stability.equations import APPROXIMATE, EXACT
+from core.stability import judgements
 from core.stability.floquet_edges import tongues
+from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
+from core.stability.hill.edges import Tongues
+from core.stability.hill.matrices import kim_edges
 from core.stability.judgements import AGREES, DIFFERS, MISPRINT
-from core.stability.means import Averages, mean_wind_up
 from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.stage import Stability
-from core.stability.tongues import Tongues
-from core.stability.windup import History, histories
+from core.stability.windup import Averages, History, histories, mean_wind_up
 
 __all__ = ["AGREES", "DIFFERS", "FIGURES", "MISPRINT", "ROWS", "Claim", "claims", "require_kim"]
 
@@ -179,7 +178,7 @@ def _load_means(found: Stability) -> Numbers:
 
 def _off(found: Stability, approximate: Tongues) -> np.ndarray:
     """The farther of each tongue's two edges (11,) in the paper's own matrix; inf where it has no second edge."""
-    off = np.abs(paper.edges(found.coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
+    off = np.abs(kim_edges(found.coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
     return np.where(np.isnan(off), np.inf, off)
 
 

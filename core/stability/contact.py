@@ -16,7 +16,7 @@ from core.cam import CamShape
 from core.dynamics import Loading, OutputForce, newton_euler
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, Program
-from core.stability.coefficients import RETUNED, Sizes
+from core.stability.hill.coefficients import RETUNED, Sizes
 from core.stability.panels import Panels, fit
 
 KinematicsAndShapeAt = Callable[[Angles], tuple[Kinematics, CamShape]]

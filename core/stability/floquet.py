@@ -16,8 +16,7 @@ import numpy as np
 
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
-from core.stability.coefficients import Coefficients, is_dwell
-from core.stability.equations import EXACT, inertia_and_pull, weight_and_potential
+from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, is_dwell, weight_and_potential
 from core.stability.panels import NODES, gauss, integration
 
 PHASE = 2.0  # [rad] of the wave that one panel may hold

@@ -16,10 +16,9 @@ import numpy as np
 
 from core.motion import EPS
 from core.stability.arrays import Arrays
-from core.stability.coefficients import Coefficients
-from core.stability.equations import EXACT
 from core.stability.floquet import determinant, monodromy, size, zeros_at_standstill
-from core.stability.tongues import ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
+from core.stability.hill.coefficients import EXACT, Coefficients
+from core.stability.hill.edges import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
 
 STEPS = 40
 CLOSE = 1e-9  # a step of η no larger is the last: the next would be its square
@@ -40,7 +39,7 @@ def tongues(
     count: int,
     equation: str = EXACT,
     damping: float = 0.0,
-    error: float = ERROR,
+    error: float = EDGE_ERROR,
     most_order: int = MOST_ORDER,
 ) -> Tongues:
     """Tongues 1 ... count of the rows q (rows,) to the wanted error of η, with damping or without.

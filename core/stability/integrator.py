@@ -18,7 +18,7 @@ import numpy as np
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
 from core.stability.arrays import Arrays
-from core.stability.coefficients import Coefficients, is_dwell
+from core.stability.hill.coefficients import Coefficients, is_dwell
 from core.stability.nonlinear import Equation, Points
 from core.stability.panels import gauss, integrals, integration, powers
 

@@ -10,7 +10,7 @@ from math import exp
 
 import numpy as np
 
-from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.hill.coefficients import APPROXIMATE, EXACT
 from core.stability.model_comparison import FROM_REST, STEADY, Verdict
 
 AGREES, DIFFERS, MISPRINT = "agrees", "differs", "misprint"

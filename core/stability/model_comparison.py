@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.equations import APPROXIMATE, EQUATIONS, EXACT
 from core.stability.floquet import monodromy
+from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
 from core.stability.steady_response import TOLERANCE, SteadyResponse, steady_response
 from core.stability.windup import History, history
 

@@ -15,7 +15,7 @@ from math import pi
 import numpy as np
 
 from core.motion import TURN
-from core.stability.coefficients import Coefficients
+from core.stability.hill.coefficients import Coefficients
 from core.stability.panels import NODES, powers
 
 FAR = 3.0  # [half widths of a panel] limit of extrapolation: an attempt that goes so far fails, and must not overflow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,16 +13,14 @@ import numpy as np
 from core.design import Elastic, si
 from core.dynamics import Loading
 from core.errors import NoAnswer, NoStability
-from core.findings import LEAST_BOUND, Residual
+from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.motion import Program
-from core.stability.chart import ETA_MAX, count_up_to
-from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact, KinematicsAndShapeAt, contact
-from core.stability.critical_speeds import CLEAR, RPM, Band, Machine, Stiffness, bands, stiffness_for
-from core.stability.equations import APPROXIMATE, EXACT
+from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.floquet import liouville
 from core.stability.floquet_edges import UNKNOWN, refined, tongues
-from core.stability.means import TIMES, Averages, mean_wind_up
+from core.stability.hill.coefficients import APPROXIMATE, EXACT, Coefficients
+from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
 from core.stability.model_comparison import (
     PERIODS,
     Verdict,
@@ -29,9 +28,8 @@ from core.stability.model_comparison import (
     rest_verdict,
     steady_verdict,
 )
-from core.stability.steady_response import SteadyResponse
-from core.stability.tongues import ERROR, Tongues, harmonic_tongues
-from core.stability.windup import History, history
+from core.stability.steady_response import TOLERANCE, SteadyResponse
+from core.stability.windup import TIMES, Averages, History, history, mean_wind_up
 
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
 FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be told apart
@@ -59,7 +57,7 @@ class Stability:
         return self.contact_of()
 
     def tongues(
-        self, equation: str = EXACT, eta_max: float = ETA_MAX, q: float | None = None, error: float = ERROR
+        self, equation: str = EXACT, eta_max: float = ETA_MAX, q: float | None = None, error: float = EDGE_ERROR
     ) -> Tongues:
         """The row of the machine, or of another Q, with its damping."""
         return tongues(
@@ -237,3 +235,43 @@ def stability(
             return None
 
     return Stability(made, machine, contact_of)
+
+
+# -- limits: running in a forbidden band of speed, or near one ---------------------------------------------
+
+FIELD = "shaft.stiffness_nm_per_rad"
+
+
+def findings(found: Stability) -> list[Finding]:
+    """Where the machine's own speed stands among the forbidden bands. In a band that grows noticeably: an error; in one that
+    the slightest damping would close: a warning; near one: a note."""
+    rpm = found.machine.omega * 30.0 / math.pi
+    if rpm >= found.top_rpm:
+        values = {"rpm": rpm, "top_rpm": found.top_rpm}
+        return [Finding("above-all-speeds", ERROR, FIELD, None, values)]
+    growth = found.linear[-1].growth
+    inside = [b for b in found.near_bands if b.holds(rpm)]
+    if not inside and growth > TOLERANCE:  # beyond the bands looked for
+        severity = ERROR if growth >= NOTICEABLE else WARNING
+        return [
+            Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})
+        ]
+    if inside:
+        band = max(inside, key=lambda b: b.growth)
+        severity = ERROR if band.growth >= NOTICEABLE else WARNING
+        return [Finding("unstable-speed", severity, FIELD, None, _values(band, rpm))]
+    near = [b for b in found.near_bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
+    if near:
+        band = min(near, key=lambda b: b.distance(rpm))
+        return [Finding("near-unstable-speed", NOTE, FIELD, None, _values(band, rpm))]
+    return []
+
+
+def _values(band: Band, rpm: float) -> dict[str, float | str]:
+    return {
+        "rpm": rpm,
+        "n": float(band.n),
+        "rpm_lo": band.rpm_lo,
+        "rpm_hi": band.rpm_hi,
+        "growth_percent": 100.0 * math.expm1(band.growth),
+    }

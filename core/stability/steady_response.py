@@ -15,8 +15,8 @@ from itertools import islice
 
 import numpy as np
 
-from core.stability.coefficients import Coefficients
 from core.stability.floquet import determinant, growth
+from core.stability.hill.coefficients import Coefficients
 from core.stability.integrator import Integrator
 from core.stability.nonlinear import Points
 

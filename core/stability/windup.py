@@ -1,7 +1,12 @@
-"""The wind-up of the shaft in time, from rest or from any state, by the nonlinear equation (13) of Kim1990."""
+"""The wind-up of the shaft in time, from rest or from any state, by the nonlinear equation (13) of Kim1990.
+
+Samples of it within the steps of the integrator, the integrals of its size, and its means over the first turn from rest by η,
+for some rows of Q (Kim1990 Figs. 6, 7).
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,11 +14,12 @@ import numpy as np
 
 from core.errors import NoStability
 from core.motion import TURN
-from core.stability.coefficients import Coefficients
 from core.stability.contact import Contact
-from core.stability.integrator import Integrator, Step
+from core.stability.hill.coefficients import Coefficients
+from core.stability.hill.edges import ETA_MAX
+from core.stability.integrator import OUTSIDE, STAGES, Integrator, Step
 from core.stability.nonlinear import Equation, Points
-from core.stability.samples import SAMPLES, StepSamples, size_integrals
+from core.stability.panels import powers
 
 BISECTIONS = 50
 CELLS = 6  # cells between samples in which the largest wind-up is searched
@@ -202,3 +208,138 @@ def histories(
         own = replace(own, trajectory=np.zeros_like(own.trajectory))
         found.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
     return tuple(found)
+
+
+# -- within the steps ----------------------------------------------------------------------------------------
+
+SAMPLES = np.linspace(0.0, 1.0, 25)  # parts of a step
+BISECTIONS = 30  # of a cell between two samples; the integral changes with the square of what is left
+
+_POWERS = powers(2.0 * SAMPLES - 1.0, STAGES + 2).T
+
+
+@dataclass(frozen=True, eq=False)
+class StepSamples:
+    """The wind-up at k places of each of n steps, at a step's ends from inside it.
+
+    y             (n, k) turns of the input
+    beta          (n, k) β [turns]
+    rate          (n, k) β'
+    acceleration  (n, k) θ̈/ω² = -β''/2π of the cam
+    theta         (n, k) cam angle within its turn [rad]; at a join it may lie beyond it by rounding
+    inward        (n, k) [rad] a little towards the middle of the motion's piece: the side of a join that holds here
+    """
+
+    y: np.ndarray
+    beta: np.ndarray
+    rate: np.ndarray
+    acceleration: np.ndarray
+    theta: np.ndarray
+    inward: np.ndarray
+
+    @staticmethod
+    def of(equation: Equation, steps: Step, part: np.ndarray) -> StepSamples:
+        """At parts (n or 1, k) of the steps, 0 ... 1."""
+        x = steps.within(part)
+        y = steps.y[:, None] + steps.h[:, None] * part
+        theta = TURN * (y - x[..., 0] - steps.turn[:, None])
+        middle = 0.5 * (equation.begins + equation.ends)[steps.piece]
+        rate, second = equation.velocities(steps.trajectory, steps.piece, steps.turn, y, x)
+        return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
+
+    def moves(self, contact: Contact) -> np.ndarray:
+        """Where (n, k) the follower moves."""
+        return np.asarray(contact.moves[contact.panels.index(self.theta + self.inward)])
+
+    def force(self, contact: Contact, eta: float) -> np.ndarray:
+        """Contact force (n, k) as a multiple of M X''m ω²."""
+        rows = contact.panels.at(self.theta.ravel(), 3, self.inward.ravel()).reshape(3, *self.theta.shape)
+        return contact.force(rows, eta, 1.0 - self.rate, self.acceleration)
+
+
+def size_integrals(steps: Step) -> tuple[np.ndarray, np.ndarray]:
+    """∫ |β| dy and ∫ |β'| dy (n,) over steps (n,), of the polynomials of β through the nodes."""
+    beta = steps.powers[:, 0]
+    order = np.arange(1, beta.shape[1] + 1)
+    primitive = np.pad(beta / order, ((0, 0), (1, 0)))
+    by_part = beta[:, 1:] * order[:-1]
+    return 0.5 * steps.h * _absolute(beta, primitive), _absolute(by_part, beta)
+
+
+def _absolute(f: np.ndarray, primitive: np.ndarray) -> np.ndarray:
+    """∫ |f| dt (n,) over t = -1 ... 1 of polynomials (n, K), powers of t, with their primitives (n, K + 1).
+
+    Between two samples f changes its sign once at most; the place is found by bisection.
+    """
+    values, area = f @ _POWERS[: f.shape[1]], primitive @ _POWERS[: primitive.shape[1]]
+    total = np.abs(np.diff(area))
+    i, j = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+    low, high, negative = 2.0 * SAMPLES[j] - 1.0, 2.0 * SAMPLES[j + 1] - 1.0, values[i, j] < 0.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        before = (_values(f[i], middle) < 0.0) == negative
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
+    top = _values(primitive[i], 0.5 * (low + high))
+    total[i, j] = np.abs(top - area[i, j]) + np.abs(area[i, j + 1] - top)
+    return np.asarray(total.sum(axis=1))
+
+
+def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Values (m,) of polynomials (m, K) at t (m,)."""
+    return np.einsum("mk,mk->m", f, powers(t, f.shape[1]))
+
+
+# -- means of the first turn ---------------------------------------------------------------------------------
+
+FIRST_ETA, STEP, MOST = 0.5, 0.05, 102
+TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)
+"""Rows of Q as multiples of the machine's: 0.05, 0.1, 0.2, 0.5, 1 of Kim1990 where that is 0.05."""
+
+
+@dataclass(frozen=True, eq=False)
+class Averages:
+    """Means from rest.
+
+    eta       (n,) rising
+    q         (rows,)
+    wind_up   (rows, n) mean |β| [turns]; nan where the equation could not be followed
+    slope     (rows, n) mean |β'|
+    lost      (rows, n) True where the follower leaves the cam within that time; None where no contact is known
+    turned    (rows, n) True where the cam turns back within it: β' = 1
+    periods   turns of the input that are averaged
+    """
+
+    eta: np.ndarray
+    q: np.ndarray
+    wind_up: np.ndarray
+    slope: np.ndarray
+    lost: np.ndarray | None
+    turned: np.ndarray
+    periods: float
+
+
+def etas(eta_max: float = ETA_MAX) -> np.ndarray:
+    """0.5, 0.55, ... up to eta_max (n,); where that is far, no more than Kim1990's range has."""
+    count = max(1, min(round((eta_max - FIRST_ETA) / STEP), MOST) + 1)
+    return FIRST_ETA + np.arange(count) * max(STEP, (eta_max - FIRST_ETA) / MOST)
+
+
+def mean_wind_up(
+    coefficients: Coefficients,
+    q: Sequence[float] | np.ndarray,
+    eta_max: float = ETA_MAX,
+    damping: float = 0.0,
+    contact: Contact | None = None,
+    periods: float = 1.0,
+) -> Averages:
+    """The means of the rows q (rows,), over the first ``periods`` turns from rest."""
+    eta, rows = etas(eta_max), np.atleast_1d(np.asarray(q, dtype=float))
+    shape = (rows.size, eta.size)
+    gone = histories(
+        coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping, periods, contact=contact
+    )
+    means = np.array([each.averages() if each.ended == periods else (np.nan, np.nan) for each in gone])
+    lost = None if contact is None else np.array([each.loses_contact for each in gone]).reshape(shape)
+    turned = np.array([each.turned_back is not None for each in gone]).reshape(shape)
+    wind_up, slope = means.T.reshape(2, *shape)
+    return Averages(eta, rows, wind_up, slope, lost, turned, periods)

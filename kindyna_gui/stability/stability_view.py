@@ -22,7 +22,7 @@ from PySide6.QtWidgets import (
 
 from core.design import with_elastic
 from core.errors import KindynaError
-from core.stability import ERROR, Chart, Stability, chart
+from core.stability import EDGE_ERROR, Chart, Stability, chart
 from core.study import Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
@@ -222,7 +222,7 @@ class StabilityView(View):
         if self.found is None or not self.on_screen():
             return
         if self.drawn.q.size < FINE:
-            self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, ERROR))])
+            self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, EDGE_ERROR))])
         self._ask_for_point(self.found)
         self.pages.redraw()
 

@@ -19,7 +19,7 @@ from shafts import KIM, of
 
 from core.design import put
 from core.stability import EXACT, tongues
-from core.stability.chart import MOST_Q, ROWS
+from core.stability.figures import MOST_Q, ROWS
 from core.study import Study
 
 USUAL = 3600

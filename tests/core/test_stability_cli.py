@@ -40,7 +40,7 @@ def rows(text: str) -> list[dict[str, str]]:
 
 @pytest.fixture
 def few_averages(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.means.STEP", 1.0)
+    monkeypatch.setattr("core.stability.windup.STEP", 1.0)
 
 
 def test_the_command_writes_the_tongues_of_every_row_and_the_forbidden_bands(

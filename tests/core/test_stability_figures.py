@@ -18,13 +18,13 @@ from core.stability import (
     mean_wind_up,
     tongues_of_order,
 )
-from core.stability.means import etas
+from core.stability.windup import etas
 from core.study import Study
 
 
 @pytest.fixture
 def few_averages(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.means.STEP", 0.5)
+    monkeypatch.setattr("core.stability.windup.STEP", 0.5)
 
 
 # -- means ------------------------------------------------------------------------------------------------

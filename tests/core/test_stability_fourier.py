@@ -1,4 +1,4 @@
-"""core.stability.fourier and harmonics: coefficients of functions in pieces, and multiplication by them."""
+"""core.stability.hill.coefficients and harmonics: coefficients of functions in pieces, and multiplication by them."""
 
 import mpmath
 import numpy as np
@@ -7,10 +7,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from shafts import HARD, KIM, A, coefficients, kim, moved
 
-from core.stability.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD_SLOPE
-from core.stability.equations import APPROXIMATE, EXACT, weight_and_potential
-from core.stability.fourier import fourier, truncation
-from core.stability.harmonics import Basis, basis, product
+from core.stability.hill.coefficients import (
+    APPROXIMATE,
+    CENTRIPETAL,
+    CURVATURE,
+    EXACT,
+    INERTIA,
+    LOAD_SLOPE,
+    fourier,
+    truncation,
+    weight_and_potential,
+)
+from core.stability.hill.matrices import Basis, basis, product
 
 ORDERS = (0, 1, 2, 7, 24)
 

@@ -23,9 +23,8 @@ from core.stability import (
     tongues,
     tongues_of_order,
 )
-from core.stability.coefficients import LOAD_SLOPE
 from core.stability.critical_speeds import loads_at
-from core.stability.fourier import fourier
+from core.stability.hill.coefficients import LOAD_SLOPE, fourier
 from core.study import Study
 
 MODELS = (APPROXIMATE, EXACT)

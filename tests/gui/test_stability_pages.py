@@ -56,7 +56,7 @@ def shown(view: StabilityView) -> History:
 
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
-    monkeypatch.setattr("core.stability.means.STEP", 0.85)
+    monkeypatch.setattr("core.stability.windup.STEP", 0.85)
     view = page(kim)
     found = view.found
     assert found is not None

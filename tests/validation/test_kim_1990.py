@@ -20,13 +20,14 @@ from core.stability import (
     Stability,
     harmonic_tongues,
     histories,
+    kim_edges,
+    kim_matrix,
     mean_wind_up,
     monodromy,
-    paper,
     refined,
     tongues,
 )
-from core.stability.coefficients import LOAD_SLOPE
+from core.stability.hill.coefficients import LOAD_SLOPE
 from core.stability.model_comparison import linear_verdicts, rest_verdict
 from core.study import Study
 
@@ -112,14 +113,14 @@ def test_the_eleven_by_eleven_matrix_is_the_papers(half: bool) -> None:
     """Its entries from the integrals (24), its determinant (32) zero at the edges it gives."""
     with mpmath.workdps(30):
         c = integrals()
-        ours = paper.matrix(shaft().coefficients, 0.05, half)
+        ours = kim_matrix(shaft().coefficients, 0.05, half)
         for i in range(11):
             for j in range(11):
                 k = i - j
                 entry = -mpmath.mpf("0.05") * (c[k] if k >= 0 else mpmath.conj(c[-k]))
                 entry += (i - 5 + (0.5 if half else 0)) ** 2 if i == j else 0
                 assert abs(complex(ours[i, j]) - complex(entry)) < 1e-14
-        edges = paper.edges(shaft().coefficients, 0.05)
+        edges = kim_edges(shaft().coefficients, 0.05)
         for n, pair in enumerate(edges, 1):
             for eta in pair if n % 2 == half else ():
                 k = mpmath.matrix(11, 11)
@@ -134,7 +135,7 @@ def test_the_eleven_by_eleven_matrix_is_the_papers(half: bool) -> None:
 
 
 def test_eleven_by_eleven_is_good_to_four_decimals_but_not_to_six() -> None:
-    off = np.abs(paper.edges(shaft().coefficients, 0.05) - printed(APPROXIMATE)[:9]).max(axis=1)
+    off = np.abs(kim_edges(shaft().coefficients, 0.05) - printed(APPROXIMATE)[:9]).max(axis=1)
     assert off.max() < 1e-4
     assert off.min() > 1e-6
 
@@ -270,7 +271,7 @@ def test_fig_11_loses_contact_again_and_again() -> None:
 def test_averages_of_the_first_turn_fit_figures_6_and_7(monkeypatch: pytest.MonkeyPatch) -> None:
     """The mean wind-up stays within 0.02 for Q up to 0.1, and both means grow with Q and with speed; the follower stays on
     the cam as far as Q = 0.2, and leaves it at 0.5."""
-    monkeypatch.setattr("core.stability.means.STEP", 0.25)
+    monkeypatch.setattr("core.stability.windup.STEP", 0.25)
     means = mean_wind_up(shaft().coefficients, (0.05, 0.1, 0.2, 0.5), 5.0, contact=shaft().contact)
     largest = means.wind_up.max(axis=1)
     assert 0.018 < largest[1] < 0.02 < largest[2]

@@ -18,12 +18,11 @@ import numpy as np
 from core.errors import NoStability
 from core.motion import EPS
 from core.numerics.cancellation import checkpoint
-from core.stability.coefficients import Coefficients
-from core.stability.equations import EXACT, weight_and_potential
-from core.stability.fourier import fourier, truncation
-from core.stability.harmonics import Basis, basis, product
+from core.stability.hill.coefficients import EXACT, Coefficients, fourier, truncation, weight_and_potential
+from core.stability.hill.matrices import Basis, basis, product
 
-ERROR = 1e-8  # wanted of an edge η
+ETA_MAX = 5.6  # of a chart, as Kim1990 Fig. 8 has it
+EDGE_ERROR = 1e-8  # wanted of an edge η
 LEAST_ORDER, MOST_ORDER = 8, 40
 SPARE = 6  # harmonics above those of the highest tongue asked for
 GROWTH = 1.4
@@ -59,12 +58,17 @@ class Tongues:
         return self.edges.shape[1]
 
 
+def count_up_to(eta_max: float) -> int:
+    """How many tongues may reach below an η: one at each half, and one more whose lower edge may."""
+    return max(1, int(np.floor(2.0 * eta_max + 1e-9)))
+
+
 def harmonic_tongues(
     coefficients: Coefficients,
     q: np.ndarray,
     count: int,
     equation: str = EXACT,
-    error: float = ERROR,
+    error: float = EDGE_ERROR,
     most_order: int = MOST_ORDER,
 ) -> Tongues:
     """Tongues 1 ... count of the rows q (rows,), without damping, by as many harmonics as the wanted error needs.

@@ -1,0 +1,248 @@
+"""The periodic coefficients of a flexible camshaft, those of its Hill equations, and their Fourier coefficients.
+
+The first follow from the energies of the whole mechanism in closed form (Kim1990 §3).
+
+Lagrange's equation of the cam, whose mechanism has the kinetic energy J θ̇²/2 and the potential energy V, both functions of
+its angle: (I_c + J) θ̈ + J' θ̇²/2 + V' = K_s (θ_i - θ). Divided by I_c ω² and with Q = max J / I_c it is Kim1990 (13),
+whose single mass M_v is the case J = M_v X'²:
+
+    D = 1 + Q d,  d = J / max J,    C = d'/2 (X'X''/X'm²),    κ = C',    Q U = V' / (I_c ω²),    ψ = U'.
+
+Friction is left out: it would not be analytic, and Kim1990 has none.
+
+The linear equations whose stability is computed are ζ'' + (η² w + p) 4π² ζ = 0, a dot-less ' by y = θ_i/2π, before damping.
+
+Fourier coefficients c_k = (1/2π) ∫ f e^{-ikθ} dθ to any order: the polynomial of each panel is integrated exactly. On a panel
+of half width h around θ0 a Legendre polynomial gives ∫ P_l e^{-ikθ} dθ = 2h (-i)^l j_l(kh) e^{-ikθ0}, j_l the spherical
+Bessel function: no rule to be fine enough for k (Filon's idea), and jumps at the ends of panels cost nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from core.dynamics import Loading
+from core.errors import NoStability
+from core.mechanism.kinematics import Kinematics
+from core.motion import TURN, Angles, Program
+from core.motion.extremes import find_extremes
+from core.stability.panels import NODES, Panels, fit, to_legendre
+
+FIXED, RETUNED = "fixed", "retuned"
+INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the panels: d, C, U, κ, ψ
+
+KinematicsAt = Callable[[Angles], Kinematics]
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """What the coefficients are measured in.
+
+    inertia       max J [kg m²] over the turn
+    stroke, slope, curvature   X_m, X'_m, X''_m: stroke and largest |y'|, |y''| [m or rad]
+    lowest        least y: where Kim1990's valve spring is at rest
+    """
+
+    inertia: float
+    stroke: float
+    slope: float
+    curvature: float
+    lowest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Coefficients:
+    """d, C, U, κ, ψ over one turn (rows of ``panels``) for the machine's own Q.
+
+    spring  ``retuned``: U of Kim1990's valve spring, which is made anew for each speed, K_v = a M_v X''m ω²/X_m;
+            ``fixed``: the design's own loads; then U and ψ are to be multiplied by η² (U = V'/(K_s Q))
+    q       Q of the machine, max J / I_c; for another Q all that the cam moves, masses and loads, is made so much heavier
+    """
+
+    panels: Panels
+    sizes: Sizes
+    spring: str
+    q: float
+
+    @property
+    def fixed(self) -> bool:
+        return self.spring == FIXED
+
+
+def is_dwell(panels: Panels) -> np.ndarray:
+    """True (m,) where nothing moves: D = 1 and C = ψ = 0 on the whole panel."""
+    return np.asarray(~panels.values.any(axis=(0, 2)))
+
+
+def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
+    """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
+
+    def quantities(angles: Angles) -> dict[str, np.ndarray]:
+        kinematics = kinematics_at(angles)
+        y = kinematics.motion.y
+        return {"inertia": loading.inertia(kinematics)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
+
+    found = find_extremes(quantities, program)
+    top = found["inertia"].high.value
+    stroke = found["y"].high.value - found["y"].low.value
+    if not stroke > 0.0:
+        raise NoStability("nothing moves, so nothing excites the shaft", "motion.segments", "give a segment that rises")
+    if not top > 0.0:
+        raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
+    return Sizes(top, stroke, found["slope"].high.value, found["curvature"].high.value, found["y"].low.value)
+
+
+def coefficients(
+    kinematics_at: KinematicsAt,
+    loading: Loading,
+    program: Program,
+    camshaft_inertia: float,
+    stiffness: float,
+    spring: str,
+    spring_factor: float,
+) -> Coefficients:
+    """The coefficients of a machine; I_c [kg m²], K_s [N m/rad].
+
+    Raises NoStability where nothing with mass moves, or where the velocity jumps: a blow that no shaft survives.
+    """
+    for i, join in enumerate(program.joins):
+        if join.jumps[0] or join.jumps[1]:
+            field = f"motion.segments[{(i + 1) % len(program.joins)}]"
+            at = float(np.rad2deg(join.theta))
+            raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
+    size = sizes(kinematics_at, loading, program)
+    q = size.inertia / camshaft_inertia
+    heaviest, retuned = max(1.0, 2.0 * q), spring == RETUNED
+
+    def functions(angles: Angles) -> np.ndarray:
+        kinematics = kinematics_at(angles)
+        d, d1, d2 = loading.inertia(kinematics) / size.inertia
+        u = _valve_spring(kinematics.motion.y, size, spring_factor) if retuned else loading.potential(kinematics) / (stiffness * q)
+        # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
+        big = 1.0 + heaviest * d
+        return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])
+
+    return Coefficients(fit(functions, program, 5), size, spring, q)
+
+
+def _valve_spring(y: np.ndarray, size: Sizes, factor: float) -> np.ndarray:
+    """U = a X''m X X'/(X_m X'm²) and ψ = U' (2, n), X counted from its lowest place (Kim1990 (7), (13))."""
+    x = y[0] - size.lowest
+    gain = factor * size.curvature / (size.stroke * size.slope**2)
+    return gain * np.array([x * y[1], y[1] * y[1] + x * y[2]])
+
+
+# -- Hill equations ------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class LinearEquation:
+    """``whole``: D and C are kept; else D → 1 and C is dropped, which is not consistent to first order in Q."""
+
+    slug: str
+    label: str
+    whole: bool
+    source: str
+
+
+EXACT, APPROXIMATE = "exact_21", "approx_22"
+
+EQUATIONS: Mapping[str, LinearEquation] = MappingProxyType(
+    {
+        EXACT: LinearEquation(
+            EXACT,
+            "Hill form (21), exact",
+            True,
+            "Kim1990 (21)",
+        ),
+        APPROXIMATE: LinearEquation(
+            APPROXIMATE,
+            "Kim1990 (22), approximate",
+            False,
+            "Kim1990 (22), with X''X for its X''X''",
+        ),
+    }
+)
+
+
+def inertia_and_pull(
+    coefficients: Coefficients, equation: str, q: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """D, Q C and Q ψ (rows, m, NODES) for Q (rows,); with a fixed spring Q ψ is still to be multiplied by η²."""
+    rows = coefficients.panels.values
+    q = np.asarray(q, dtype=float)[:, None, None]
+    pull = q * rows[LOAD_SLOPE]
+    if not EQUATIONS[equation].whole:
+        return np.ones_like(pull), np.zeros_like(pull), pull
+    return 1.0 + q * rows[INERTIA], q * rows[CENTRIPETAL], pull
+
+
+def weight_and_potential(coefficients: Coefficients, equation: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """w and p (rows, m, NODES) of ζ'' + 4π²(η² w + p) ζ = 0, ζ = √D β.
+
+    (21): w = 1/D, p = Qψ/D + (QC/D)²; a fixed spring, whose ψ = η² ψ1: w = (1 + Qψ1)/D, p = (QC/D)².
+    """
+    d, c, pull = inertia_and_pull(coefficients, equation, q)
+    speed = (c / d) ** 2
+    if coefficients.fixed:
+        return (1.0 + pull) / d, speed
+    return 1.0 / d, pull / d + speed
+
+
+# -- Fourier coefficients ------------------------------------------------------------------------------------
+
+MOST_KEPT = 2_000_000  # entries of a matrix that is kept, 32 MB
+BLOCK = 64  # panels that are worked on at once where there are so many that none is kept
+
+
+def _weights(start: np.ndarray, width: np.ndarray, highest: int) -> np.ndarray:
+    """Of panels with starts and widths (m,): (highest + 1, m NODES)."""
+    from scipy.special import spherical_jn
+
+    k = np.arange(highest + 1)
+    half = 0.5 * width
+    degree = np.arange(NODES)
+    # panels come in few widths
+    widths, at = np.unique(half, return_inverse=True)
+    bessel = spherical_jn(degree[:, None, None], k[:, None] * widths)  # (l, k, widths)
+    turned = bessel * ((-1j) ** degree)[:, None, None]
+    by_node = np.tensordot(turned, to_legendre(NODES), (0, 0))  # (k, widths, node)
+    shift = np.exp(-1j * k[:, None] * (start + half)) * (2.0 * half / TURN)
+    return np.ascontiguousarray((by_node[:, at] * shift[..., None]).reshape(k.size, -1))
+
+
+@lru_cache(maxsize=16)
+def _kept(panels: Panels, highest: int) -> np.ndarray:
+    return _weights(panels.start, panels.width, highest)
+
+
+def fourier(panels: Panels, values: np.ndarray, highest: int) -> np.ndarray:
+    """c_0 ... c_highest (..., highest + 1) of functions given at the nodes (..., m, NODES); c_-k is the conjugate.
+
+    Exact for the panel's polynomials: what these leave of the function stands in ``truncation``. The matrix is kept for the
+    next row of a chart, where it is not larger than ``MOST_KEPT``.
+    """
+    enough = 64
+    while enough < highest:
+        enough *= 2
+    if (enough + 1) * panels.count * NODES <= MOST_KEPT:
+        flat = values.reshape(*values.shape[:-2], -1)
+        return flat @ _kept(panels, enough)[: highest + 1].T
+    out = np.zeros((*values.shape[:-2], highest + 1), dtype=complex)
+    for first in range(0, panels.count, BLOCK):
+        some = slice(first, first + BLOCK)
+        flat = values[..., some, :].reshape(*values.shape[:-2], -1)
+        out += flat @ _weights(panels.start[some], panels.width[some], highest).T
+    return out
+
+
+def truncation(panels: Panels, values: np.ndarray) -> np.ndarray:
+    """What the panels' polynomials leave of functions (..., m, NODES), as the mean of |last Legendre coefficients|: no
+    Fourier coefficient is wrong by more."""
+    last = np.abs(values @ to_legendre(NODES)[-2:].T).sum(axis=-1)
+    return last @ panels.width / TURN
