@@ -111,7 +111,7 @@ run: .venv/.ready
 	@.venv/bin/kindyna $(ARGS)
 
 test: .venv/.ready .venv/.test-packages
-	@.venv/bin/python -m pytest -q -n auto --maxprocesses 4 $(ARGS)
+	@.venv/bin/python -m pytest -q -n auto --maxprocesses 4 --dist worksteal $(ARGS)
 
 check: .venv/.ready
 	@.venv/bin/ruff check

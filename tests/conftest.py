@@ -54,6 +54,12 @@ def pytest_configure() -> None:
     gc.disable()
 
 
+def pytest_collection_finish() -> None:
+    """Modules and tests stay: whoever looks for rubbish need not look through them."""
+    gc.collect()
+    gc.freeze()
+
+
 def pytest_runtest_teardown() -> None:
     """What is due by now."""
     tidy()
@@ -78,8 +84,9 @@ def homes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(autouse=True)
 def own_settings(homes: Iterator[Path]) -> Iterator[Path]:
-    """Give each test an empty home, apart from its tmp_path."""
+    """Give each test an empty home, apart from its tmp_path. Folders within it come to be where they are needed."""
     home = next(homes)
+    home.mkdir()
     with pytest.MonkeyPatch.context() as environment:
         for variable, folder in (
             ("HOME", "."),
@@ -89,7 +96,6 @@ def own_settings(homes: Iterator[Path]) -> Iterator[Path]:
             ("XDG_STATE_HOME", ".local/state"),
             ("XDG_CACHE_HOME", ".cache"),
         ):
-            (home / folder).mkdir(parents=True, exist_ok=True)
             environment.setenv(variable, str(home / folder))
         yield home
 

@@ -510,20 +510,33 @@ def free_bodies(design: Design, there: Solved, way: int) -> dict[str, Any]:
     force of the frame on the camshaft and the motor's torque on it. Friction, against the slider's way, is that of the
     normal force's size: both signs are tried. Plain names as in ``core.dynamics.Forces``.
     """
-    found = []
+    normal, parts = cam_shape(design, there).normal, masses(design, there)
     for sign in (1, -1):
-        told = _free_bodies(design, there, way, sign)
-        if told["normal"] * sign >= 0:
-            found.append(told)
-    if not found:
-        raise Jammed
-    return found[0]
+        forces = _free_bodies(design, there, normal, parts, way * sign)
+        if forces["normal"] * sign >= 0:
+            return forces
+    raise Jammed
 
 
-def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str, Any]:
+def solution_of(matrix: list[list[Any]], right: list[Any]) -> list[Any]:
+    """Of linear equations, by elimination with the largest pivot of each column."""
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    for k in range(len(rows)):
+        largest = max(range(k, len(rows)), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[largest] = rows[largest], rows[k]
+        for row in rows[k + 1 :]:
+            if row[k]:
+                factor = row[k] / rows[k][k]
+                row[k + 1 :] = [a - factor * b if b else a for a, b in zip(row[k + 1 :], rows[k][k + 1 :], strict=True)]
+    found: list[Any] = []
+    for k in reversed(range(len(rows))):
+        known = MP.fsum(a * x for a, x in zip(rows[k][k + 1 : -1], found, strict=True) if a)
+        found.insert(0, (rows[k][-1] - known) / rows[k][k])
+    return found
+
+
+def _free_bodies(design: Design, there: Solved, normal: Any, parts: dict[str, Mass], friction_sign: int) -> dict[str, Any]:
     d, w2, g = sense_of(design), speed_of(design) ** 2, gravity_of(design)
-    normal = cam_shape(design, there).normal
-    parts = masses(design, there)
     has_arm = "arm" in parts
     names = [*(("pivot", "arm_pin", "slider_pin") if has_arm else ()), "normal", "contact", "bearing", "torque"]
     columns = {}
@@ -531,7 +544,7 @@ def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str
         wide = 1 if name in ("normal", "contact", "torque") else 2
         columns[name] = list(range(sum(map(len, columns.values())), sum(map(len, columns.values())) + wide))
     size = sum(map(len, columns.values()))
-    matrix, right = MP.zeros(size, size), MP.zeros(size, 1)
+    matrix, right = [[MP.zero] * size for _ in range(size)], [MP.zero] * size
     row = 0
 
     def body(acting: list[tuple[str, Any, Any]], given: Any, given_moment: Any, moments: bool = True) -> None:
@@ -542,7 +555,7 @@ def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str
                 for k, column in enumerate(columns[name]):
                     force = direction_ * ((1, 1j)[k] if len(columns[name]) == 2 else 1)
                     part = (MP.re(force), MP.im(force), MP.im(MP.conj(place) * force))[axis]
-                    matrix[row, column] += part
+                    matrix[row][column] += part
             right[row] = -(MP.re(given), MP.im(given), given_moment)[axis]
             row += 1
 
@@ -557,7 +570,7 @@ def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str
         return force, moment
 
     friction = MP.convert(design.drive.loads.friction)
-    guide = there.guide * 1j - there.guide * friction * way * sign  # of one newton across the guide
+    guide = there.guide * 1j - there.guide * friction * friction_sign  # of one newton across the guide
     push = push_on_output(design, there.y.c[0]) * there.guide
     roller = there.roller.c[0]
     if has_arm:
@@ -571,9 +584,9 @@ def _free_bodies(design: Design, there: Solved, way: int, sign: int) -> dict[str
         force, _ = lost("follower")
         body([("normal", guide, roller), ("contact", -normal, roller)], force + push, 0, moments=False)
     body([("bearing", 1, MP.zero), ("contact", normal, roller)], 0, 0, moments=False)
-    matrix[row, columns["torque"][0]] = d
-    matrix[row, columns["contact"][0]] = MP.im(MP.conj(roller) * normal)
-    solution = MP.lu_solve(matrix, right)
+    matrix[row][columns["torque"][0]] = MP.convert(d)
+    matrix[row][columns["contact"][0]] = MP.im(MP.conj(roller) * normal)
+    solution = solution_of(matrix, right)
     told: dict[str, Any] = {}
     for name, at in columns.items():
         told[name] = solution[at[0]] + (1j * solution[at[1]] if len(at) == 2 else 0)
