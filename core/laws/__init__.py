@@ -1,9 +1,8 @@
 """Motion laws as one table walked by one evaluator."""
 
-from core.laws.peaks import Peaks, peaks, peaks_of
-from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, integrate, runs_of
+from core.laws.peaks import Peaks, peaks
+from core.laws.pieces import ORDERS, Acceleration, Piece, PieceTable, Sine, asymmetric, cut, integrate, moved
 from core.laws.polynomial import NoSpline, hermite, least_jerk
-from core.laws.shapes import asymmetric, cut
 from core.laws.table import ALIASES, LAWS, Law, find_law, scca
 
 __all__ = [
@@ -23,8 +22,7 @@ __all__ = [
     "hermite",
     "integrate",
     "least_jerk",
+    "moved",
     "peaks",
-    "peaks_of",
-    "runs_of",
     "scca",
 ]

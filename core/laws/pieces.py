@@ -1,4 +1,5 @@
-"""Curves as tables of coefficients: every piece is a polynomial plus sines, so one evaluator gives them all.
+"""Curves as tables of coefficients: every piece is a polynomial plus sines, so one evaluator gives them all;
+and how they are cut, stretched and mirrored.
 
 A piece starting at u0 is  s(u) = sum_k c_k w**k + sum_j A_j sin(f_j w + p_j),  w = u - u0.
 """
@@ -10,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from math import comb
 
 import numpy as np
 
@@ -70,18 +72,19 @@ def integrate(rows: Sequence[Acceleration]) -> tuple[Piece, ...]:
             v + row.level * w + speed * (cos0 - cos1),
         )
         start += w
-    return tuple(_scaled(p, 1.0 / s) for p in pieces)
-
-
-def _scaled(piece: Piece, by: float) -> Piece:
-    sines = tuple(Sine(by * q.amplitude, q.frequency, q.phase) for q in piece.sines)
-    return Piece(piece.start, tuple(by * c for c in piece.polynomial), sines)
+    return tuple(stretched(pieces, 0.0, 1.0, 0.0, 1.0 / s, 0.0))
 
 
 class PieceTable:
-    """Pieces as arrays, ready for the evaluator: polynomial (order, power, m) and sines (3, j, m)."""
+    """m pieces as arrays, ready for the evaluator.
+
+    starts       (m,) where each starts
+    derivatives  of value and three derivatives the coefficients (powers, m)
+    sines        amplitude, frequency and phase (3, j, m)
+    """
 
     def __init__(self, pieces: Sequence[Piece]) -> None:
+        self.starts = np.array([p.start for p in pieces])
         powers = max(len(p.polynomial) for p in pieces)
         waves = max(len(p.sines) for p in pieces)
         m = len(pieces)
@@ -103,18 +106,23 @@ class PieceTable:
         waves = [(amplitude * frequency**order).sum(axis=0) for order in range(ORDERS)]
         return np.array([np.abs(rows).sum(axis=0) for rows in self.derivatives]) + np.array(waves)
 
+    def at(self, u: np.ndarray) -> np.ndarray:
+        """Value and three derivatives at ``u`` (n,): shape (4, n); at a join the right-hand limit."""
+        index = np.clip(np.searchsorted(self.starts, u, side="right") - 1, 0, None)
+        return self.evaluate(index, u - self.starts[index])
+
     def evaluate(self, index: np.ndarray, w: np.ndarray) -> np.ndarray:
         """Value and three derivatives by w at ``w`` (n,) of the pieces ``index`` (n,): shape (4, n)."""
-        runs = runs_of(index)
+        runs = _runs_of(index)
         out = np.empty((ORDERS, w.size))
         if runs is None:
             self._anywhere(index, w, out)
         else:
             for piece, part in runs:
-                self.along(piece, w[part], out[:, part])
+                self._on_one(piece, w[part], out[:, part])
         return out
 
-    def along(self, piece: int, w: np.ndarray, out: np.ndarray) -> None:
+    def _on_one(self, piece: int, w: np.ndarray, out: np.ndarray) -> None:
         """The same on one piece, into ``out`` (4, n)."""
         for order, powers in enumerate(self._powers[piece]):
             total = out[order]
@@ -166,7 +174,7 @@ def _add_wave(f: np.ndarray | float, sin: np.ndarray, cos: np.ndarray, out: np.n
 _RUN = 100  # as many cam angles cost as much as one more pass over a piece
 
 
-def runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
+def _runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
     """The stretches of an index (n,) that stay on one piece: piece and where; None where they are too short to be worth
     a pass each."""
     cuts = np.flatnonzero(index[1:] != index[:-1]) + 1
@@ -174,3 +182,51 @@ def runs_of(index: np.ndarray) -> list[tuple[int, slice]] | None:
         return None
     ends = [0, *cuts.tolist(), index.size]
     return [(int(index[a]), slice(a, b)) for a, b in pairwise(ends) if b > a]
+
+
+# -- pieces made of others --------------------------------------------------------------------------------
+
+
+def moved(polynomial: Sequence[float], by: float) -> tuple[float, ...]:
+    """The polynomial p(w) written in w - by."""
+    n = len(polynomial)
+    return tuple(sum(polynomial[k] * comb(k, j) * by ** (k - j) for k in range(j, n)) for j in range(n))
+
+
+def cut(pieces: Sequence[Piece], at: float) -> tuple[Piece, ...]:
+    """The same curve with a piece starting at u = at."""
+    out = []
+    for piece, end in zip(pieces, [p.start for p in pieces[1:]] + [1.0], strict=True):
+        out.append(piece)
+        if piece.start < at < end:
+            by = at - piece.start
+            sines = tuple(Sine(q.amplitude, q.frequency, q.phase + q.frequency * by) for q in piece.sines)
+            out.append(Piece(at, moved(piece.polynomial, by), sines))
+    return tuple(out)
+
+
+def stretched(
+    pieces: Sequence[Piece], start: float, by: float, new_start: float, gain: float, lift: float
+) -> list[Piece]:
+    """lift + gain s, with u - start stretched ``by`` times and begun anew at new_start."""
+    out = []
+    for p in pieces:
+        polynomial = [gain * c / by**k for k, c in enumerate(p.polynomial)]
+        polynomial[0] += lift
+        sines = tuple(Sine(gain * q.amplitude, q.frequency / by, q.phase) for q in p.sines)
+        out.append(Piece(new_start + (p.start - start) * by, tuple(polynomial), sines))
+    return out
+
+
+def asymmetric(pieces: Sequence[Piece], crossover: float) -> tuple[Piece, ...]:
+    """A symmetric rise whose crossover from acceleration to deceleration stands at u = crossover (0...1).
+
+    The first half is stretched over 0...x and to the height x, the second over the rest, so that s and v are continuous
+    and a too where it is 0 in the middle (Norton ch. 3; Neklutin).
+    """
+    x = crossover
+    halves = cut(pieces, 0.5)
+    first = stretched([p for p in halves if p.start < 0.5], 0.0, 2.0 * x, 0.0, 2.0 * x, 0.0)
+    # 1 - 2(1-x)(1 - L) = (2x - 1) + 2(1-x) L
+    second = stretched([p for p in halves if p.start >= 0.5], 0.5, 2.0 - 2.0 * x, x, 2.0 - 2.0 * x, 2.0 * x - 1.0)
+    return tuple(first + second)

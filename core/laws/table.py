@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
-from math import comb, pi
+from math import pi
 from types import MappingProxyType
 
 import numpy as np
 
-from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, integrate
+from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, integrate, moved
 
 
 @dataclass(frozen=True)
@@ -37,10 +36,7 @@ class Law:
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s, s', s'', s''' by u at ``u`` (n,) in 0...1: shape (4, n); at a join inside the law the right-hand limit."""
-        u = np.atleast_1d(np.asarray(u, dtype=float))
-        starts = np.array([p.start for p in self.pieces])
-        index = np.clip(np.searchsorted(starts, u, side="right") - 1, 0, None)
-        return self._table.evaluate(index, u - starts[index])
+        return self._table.at(np.atleast_1d(np.asarray(u, dtype=float)))
 
     @cached_property
     def symmetric(self) -> bool:
@@ -83,17 +79,6 @@ MODIFIED_SINE = (
 )
 
 
-def _mirrored_p1() -> tuple[Piece, ...]:
-    """1 - P1(1-u), expanded in exact fractions."""
-    backwards = [Fraction(0)] * len(_P1)
-    for k, c in enumerate(_P1):
-        for j in range(k + 1):
-            backwards[j] += Fraction(c, 41) * comb(k, j) * (-1) ** j
-    told = [-c for c in backwards]
-    told[0] += 1
-    return _one(*map(float, told))
-
-
 _P1 = (0, 0, 0, 250, 0, -852, 1096, -558, 105)  # over 41; the literature's decimals are these fractions rounded
 C1 = _one(0.0, 1.0, sines=(Sine(-1.0 / pi, pi),))
 C2 = _one(0.0, 1.0, sines=(Sine(1.0 / pi, pi),))
@@ -102,7 +87,7 @@ H1 = _one(1.0, sines=(Sine(-1.0, pi / 2, pi / 2),))
 H2 = _one(0.0, sines=(Sine(1.0, pi / 2),))
 HARMONIC = _one(0.5, sines=(Sine(-0.5, pi, pi / 2),))
 P1 = _one(*(c / 41 for c in _P1))
-P2 = _mirrored_p1()
+P2 = _one(*(((41 if j == 0 else 0) - (-1) ** j * c) / 41 for j, c in enumerate(moved(_P1, 1))))  # 1 - P1(1-u), exact in integers
 LINE = _one(0.0, 1.0)
 
 

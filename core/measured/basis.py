@@ -16,7 +16,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from core.laws.ring import STATES, jerk_rows, quintics, states
+from core.laws.polynomial import STATES, jerk_rows, quintics, states
 from core.measured.table import Table, distinct
 
 CLOSE = 0.05  # of the usual distance: knots closer together than this are one
@@ -44,8 +44,7 @@ def natural(knots: np.ndarray, order: int, given: np.ndarray) -> np.ndarray:
     known = np.zeros((knots.size, STATES, given.shape[1]))
     fixed = np.zeros((knots.size, STATES), dtype=bool)
     known[:, order], fixed[:, order], fixed[0, 0] = given, True, True
-    nothing = np.zeros(fixed.shape)
-    return states(distances(knots), known, fixed, nothing, np.zeros_like(known))
+    return states(distances(knots), known, fixed)
 
 
 def distances(knots: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from core.design import Design, Motion, Point, Segment, Spline, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import DesignError, Fault, KindynaError
-from core.laws.ring import jerk_rows
+from core.laws.polynomial import jerk_rows
 from core.measured.basis import Basis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
 from core.measured.table import LEAST_ANGLES, Table, distinct

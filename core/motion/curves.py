@@ -12,9 +12,7 @@ import numpy as np
 
 from core.design import Named, Polynomial, Scca, Segment, Spline
 from core.errors import DesignError, Fault
-from core.laws import Piece, asymmetric, find_law, hermite, least_jerk, scca
-from core.laws.pieces import PieceTable
-from core.laws.shapes import moved
+from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
 
 
 @dataclass(frozen=True)
@@ -94,16 +92,10 @@ def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:
     width = np.diff([*(p.start for p in pieces), 1.0])
     speed = (rows * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
     found: list[list[float]] = [[] for _ in pieces]
-    degrees = powers - 2 - np.argmax(speed[:, ::-1] != 0.0, axis=1)
-    turning = _both_signs(speed)
-    for n in set(degrees[turning].tolist()):
-        which = np.flatnonzero(turning & (degrees == n))
-        companion = np.zeros((which.size, n, n))
-        companion[:, np.arange(1, n), np.arange(n - 1)] = 1.0
-        companion[:, :, -1] = -speed[which, :n] / speed[which, n : n + 1]
-        for i, roots in zip(which.tolist(), np.linalg.eigvals(companion[:, ::-1, ::-1]), strict=True):
-            real = roots[np.abs(roots.imag) < 1e-9].real
-            found[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
+    for i in np.flatnonzero(_both_signs(speed)).tolist():
+        roots = np.roots(speed[i, ::-1])
+        real = roots[np.abs(roots.imag) < 1e-9].real
+        found[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
     return found
 
 

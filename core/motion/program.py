@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import pi
+from math import fsum, pi
 
 import numpy as np
 
 from core.design import Motion
 from core.findings import ERROR, WARNING, Finding
-from core.laws import PieceTable, runs_of
+from core.laws import Piece, PieceTable
 from core.motion.curves import shape_of
-from core.numerics.compensated_sum import two_sum
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import unit
 
@@ -70,30 +69,24 @@ class Program:
     """
 
     def __init__(self, motion: Motion) -> None:
-        begins = [np.deg2rad(d) for d in _running_sums([s.span_deg for s in motion.segments])]
-        heights = _running_sums([s.rise for s in motion.segments])
-        rows, starts, segment = [], [], []
+        pieces: list[Piece] = []
+        rows, begin, level = [], 0.0, motion.start
         for i, part in enumerate(motion.segments):
             shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
             span = np.deg2rad(part.span_deg)
+            pieces += shape.pieces
             for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
-                rows.append((piece, span, heights[i], shape.gain, velocity_sign))
-                starts.append(begins[i] + piece.start * span)
-                segment.append(i)
+                rows.append((i, begin + piece.start * span, span, level, shape.gain, velocity_sign))
+            before = motion.segments[: i + 1]  # summed up with one rounding
+            begin, level = np.deg2rad(fsum(s.span_deg for s in before)), motion.start + fsum(s.rise for s in before)
+        segment, self.starts, self._span, levels, gain, self.velocity_signs = np.array(rows).T
         self.motion = motion
-        self.starts = np.array(starts)
         self.ends = np.append(self.starts[1:], TURN)
-        self.segment = np.array(segment)
-        self._table = PieceTable([row[0] for row in rows])
-        self._begin = np.array(begins)[self.segment]
-        self._u0 = np.array([row[0].start for row in rows])
-        self._span = np.array([row[1] for row in rows])
-        scale = motion.scale
-        self._base = np.array([(motion.start + row[2]) * scale for row in rows])
-        self._rise = np.array([row[3] * scale for row in rows])
-        self.velocity_signs = np.array([row[4] for row in rows])
+        self.segment = segment.astype(int)
+        self._table = PieceTable(pieces)
+        self._base = levels * motion.scale
         # h/β^k, so that derivatives by u become derivatives by cam angle
-        self._gain = self._rise / self._span ** np.arange(4)[:, None]
+        self._gain = gain * motion.scale / self._span ** np.arange(4)[:, None]
 
     def angles(self, theta: np.ndarray, kept: bool = False) -> Angles:
         """Any cam angles (n,) [rad], each with the piece right of it."""
@@ -106,24 +99,8 @@ class Program:
 
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
-        runs = runs_of(angles.piece)
-        if runs is None:
-            return self._anywhere(angles)
-        y, velocity_sign = np.empty((4, angles.theta.size)), np.empty(angles.theta.size)
-        for piece, part in runs:
-            w = (angles.theta[part] - self._begin[piece]) / self._span[piece] - self._u0[piece]
-            out = y[:, part]
-            self._table.along(piece, w, out)
-            out *= self._gain[:, piece, None]
-            out[0] += self._base[piece]
-            velocity_sign[part] = self.velocity_signs[piece]
-        return MotionState(angles, y, velocity_sign)
-
-    def _anywhere(self, angles: Angles) -> MotionState:
-        """The same for angles that jump from piece to piece."""
         at = angles.piece
-        w = (angles.theta - self._begin[at]) / self._span[at] - self._u0[at]
-        y = self._table.evaluate(at, w)
+        y = self._table.evaluate(at, (angles.theta - self.starts[at]) / self._span[at])
         y *= self._gain[:, at]
         y[0] += self._base[at]
         return MotionState(angles, y, self.velocity_signs[at])
@@ -145,16 +122,6 @@ class Program:
         jumps = np.abs(jump) > bound
         where = np.append(self.starts[first][1:], 0.0)
         return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
-
-
-def _running_sums(values: list[float]) -> list[float]:
-    """Sums of the values before each, rounded once: what rounding takes is kept beside the sum."""
-    sums, high, low = [], 0.0, 0.0
-    for value in values:
-        sums.append(high + low)
-        high, taken = two_sum(high, value)
-        low += taken
-    return sums
 
 
 @lru_cache(maxsize=32)

@@ -11,7 +11,7 @@ import pytest
 from references import EPS
 
 from core.laws import NoSpline, Piece, PieceTable, least_jerk
-from core.laws.ring import states
+from core.laws.polynomial import states
 
 MP = mpmath.mp.clone()
 MP.dps = 100  # the reference's own equations lose half of them where knots are close together
@@ -168,23 +168,27 @@ def test_through_values_alone_jerk_and_its_slope_are_continuous(uneven: float) -
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8, 13])
-def test_wanted_states_pull_as_hard_as_their_weights(n: int) -> None:
-    """A ring of any length against the dense normal equations of the same sum of squares."""
+def test_a_ring_of_any_length_is_solved_as_its_normal_equations(n: int) -> None:
+    """Half of the states fixed, those of the first knot among them, against the dense equations for the others."""
     chance = np.random.default_rng(n)
     h = 0.5 + chance.random(n)
     h /= h.sum()
-    weight, wanted = chance.random((n, 3)) * 5.0, chance.normal(size=(n, 3, 2))
-    got = states(h, np.zeros((n, 3, 2)), np.zeros((n, 3), dtype=bool), weight, wanted)
+    fixed = chance.random((n, 3)) < 0.5
+    fixed[0, :2] = True
+    known = np.where(fixed[:, :, None], chance.normal(size=(n, 3, 2)), 0.0)
+    got = states(h, known, fixed)
     inner = np.linalg.inv(np.array([[1 / 20, 1 / 8, 1 / 6], [1 / 8, 1 / 3, 1 / 2], [1 / 6, 1 / 2, 1]]))
-    normal, right = np.diag(weight.ravel() ** 2), (weight[:, :, None] ** 2 * wanted).reshape(-1, 2)
+    normal = np.zeros((3 * n, 3 * n))
     for i in range(n):
         j = (i + 1) % n
         made = np.zeros((3, 3 * n))
         made[:, 3 * i : 3 * i + 3] -= np.array([[1, h[i], h[i] ** 2 / 2], [0, h[i], h[i] ** 2], [0, 0, h[i] ** 2]])
         made[:, 3 * j : 3 * j + 3] += np.diag([1, h[i], h[i] ** 2])
         normal += made.T @ inner @ made / h[i] ** 5
-    dense = np.linalg.solve(normal, right).reshape(n, 3, 2)
-    assert np.abs(got - dense).max() <= 64 * EPS * np.linalg.cond(normal) * np.abs(dense).max()
+    free, dense = np.flatnonzero(~fixed.ravel()), known.reshape(-1, 2)
+    inside = normal[np.ix_(free, free)]
+    dense[free] = np.linalg.solve(inside, -(normal @ dense)[free])
+    assert np.abs(got.reshape(-1, 2) - dense).max() <= 64 * EPS * np.linalg.cond(inside) * np.abs(dense).max()
 
 
 # -- what it refuses --------------------------------------------------------------------------------------
