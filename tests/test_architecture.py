@@ -1,0 +1,166 @@
+"""The house, read off the syntax trees: who asks what kind of design this is, how full a folder is, and who knows Qt."""
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from core.design import FOLLOWER_KINDS, parts
+
+ROOT = Path(__file__).parents[1]
+SOURCES = {path: ast.parse(path.read_text("utf-8")) for room in ("core", "kindyna_gui") for path in sorted((ROOT / room).rglob("*.py"))}
+
+MOST_FILES = 25
+OF_QT = {"PySide6", "shiboken6", "pyqtgraph", "kindyna_gui"}
+
+# -- what kind of design this is ---------------------------------------------------------------------------
+
+ALLOWED = ("core.design", "core.project", "core.followers")
+KINDS = {"Follower", "Linkage"} | {kind.__name__ for kind in get_args(parts.Follower)}
+KINDS |= {part.__name__ for row in FOLLOWER_KINDS.values() for part in (row.follower, row.loads)} | {"LinkageLoads"}
+SLUGS = {"linkage", *FOLLOWER_KINDS}
+
+EXCEPTIONS: dict[str, tuple[str, ...]] = {
+    "files and reports call the angle, the kind and the lengths by the name of the kind, which is promised": (
+        "core.study.study.Study.angle_column",
+        "core.study.study.Study.angle_name",
+        "core.study.quantities.names_of",
+        "core.output.report.report",
+        "core.output.summary.summary",
+        "kindyna_gui.labels.heading_of",
+        "kindyna_gui.forms.parameters_view.kind_label",
+    ),
+    "the table of centres and its constructions are written and shown for links that are drawn one by one": (
+        "core.output.centres.centres_data",
+        "core.output.centres.snapshot",
+        "core.output.position.position",
+        "kindyna_gui.linkage.centres_view.CentresView.follow",
+        "kindyna_gui.linkage.centres_view.CentresView.refresh",
+        "kindyna_gui.linkage.circle_view.CircleView._plan",
+        "kindyna_gui.linkage.circle_view.CircleView.refresh",
+        "kindyna_gui.linkage.polygon_view.PolygonView.follow",
+        "kindyna_gui.linkage.polygon_view.PolygonView.refresh",
+        "kindyna_gui.linkage.mechanism_view.MechanismView.refresh",
+    ),
+    "a menu or a group of the gallery belongs to one kind: the layouts of a cam slider, the links of a linkage": (
+        "kindyna_gui.linkage.menus._linkage",
+        "kindyna_gui.window.gallery.presets",
+        "kindyna_gui.window.submenus.fill_layouts",
+    ),
+    "a linkage has as many plots as it has links, and names them after these": (
+        "kindyna_gui.graph.graph_view.GraphView.refresh",
+        "kindyna_gui.graph.linkage_plots.lacking",
+        "kindyna_gui.graph.linkage_plots.quantities_for",
+        "kindyna_gui.graph.plots_view.PlotView._missing",
+        "kindyna_gui.graph.plots_view.PlotView.refresh",
+        "kindyna_gui.pictures.files._plots.picture",
+        "kindyna_gui.window.titles.title_of",
+    ),
+    "not yet asked by what the design has": (
+        "core.blend.apply._lowest",
+        "kindyna_gui.pictures.drawing.layers.layers_of",
+        "kindyna_gui.pictures.drawing.places.Reading.__init__",
+        "kindyna_gui.selftest._edit_and_undo",
+        "kindyna_gui.shown_kinds.is_linkage",
+        "kindyna_gui.window.main_window.MainWindow._front_dock",
+    ),
+}
+"""Reason: the functions that may ask what kind of design they have."""
+
+
+def module_of(path: Path) -> str:
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def names_in(node: ast.AST) -> set[str]:
+    """Every name that an expression mentions, attributes included."""
+    inside = list(ast.walk(node))
+    return {n.id for n in inside if isinstance(n, ast.Name)} | {n.attr for n in inside if isinstance(n, ast.Attribute)}
+
+
+def texts_in(node: ast.AST) -> set[str]:
+    return {n.value for n in ast.walk(node) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+
+
+def asks_kind(node: ast.AST) -> bool:
+    """``x.is_linkage``, ``is_linkage(x)``, ``isinstance(x, Kind)``, ``type(x) is Kind``, ``x.kind == "slug"``, ``case Kind()``."""
+    match node:
+        case ast.Attribute(attr="is_linkage", ctx=ast.Load()):
+            return True
+        case ast.Call(func=ast.Name(id="is_linkage")):
+            return True
+        case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, kind]):
+            return bool(names_in(kind) & KINDS)
+        case ast.Compare():
+            return bool(names_in(node) & KINDS) or bool(names_in(node) & {"kind", "kind_of"} and texts_in(node) & SLUGS)
+        case ast.MatchClass(cls=kind):
+            return bool(names_in(kind) & KINDS)
+    return False
+
+
+def who_asks(tree: ast.AST, place: str) -> Iterator[str]:
+    """The functions, with their module and class, that ask for the kind."""
+    for node in ast.iter_child_nodes(tree):
+        if asks_kind(node):
+            yield place
+        named = isinstance(node, ast.FunctionDef | ast.ClassDef)
+        yield from who_asks(node, f"{place}.{node.name}" if named else place)
+
+
+def test_only_design_project_and_followers_ask_what_kind_of_design_it_is() -> None:
+    """Everyone else asks whether the design has a motion, a cam, a slider."""
+    asking = set()
+    for path, tree in SOURCES.items():
+        module = module_of(path)
+        if not module.startswith(ALLOWED):
+            asking |= set(who_asks(tree, module))
+    excepted = [place for places in EXCEPTIONS.values() for place in places]
+    assert sorted(asking - set(excepted)) == [], "ask for what the design has, not for its kind"
+    assert sorted(set(excepted) - asking) == [], "no longer there: take them off the list of exceptions"
+    assert len(excepted) == len(set(excepted))
+
+
+@pytest.mark.parametrize(
+    ("source", "asks"),
+    [
+        ("design.drive.is_linkage", True),
+        ("is_linkage(design)", True),
+        ("isinstance(follower, CamSlider)", True),
+        ("isinstance(drive.mechanism, (design.Translating, int))", True),
+        ("type(follower) is Oscillating", True),
+        ("drive.kind == 'linkage'", True),
+        ("kind_of(follower) in ('cam-slider', 'translating')", True),
+        ("match follower:\n    case Translating(): pass", True),
+        ("isinstance(law, Named)", False),
+        ("drive.cam is None", False),
+        ("finding.kind == 'error'", False),
+        ("FOLLOWERS[type(follower)].build(follower)", False),
+    ],
+)
+def test_a_question_for_the_kind_is_seen(source: str, asks: bool) -> None:
+    assert bool(list(who_asks(ast.parse(source), ""))) is asks
+
+
+# -- folders and imports -----------------------------------------------------------------------------------
+
+
+def test_no_folder_is_too_full_to_be_looked_through() -> None:
+    full = {path.parent for path in SOURCES}
+    counts = {str(folder.relative_to(ROOT)): len(list(folder.glob("*.py"))) for folder in full}
+    assert {folder: count for folder, count in counts.items() if count > MOST_FILES} == {}
+
+
+def test_the_core_does_not_know_the_window() -> None:
+    """Wherever an import stands: in a function, too."""
+    found = set()
+    for path, tree in SOURCES.items():
+        if module_of(path).startswith("core"):
+            for node in ast.walk(tree):
+                if isinstance(node, ast.Import):
+                    found |= {(module_of(path), alias.name) for alias in node.names if alias.name.partition(".")[0] in OF_QT}
+                elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in OF_QT:
+                    found.add((module_of(path), node.module))
+    assert found == set()
