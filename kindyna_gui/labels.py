@@ -126,8 +126,6 @@ _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\
 
 def heading_of(design: Design, path: str) -> str:
     """What the value at a path belongs to, of a design that lists its parts: ``Link 3``, ``Link 4 slides on link 1``."""
-    if not design.drive.is_linkage:
-        return ""
     point, row = _OF_LINK.match(path), _OF_LIST.match(path)
     if point is not None:
         number = design.drive.mechanism.links[int(point[1])].number

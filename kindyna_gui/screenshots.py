@@ -18,7 +18,6 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.settings import Settings
-from kindyna_gui.shown_kinds import has_cam
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
@@ -98,7 +97,7 @@ def png(widget: QWidget) -> bytes:
 
 def telling_angle(study: Study) -> float:
     """Where the pressure angle is largest; of a linkage without a cam an eighth of a turn on [rad]. Raises NoAnswer."""
-    if not has_cam(study):
+    if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
     top: float = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta
     return top

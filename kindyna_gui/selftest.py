@@ -16,7 +16,6 @@ from core.study import Study, clear_caches
 from kindyna_gui.documents.exports import write_tables
 from kindyna_gui.places import examples
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
-from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.window.main_window import MainWindow
 from kindyna_gui.window.player import TURN
@@ -60,7 +59,7 @@ def _try(path: Path) -> str:
 
 
 def _edit_and_undo(window: MainWindow) -> None:
-    if is_linkage(window.session.design):
+    if window.session.study.by_crank:
         _speed_and_undo(window)
     else:
         _stroke_and_undo(window)

@@ -12,7 +12,7 @@ from core.errors import KindynaError
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
-from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.requirements import NotHere
 from kindyna_gui.window.fault_log import short
 from kindyna_gui.window.player import Player
 

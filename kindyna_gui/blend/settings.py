@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QGridLayout, QScrollArea, QToolButton, QVBoxLayout
 
 from core.blend import BlendError
 from core.design import UNITS, Unit
+from core.design.fields import LARGEST
 from kindyna_gui.blend.fields import PointRow, Ranged, SettingRow
 from kindyna_gui.blend.request import POINT, SETTINGS, Asked, plan, shown_names
 from kindyna_gui.blend.texts import reason
@@ -116,7 +117,7 @@ class SettingsArea(QScrollArea):
         if POINT not in names:
             for point in list(self.points):
                 self._remove_point(point, quietly=True)
-        if asked.stroke > 0.0 and asked.end > asked.start:
+        if all(1.0 / LARGEST <= size <= LARGEST for size in (asked.stroke, asked.end - asked.start)):
             self._set_steps(asked)
 
     def _set_steps(self, asked: Asked) -> None:

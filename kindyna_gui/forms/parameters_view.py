@@ -19,7 +19,7 @@ from kindyna_gui.forms.fields import COLUMNS, Field, NameField, Spec
 from kindyna_gui.labels import SECTION_NAMES, entry_label, heading_of
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.shown_kinds import is_linkage
+from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -124,7 +124,7 @@ class Form(QScrollArea):
 
 def kind_label(study: Study) -> str:
     """What kind of mechanism a design is, in a few words."""
-    if is_linkage(study.design):
+    if lists_links(study.design):
         links = len(study.design.drive.mechanism.links)
         return f"Linkage of {links} links{' and a cam' if study.design.drive.cam is not None else ''}"
     return FOLLOWER_KINDS[kind_of(study.design.drive.mechanism)].label

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from core.errors import KindynaError
 from core.output.channels import Channel, channels, existing
 from core.study import STAGES, Study, quantity
-from kindyna_gui.labels import reason, sentence
+from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.curves import different
 
 
@@ -43,9 +43,3 @@ def lack(study: Study, row: Channel) -> str:
     except KindynaError as error:
         return f"No {row.label[:1].lower()}{row.label[1:]}: {reason(study.design, error)}"
     return f"No {row.label[:1].lower()}{row.label[1:]} exists here"
-
-
-def missing(quantities: Iterable[str]) -> str:
-    """What to say where this kind of design has none of the quantities."""
-    names = " nor ".join(name.replace("_", " ") for name in quantities)
-    return sentence(f"this kind of follower has no {names}")

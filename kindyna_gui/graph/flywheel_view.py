@@ -12,7 +12,7 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import step_text
 from kindyna_gui.pictures.sizes import ROUNDING, torque_size
 from kindyna_gui.pictures.units import digits, readable
-from kindyna_gui.shown_kinds import NO_WHEEL, with_shaft
+from kindyna_gui.requirements import NO_WHEEL, with_shaft
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import READS

@@ -28,7 +28,6 @@ from kindyna_gui.graph.linkage_plots import first_graph
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.player_keys import obey
@@ -114,7 +113,7 @@ class GraphView(View):
         rows = channels(study.design)
         self._rows = {row.quantity: row for row in rows}
         self.choice.keep(self._rows)
-        if is_linkage(study.design) and not self.choice.chosen:
+        if study.by_crank and not self.choice.chosen:
             self.choice = Choice(first_graph(study))
         if not self.choice.plots:  # a graph without a plot would not say how to fill it
             self.choice.add()

@@ -1,4 +1,4 @@
-"""Which quantities of a linkage the plots of the window show, where those of a cam and its follower stand."""
+"""Which quantities a plot of the window shows: its usual ones, or of a design without them those of links that stand for them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,6 @@ from core.design import Design
 from core.errors import NoAnswer
 from core.study import Study
 from core.study.quantities import names_of
-from kindyna_gui.shown_kinds import is_linkage
 
 STILL = 1e-9  # [rad] a link that turns less than this does not turn
 MOST = 4  # curves in one plot that can still be told apart
@@ -67,9 +66,10 @@ _PLOTS: Mapping[str, Pick] = MappingProxyType(
 
 
 def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
-    """The quantities of a plot: the usual ones, or those that stand in their place for a linkage."""
-    if not is_linkage(study.design):
-        return tuple(usual)
+    """The quantities of a plot: the usual ones that the design can have, or those that stand in their place."""
+    possible = names_of(study.design)
+    if usual[0] in possible:
+        return tuple(n for n in usual if n in possible)
     there = _names(study)
     pick = _PLOTS.get(usual[0])
     found = pick(there) if pick is not None else [n for n in usual if n in there]
@@ -99,16 +99,17 @@ _TITLES: Mapping[str, str] = MappingProxyType(
         r"force\..*_size": "Joint forces",
         "driver_torque": "Driver torque",
         "driver_force": "Driver force",
-        "drive_torque": "Camshaft torque",
     }
 )
 """Names of quantities, as patterns -> what a plot of them is called."""
 
 
 def title_for(design: Design, usual: str, title: str) -> str:
-    """What a plot of the window is called for a linkage; ``title`` where it shows what it does for a cam, or nothing."""
-    pick = _PLOTS.get(usual)
-    found = next((name for name in pick(names_of(design)) if name), "") if pick is not None else ""
+    """What a plot of the window is called: ``title`` where it shows its usual quantity, or nothing."""
+    possible, pick = names_of(design), _PLOTS.get(usual)
+    if usual in possible or pick is None:
+        return title
+    found = next((name for name in pick(possible) if name), "")
     return next((told for pattern, told in _TITLES.items() if re.fullmatch(pattern, found)), title)
 
 
@@ -119,12 +120,13 @@ def first_graph(study: Study) -> list[list[str]]:
 
 
 def lacking(study: Study, usual: Sequence[str]) -> str:
-    """Why a plot of the window is empty for a linkage, in a sentence."""
+    """Why a plot of the window is empty, in a sentence."""
+    names = " nor ".join(name.replace("_", " ") for name in usual)
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
-        led = study.design.drive.is_linkage and study.design.drive.motion is not None
+        led = "motion" in study.stages
         way = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
         return f"No cam makes this linkage move: there is no {name}. {way}."
     if usual[0] == "jerk":
         return "No motion drives this linkage: the graph shows what its links and points do."
-    return f"This linkage has no {name}."
+    return f"This mechanism has no {names}."

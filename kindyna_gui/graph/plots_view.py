@@ -11,12 +11,11 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.drawable import missing, rows_of, split, stages_of
+from kindyna_gui.graph.drawable import rows_of, split, stages_of
 from kindyna_gui.graph.linkage_plots import lacking, quantities_for
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
-from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.player_keys import obey
@@ -60,20 +59,18 @@ class PlotView(View):
         return stages_of(self.quantities)
 
     def refresh(self, study: Study) -> None:
-        if is_linkage(study.design):
+        quantities = self.quantities
+        if not quantities:
             _ = study.linkage  # where it stands nowhere, that is the reason
-        drawn, told = split(study, rows_of(study, self.quantities))
+        drawn, told = split(study, rows_of(study, quantities))
         self.rows = tuple(drawn)
         self.plot.name_angle(study)
-        self.message = "" if drawn else "\n".join(told) or self._missing(study)
+        self.message = "" if drawn else "\n".join(told) or lacking(study, self.usual)
         if drawn:
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
             self.plot.show_message(self.message)
         self.note.tell("; ".join(told) if drawn else "")
-
-    def _missing(self, study: Study) -> str:
-        return lacking(study, self.usual) if is_linkage(study.design) else missing(self.usual)
 
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)

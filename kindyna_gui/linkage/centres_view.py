@@ -16,7 +16,7 @@ from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.units import digits
-from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.requirements import lists_links, require_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -146,13 +146,12 @@ class CentresView(View):
         return box
 
     def refresh(self, study: Study) -> None:
-        if not study.design.drive.is_linkage:
-            raise NotHere(ABSENT)
+        require_links(study.design, ABSENT)
         self._show(study, self.player.theta)
 
     def follow(self, theta: float) -> None:
         study = self.session.study
-        if not study.design.drive.is_linkage:
+        if not lists_links(study.design):
             return
         try:
             self._show(study, theta)

@@ -16,7 +16,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.look import INK, PAPER, QUIET, WRONG
 from kindyna_gui.pictures.drawing.centre_parts import centre_name
 from kindyna_gui.pictures.style import BLUE, GREEN, font
-from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.requirements import require_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -144,13 +144,11 @@ class CircleView(View):
 
     def _plan(self) -> tuple[tuple[str, ...], Construction]:
         study = self.session.study
-        assert study.design.drive.is_linkage
         table = study.centres
         return table.bodies, table.construction
 
     def refresh(self, study: Study) -> None:
-        if not study.design.drive.is_linkage:
-            raise NotHere(ABSENT)
+        require_links(study.design, ABSENT)
         bodies, plan = self._plan()
         chosen = self.session.step
         step = min(chosen or 0, len(plan.steps))

@@ -16,10 +16,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
+from kindyna_gui.pictures.drawing.layers import OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.drawing.places import MM
 from kindyna_gui.pictures.style import LIGHT
-from kindyna_gui.shown_kinds import has_cam, is_linkage
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.player_keys import obey
@@ -62,7 +62,7 @@ class MechanismView(View):
     def refresh(self, study: Study) -> None:
         self._take_layers()
         self._say_what_lacks(study)
-        self.scene.show_step(self.session.step if is_linkage(study.design) else None, draw=False)
+        self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
         self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
         self.canvas.rest.start()
         if self._fit_wanted:
@@ -75,7 +75,7 @@ class MechanismView(View):
         """A linkage without a cam is still drawn, with the reason below it."""
         told = ""
         try:
-            _ = study.cam if has_cam(study) else None
+            _ = study.cam if "cam" in study.stages else None
         except NoAnswer as error:
             told = f"No cam: {reason(study.design, error)}"
         self.note.tell(told)

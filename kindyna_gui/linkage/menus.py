@@ -11,6 +11,7 @@ from PySide6.QtWidgets import QMenu
 from core.design import CRANK, Design, Driver
 from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from kindyna_gui.labels import driver_text
+from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.player import TURN
 
 if TYPE_CHECKING:
@@ -88,8 +89,8 @@ def _change(window: MainWindow, design: Design, text: str, *_: object) -> None:
 def _linkage(window: MainWindow, menu: QMenu) -> Design | None:
     """The design, where it is a linkage; else the menu is not there."""
     design = window.session.design
-    menu.menuAction().setVisible(design.drive.is_linkage)
-    return design if design.drive.is_linkage else None
+    menu.menuAction().setVisible(lists_links(design))
+    return design if lists_links(design) else None
 
 
 def _choice(menu: QMenu, group: QActionGroup, text: str, checked: bool) -> QAction:

@@ -11,7 +11,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.polygon import PolygonSheet
-from kindyna_gui.shown_kinds import NotHere
+from kindyna_gui.requirements import lists_links, require_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -30,13 +30,12 @@ class PolygonView(View):
         self.set_column(self.sheet, self.note, grows=self.sheet)
 
     def refresh(self, study: Study) -> None:
-        if not study.design.drive.is_linkage:
-            raise NotHere(ABSENT)
+        require_links(study.design, ABSENT)
         self.sheet.frame_for(velocity_polygon(study.linkage), study.omega)
 
     def follow(self, theta: float) -> None:
         study = self.session.study
-        if not study.design.drive.is_linkage:
+        if not lists_links(study.design):
             return
         try:
             there = self.session.at(theta)

@@ -30,7 +30,7 @@ from kindyna_gui.motion.grips import ANGLE_STEP, meant, snapped
 from kindyna_gui.motion.head import STILL_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
-from kindyna_gui.shown_kinds import motion_shown
+from kindyna_gui.requirements import require_motion
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
@@ -127,7 +127,7 @@ class SegmentsView(View):
     # -- showing ------------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        motion_shown(study.design)
+        require_motion(study.design)
         typed = self.session.typed
         self._show_draft(typed)
         if not self.head.fields:

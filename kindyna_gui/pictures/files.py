@@ -24,7 +24,6 @@ from kindyna_gui.pictures.plots.detail import UNSEEN
 from kindyna_gui.pictures.plots.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
-from kindyna_gui.shown_kinds import has_cam, is_linkage
 
 if TYPE_CHECKING:
     from core.stability import Chart, Figure
@@ -127,7 +126,7 @@ def _draw(widget: QWidget, device: QPaintDevice) -> None:
 def _scene(study: Study, theme: Theme, closest: float = 1.0) -> MechanismScene:
     """The mechanism where the pressure angle is largest, so that normal and instant centre are seen at work."""
     scene = MechanismScene(study, theme, closest)
-    at = int(np.argmax(study.cam.flank.pressure_angle)) if has_cam(study) else study.theta.size // 8
+    at = int(np.argmax(study.cam.flank.pressure_angle)) if "cam" in study.stages else study.theta.size // 8
     scene.set_index(at)
     return scene
 
@@ -145,7 +144,7 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
 
     def picture(study: Study) -> bytes:
         there = {row.quantity: row for row in existing(study, channels(study.design))}
-        rows_here = [quantities_for(study, names) for names in rows] if is_linkage(study.design) else rows
+        rows_here = [quantities_for(study, names) for names in rows]
         shown = [different(study, [there[name] for name in names if name in there]) for names in rows_here]
         return curves_file(study, [row for row in shown if row], ".png")
 
@@ -188,7 +187,7 @@ def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
     NoAnswer where the design has none."""
     ensure_app(offscreen=True)
     if isinstance(drawn, Study):
-        without = () if has_cam(drawn) else ("cam.png",)
+        without = () if "cam" in drawn.stages else ("cam.png",)
         return {name: draw(drawn) for name, draw in PICTURES.items() if name not in without}
     if isinstance(drawn, Snapshot):
         from kindyna_gui.pictures.snapshots import SNAPSHOTS

@@ -15,14 +15,14 @@ import numpy as np
 from core.dynamics import Forces
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.shown_kinds import size_of
 
 ROUNDING = 256.0 * np.finfo(float).eps  # of the natural size: what rounding leaves of a zero
 _ORDERS: Mapping[str, int] = MappingProxyType({"/s": 1, "/s²": 2, "/s³": 3})
 
 
 def _reach(study: Study) -> float:
-    return size_of(study)
+    """A length that tells the size of the mechanism [m]."""
+    return study.course.plan.size if study.mechanism.ranged else study.reach
 
 
 def _motion(study: Study) -> float:
@@ -40,7 +40,7 @@ def _force(study: Study) -> float:
 _SIZES: Mapping[str, Callable[[Study], float]] = MappingProxyType(
     {
         "mm": _reach,
-        "1/mm": lambda study: 1.0 / size_of(study),
+        "1/mm": lambda study: 1.0 / _reach(study),
         "N": _force,
         "N·m": lambda study: torque_size(study),
     }
@@ -57,7 +57,7 @@ def force_size(forces: Forces) -> float:
 
 def torque_size(study: Study) -> float:
     """What the largest force would give at the arm of the follower's reference point [N m]."""
-    return _force(study) * size_of(study)
+    return _force(study) * _reach(study)
 
 
 def floor_of(study: Study, row: Channel) -> float:

@@ -28,7 +28,7 @@ from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
-from kindyna_gui.shown_kinds import NO_SHAFT, NotHere, with_shaft
+from kindyna_gui.requirements import NO_SHAFT, NotHere, with_shaft
 from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.pages import Looked, StabilityPages
 from kindyna_gui.stability.point_reading import Reading

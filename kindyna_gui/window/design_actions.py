@@ -11,7 +11,7 @@ from core.design import Design, Elastic, motion_of, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
-from kindyna_gui.shown_kinds import NO_MOTION, NO_SHAFT, with_shaft
+from kindyna_gui.requirements import NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow

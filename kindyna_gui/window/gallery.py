@@ -32,6 +32,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.pictures.files import Sheet
 from kindyna_gui.places import FIRST_EXAMPLE, example, examples
+from kindyna_gui.requirements import lists_links
 
 THUMB, SMALL_THUMB = QSize(168, 118), QSize(136, 96)  # the small ones where the screen has no room for all of the others
 MOST_COLUMNS = 8  # the layouts in one row
@@ -89,7 +90,7 @@ def presets() -> list[Choice]:
     found = []
     for name, path in examples():
         design = load(path)
-        if design.drive.is_linkage:
+        if lists_links(design):
             found.append(Choice(name, design.name, partial(_loaded, path)))
     return found
 

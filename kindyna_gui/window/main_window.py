@@ -25,8 +25,8 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
+from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Settings
-from kindyna_gui.shown_kinds import is_linkage, ranges_of
 from kindyna_gui.view import View, in_sight
 from kindyna_gui.window import menus
 from kindyna_gui.window.centre import Centre
@@ -191,7 +191,7 @@ class MainWindow(QMainWindow):
         if not self._begun:
             return
         self._begun = False
-        linkage = is_linkage(self.session.design)
+        linkage = lists_links(self.session.design)
         if self.docks["motion"].isHidden() and linkage:
             return  # the user does without what stands at this place
         for name in ("centres", "circle"):
@@ -209,7 +209,7 @@ class MainWindow(QMainWindow):
         study = self.session.study
         self.player.omega = study.omega
         try:
-            self.player.set_ranges(ranges_of(study))
+            self.player.set_ranges(study.turn_ranges)
         except KindynaError:
             self.player.set_ranges(())  # it stands nowhere, which the views tell
 

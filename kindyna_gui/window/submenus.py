@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtGui import QActionGroup
 from PySide6.QtWidgets import QMenu
 
-from core.design import FOLLOWER_KINDS, LAYOUTS, CamSlider
+from core.design import FOLLOWER_KINDS, LAYOUTS
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.labels import choice_tip
@@ -56,15 +56,15 @@ def fill_examples(window: MainWindow, menu: QMenu) -> None:
 def fill_layouts(window: MainWindow, menu: QMenu) -> None:
     """The layouts of the follower, where its kind has any."""
     design = window.session.design
-    follower = None if design.drive.is_linkage else design.drive.mechanism
-    menu.menuAction().setVisible(isinstance(follower, CamSlider))
-    if not isinstance(follower, CamSlider):
+    layout = getattr(design.drive.mechanism, "layout", None)
+    menu.menuAction().setVisible(layout is not None)
+    if layout is None:
         return
     group = QActionGroup(menu)
     for letter in LAYOUTS:
         action = menu.addAction(f"&{letter}  {choice_tip(letter)}")
         action.setCheckable(True)
-        action.setChecked(letter == follower.layout)
+        action.setChecked(letter == layout)
         action.setStatusTip(f"Layout {letter}: {choice_tip(letter)}; the pivot goes to its side of the cam")
         group.addAction(action)
         action.triggered.connect(partial(_without_state, partial(choose_layout, window), letter))

@@ -8,7 +8,6 @@ from PySide6.QtCore import QObject, QTimer
 
 from core.design import Design
 from kindyna_gui.graph.linkage_plots import title_for
-from kindyna_gui.shown_kinds import is_linkage
 from kindyna_gui.window.docks import VIEWS
 
 if TYPE_CHECKING:
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 def title_of(name: str, design: Design) -> str:
     """What a view of ``VIEWS`` is called while this design is in place."""
     row = VIEWS[name]
-    return title_for(design, row.quantities[0], row.title) if row.quantities and is_linkage(design) else row.title
+    return title_for(design, row.quantities[0], row.title) if row.quantities else row.title
 
 
 class Titles(QObject):

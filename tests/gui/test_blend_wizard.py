@@ -497,6 +497,11 @@ def test_what_is_no_number_or_out_of_range_is_told_beside_it(ask: Ask) -> None:
     assert questions.size_faults[1].text() == "The end must lie behind the start"
     wizard.type(questions.end, "400")
     assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
+    for beyond_any_step in ("1e-200", "1e200"):
+        wizard.type(questions.stroke, beyond_any_step)
+        wizard.type(questions.end, "1e200")
+        assert questions.size_faults[1].text() == "Allowed: 0 ... 360 °"
+    wizard.type(questions.stroke, "20")
     wizard.type(questions.end, "330")
     wizard.answered()
     assert not any(words.isVisible() for words in questions.size_faults)

@@ -182,7 +182,7 @@ def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
         "four_bar": ("Angle", "Angular velocity", "Angular accel.", "Transmission angle", "Driver torque", "Joint forces"),
         "rear_suspension": ("Displacement", "Velocity", "Acceleration", "Transmission angle", "Driver torque", "Joint forces"),
         "cam_slider_linkage":
-            ("Displacement", "Velocity", "Acceleration", "Pressure angle", "Camshaft torque", "Contact force"),
+            ("Displacement", "Velocity", "Acceleration", "Pressure angle", "Torque", "Contact force"),
         "transfer_lift": ("Displacement", "Velocity", "Acceleration", "Pressure angle", "Torque", "Contact force"),
     }  # fmt: skip
     for name, titles in wanted.items():

@@ -115,7 +115,7 @@ def test_a_plot_of_nothing_but_what_is_missing_says_why(show: Show) -> None:
 
 def test_another_kind_of_follower_has_other_quantities(show: Show) -> None:
     view = show("phi", "beta", design=PUSHER)
-    assert "this kind of follower has no phi nor beta" in view.plot._message.text.lower().replace("\n", " ")
+    assert "this mechanism has no phi nor beta" in view.plot._message.text.lower().replace("\n", " ")
 
 
 def test_equal_curves_are_drawn_once_and_named(show: Show) -> None:

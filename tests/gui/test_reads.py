@@ -15,7 +15,7 @@ from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example
-from kindyna_gui.shown_kinds import is_linkage
+from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.view_stages import READS
@@ -103,7 +103,7 @@ def test_the_table_is_what_the_views_say(user: User) -> None:
 def opened_alone(user: User, name: str, design: Design) -> View:
     """A view that alone is on the screen, asked for everything it can be asked without an edit: shown, and the cam turned."""
     empty(user)
-    if is_linkage(design):  # of one a graph is never empty
+    if lists_links(design):  # of one a graph is never empty
         user.window.show_view("laws")
         settle()
     clear_caches()
@@ -111,7 +111,7 @@ def opened_alone(user: User, name: str, design: Design) -> View:
     settle()
     assert computed() == set(), "neither laws nor an empty graph read anything"
     view = user.window.show_view(name)
-    if name == "graph" and not is_linkage(design):
+    if name == "graph" and not lists_links(design):
         view._ticked("phi", True)  # type: ignore[attr-defined]
     wait_for(lambda: view.up_to_date)
     user.window.player.step(1.0)

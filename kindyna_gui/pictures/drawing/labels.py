@@ -70,7 +70,7 @@ def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
 
 def _turn(reading: Reading, *bodies: str) -> np.ndarray | None:
     """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
-    for name in bodies if reading.linkage else ():
+    for name in bodies if reading.numbered else ():
         angle = np.deg2rad(reading.bodies[name].angle)
         if np.ptp(angle) > FAR_TURN:
             return np.exp(1j * angle)
@@ -86,7 +86,7 @@ def names(reading: Reading) -> Iterator[Label]:
     slides = {j.pair.body: j for j in reading.joints if j.pair.kind == SLIDING}
     for body in reading.moving.values():
         places = list(body.nodes.values())
-        name = body.name.removeprefix("link") if reading.linkage else body.name.replace("_", " ")
+        name = body.name.removeprefix("link") if reading.numbered else body.name.replace("_", " ")
         if body.name in slides:
             yield Label(body.name, name, *_of_slide(reading, body.name, slides), "linkage")
         elif len(places) > 1:
@@ -109,7 +109,7 @@ def names(reading: Reading) -> Iterator[Label]:
 
 def _free_points(reading: Reading) -> Iterator[Label]:
     """The points of links that no pair is at, such as coupler points; only a linkage has any."""
-    if not reading.linkage:
+    if not reading.numbered:
         return
     from core.mechanism import ROLLER
 
@@ -122,7 +122,7 @@ def _free_points(reading: Reading) -> Iterator[Label]:
 
 def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, float]:
     joint, unit = slides[name], reading.unit
-    if joint.fixed and name == reading.kinematics.follower_body and not reading.linkage:
+    if joint.fixed and name == reading.kinematics.follower_body and not reading.numbered:
         outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
         return joint.track + outwards * joint.line * (reading.face_radius + 0.9 * unit), unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from core.study import Study
-from kindyna_gui.shown_kinds import has_cam, is_linkage
+from kindyna_gui.requirements import lists_links
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,6 @@ EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS}
 
 def layers_of(study: Study) -> tuple[str, ...]:
     """The layers that have something to show of this kind of design."""
-    if not is_linkage(study.design):
-        return tuple(LAYERS)
-    return tuple(name for name in EVERY_LAYER if has_cam(study) or name not in _OF_CAMS)
+    without = () if "cam" in study.stages else _OF_CAMS
+    rows = EVERY_LAYER if lists_links(study.design) else LAYERS
+    return tuple(name for name in rows if name not in without)

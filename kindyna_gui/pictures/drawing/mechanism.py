@@ -91,7 +91,7 @@ class MechanismScene(QGraphicsScene):
         stands = before is not None and reading.stands_as(before)
         if not stands:
             self._rebuild(reading)
-        if reading.linkage:
+        if reading.numbered:
             from kindyna_gui.pictures.drawing.construct import Construct
 
             self.construct = Construct(reading, self.theme, self.sight, self._texts, self._step)
@@ -118,7 +118,7 @@ class MechanismScene(QGraphicsScene):
         self.parts = {}
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
-        self.overlay.angle_name = reading.study.angle_name if reading.linkage else "cam angle"
+        self.overlay.angle_name = reading.study.angle_name if reading.numbered else "cam angle"
         for builder in BUILDERS:
             for part in builder(reading, self.theme):
                 self._take(part)

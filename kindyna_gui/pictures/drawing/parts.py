@@ -53,7 +53,7 @@ def drawn_joints(reading: Reading) -> Iterator[Joint]:
     seen: set[tuple[str, str]] = set()
     for joint in reading.joints:
         key = (joint.pair.kind, joint.pair.point)
-        if not reading.linkage or key not in seen:
+        if not reading.numbered or key not in seen:
             seen.add(key)
             yield joint
 
@@ -106,7 +106,7 @@ def ground_direction(joint: Joint, reading: Reading) -> complex:
 
 def _slide(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
-    if joint.fixed and joint.pair.body == reading.kinematics.follower_body and not reading.linkage:
+    if joint.fixed and joint.pair.body == reading.kinematics.follower_body and not reading.numbered:
         yield from _stem(joint, reading, theme)
     else:
         yield from _block(joint, reading, theme)

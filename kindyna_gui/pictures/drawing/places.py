@@ -16,7 +16,7 @@ from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
 from kindyna_gui.pictures.turn import nearest
-from kindyna_gui.shown_kinds import has_cam, is_linkage, sense_of
+from kindyna_gui.requirements import lists_links
 
 MM = 1e3  # mm in a metre
 UNITS_ACROSS = 110.0  # size of a mechanism in units of its symbols
@@ -103,8 +103,8 @@ class Reading:
         self.study = study
         self.kinematics: Kinematics = study.linkage
         self.shape: CamShape | None = _shape(study)
-        self.sense = sense_of(study)
-        self.linkage, self.with_cam = is_linkage(study.design), has_cam(study)
+        self.sense = study.sense
+        self.numbered, self.with_cam = lists_links(study.design), "cam" in study.stages
         self.cam_angle = np.rad2deg(study.theta)
         self.turned = self.sense * self.cam_angle
         self.bodies = {
@@ -116,10 +116,10 @@ class Reading:
         self.base_radius = self._base_radius()
 
     def _base_radius(self) -> float:
-        """Of a linkage's cam the least radius of its outline: its size follows from where the roller runs [mm]."""
-        if not self.linkage:
-            radius: float = self.study.design.drive.cam.base_radius_mm
-            return radius
+        """As typed, or where the cam's size follows from where its roller runs, the least radius of its outline [mm]."""
+        typed: float | None = getattr(self.study.design.drive.cam, "base_radius_mm", None)
+        if typed is not None:
+            return typed
         return float(np.abs(self.profile).min()) if self.profile.size else 0.0
 
     def nearest(self, theta: float) -> int:
@@ -223,7 +223,7 @@ class Reading:
 
 
 def _shape(study: Study) -> CamShape | None:
-    if not has_cam(study):
+    if "cam" not in study.stages:
         return None
     try:
         shape: CamShape = study.cam

@@ -1,0 +1,42 @@
+"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, a sentence says so."""
+
+from __future__ import annotations
+
+from core.design import Design, Motion, motion_of
+from core.errors import KindynaError
+
+NO_MOTION = (
+    "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
+)
+NO_SHAFT = "Stability is studied for the shaft of a cam; this linkage has none: Stability > Give it a shaft."
+NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; this linkage has none: Dyna > Give it a shaft."
+
+
+class NotHere(KindynaError):
+    """The design has nothing that a view could show; the sentence says where to look instead."""
+
+
+def lists_links(design: Design) -> bool:
+    """Whether the links are listed one by one, with numbers: those of a follower follow from its lengths."""
+    return design.drive.is_linkage
+
+
+def require_links(design: Design, instead: str) -> None:
+    """Raises NotHere, with the sentence, where the links have no numbers."""
+    if not lists_links(design):
+        raise NotHere(instead)
+
+
+def with_shaft(design: Design, instead: str) -> Design:
+    """The design, whose shaft carries a flywheel and may twist; raises NotHere, with the sentence, where it has none."""
+    if design.shaft is not None and (design.drive.cam is not None or design.by_crank):
+        return design
+    raise NotHere(instead)
+
+
+def require_motion(design: Design) -> Motion:
+    """The motion; raises NotHere, with a sentence, where a crank turns at speed."""
+    motion = motion_of(design)
+    if motion is None:
+        raise NotHere(NO_MOTION)
+    return motion
