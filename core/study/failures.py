@@ -12,7 +12,7 @@ from core.errors import NoAnswer
 from core.motion import Angles, Program
 from core.motion.extremes import piecewise_angles
 
-MOST = 2000  # angles looked at; motions of many more pieces are looked at more coarsely
+MOST = 2000  # angles that are tried; motions of many more pieces are sampled more coarsely
 
 
 def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
@@ -38,18 +38,15 @@ def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Progr
 
     angles = piecewise_angles(program)
     step = max(1, angles.theta.size // MOST)
-    places = list(zip(angles.theta[::step].tolist(), angles.piece[::step].tolist(), strict=True))
-    bad = [fails(theta, piece) for theta, piece in places]
-    ranges: list[tuple[float, float]] = []
-    begin: float | None = None
-    for i, (theta, piece) in enumerate(places):
-        same = i > 0 and places[i - 1][1] == piece
-        if bad[i] and begin is None:
-            begin = edge(places[i - 1][0], theta, piece) if same else theta
-        if not bad[i] and begin is not None:
-            end = edge(theta, places[i - 1][0], piece) if same else places[i - 1][0]
-            ranges.append((degrees(begin), degrees(end)))
-            begin = None
-    if begin is not None:
-        ranges.append((degrees(begin), degrees(places[-1][0])))
+    theta, piece = angles.theta[::step].tolist(), angles.piece[::step].tolist()
+    bad = np.array([fails(*place) for place in zip(theta, piece, strict=True)])
+    changes = np.flatnonzero(np.diff(bad, prepend=False, append=False)).reshape(-1, 2)  # first bad one, first good one after it
+    ranges = []
+    for first, after in changes.tolist():
+        last, begin, end = after - 1, theta[first], theta[after - 1]
+        if first > 0 and piece[first - 1] == piece[first]:
+            begin = edge(theta[first - 1], begin, piece[first])
+        if after < len(theta) and piece[after] == piece[last]:
+            end = edge(theta[after], end, piece[last])
+        ranges.append((degrees(begin), degrees(end)))
     return ranges

@@ -1,123 +1,95 @@
-"""The stages as cached functions of only the parts they need: their arguments are their dependencies."""
+"""Results of the stages, remembered by the parts of the design that they depend on."""
 
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
-from functools import lru_cache, wraps
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.cam import CamShape, envelope
-from core.design import Elastic, Follower, Linkage, Motion, si
-from core.dynamics import Forces, Loading, loading_of, newton_euler
+from core.cam import envelope
+from core.design import Elastic, Motion, si
+from core.dynamics import Loading
 from core.errors import NoStability
-from core.instant_centres import CentreTable, all_centres
-from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism, unit_speed_kinematics
-from core.mechanism.kinematics import Kinematics
+from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism
 from core.motion import Angles, MotionState, degrees, program
 from core.numerics.lazy import locked
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Coefficients, Stability
 
-KEPT = 24  # results of a stage that are kept, so that undo computes nothing
+KEPT = 24  # results of each kind that are kept, so that undo computes nothing
 evaluations: Counter[str] = Counter()
 """How often each stage was really computed; tests read it."""
 
-_caches: list[Any] = []
+
+class Memory:
+    """Results by kind and by a key that names all they depend on; of each kind the last ``KEPT`` used are kept.
+
+    Whoever gets a result shares it with others, so its arrays are read-only. ``computed`` counts those made, by kind.
+    """
+
+    def __init__(self) -> None:
+        self._kept: dict[Hashable, OrderedDict[Hashable, Any]] = {}
+        self.computed: Counter[Hashable] = Counter()
+
+    def get(self, kind: Hashable, key: Hashable, compute: Callable[[], Any]) -> Any:
+        kept = self._kept.setdefault(kind, OrderedDict())
+        with suppress(KeyError):  # not computed yet, or forgotten by another thread just now
+            kept.move_to_end(key)
+            return kept[key]
+        self.computed[kind] += 1
+        value = kept[key] = locked(compute())
+        if len(kept) > KEPT:
+            kept.popitem(last=False)
+        return value
+
+    def clear(self) -> None:
+        self._kept.clear()
+        self.computed.clear()
 
 
-def remembered(function: Callable[..., Any]) -> Any:
-    """An lru_cache that ``clear_caches`` knows; whoever gets a result shares it with others, so none may change it."""
-
-    @wraps(function)
-    def locking(*parts: Any) -> Any:
-        return locked(function(*parts))
-
-    cached = lru_cache(maxsize=KEPT)(locking)
-    _caches.append(cached)
-    return cached
-
-
-def stage(name: str) -> Callable[[Callable[..., Any]], Any]:
-    """A counted, remembered stage. ``.__wrapped__`` computes without remembering, for passing cam angles."""
-
-    def wrap(function: Callable[..., Any]) -> Any:
-        @wraps(function)
-        def counted(*parts: Any) -> Any:
-            evaluations[name] += 1
-            return function(*parts)
-
-        return remembered(counted)
-
-    return wrap
+memory = Memory()
 
 
 def clear_caches() -> None:
     """Forget every result and count."""
-    for cached in _caches:
-        cached.cache_clear()
+    memory.clear()
     program.cache_clear()
     evaluations.clear()
 
 
-@remembered
-def grid(motion: Motion, samples: int) -> Angles:
+def grid(motion: Any, samples: int) -> Angles:
     """Equally spaced cam angles over one turn, the same object for the same question."""
-    return program(motion).angles(np.deg2rad(degrees(samples)), kept=True)
+
+    def compute() -> Angles:
+        return program(motion).angles(np.deg2rad(degrees(samples)), kept=True)
+
+    return memory.get("grid", (motion, samples), compute)
 
 
-@stage("motion")
-def motion_stage(motion: Motion, angles: Angles) -> MotionState:
-    return program(motion).state(angles)
-
-
-@remembered
 def crank_grid(course: Course, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
     run = CrankProgram(course)
-    return run.angles(np.deg2rad(run.degrees(samples)), kept=True)
+    return memory.get("grid", (course, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
 
 
-@remembered
 def crank_state(course: Course, angles: Angles) -> MotionState:
-    return CrankProgram(course).state(angles)
+    """The crank's own angle in place of a motion."""
+
+    def compute() -> MotionState:
+        return CrankProgram(course).state(angles)
+
+    return memory.get("crank", (course, angles), compute) if angles.kept else compute()
 
 
-@stage("linkage")
-def linkage_stage(mechanism: Mechanism, course: Course, state: MotionState) -> Kinematics:
-    return solve_mechanism(mechanism, state, course)
-
-
-@stage("centres")
-def centres_stage(linkage: Linkage, course: Course, state: MotionState) -> CentreTable:
-    """By the driver's own coordinate, so that a dwell of the motion has centres too."""
-    return all_centres(unit_speed_kinematics(linkage, state.y[0], course), course.plan.size)
-
-
-@stage("cam")
-def cam_stage(kinematics: Kinematics, cam: Any, sense: float) -> CamShape:
-    return envelope(kinematics, cam, sense)
-
-
-@stage("dynamics")
-def dynamics_stage(kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float) -> Forces:
-    return newton_euler(kinematics, shape, loading, omega)
-
-
-@remembered
-def loading_of_drive(mechanism: Follower | Linkage, loads: Any) -> Loading:
-    return loading_of(mechanism, loads)
-
-
-@remembered
 def shaft_coefficients(
     motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, inertia: float, stiffness: float, spring: str,
     factor: float,
 ) -> Coefficients | NoStability:
-    """Why there are none is remembered too."""
+    """The periodic coefficients of the flexible shaft, or why there are none."""
     from core.stability import coefficients
 
     compiled = program(motion)
@@ -130,47 +102,22 @@ def shaft_coefficients(
         return error
 
 
-@stage("stability")
-def stability_stage(
+def flexible_shaft(
     motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, cam: Any, sense: float, elastic: Elastic,
     omega: float,
 ) -> Stability | NoStability:
+    """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
     from core.stability import stability
 
     s = si(elastic)
-    made = shaft_coefficients(
-        motion, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor
-    )
+    parts = (motion, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
+    made = memory.get("coefficients", parts, lambda: shaft_coefficients(*parts))
     if isinstance(made, NoStability):
         return made
     compiled = program(motion)
 
-    def kinematics_and_shape(angles: Angles) -> tuple[Kinematics, CamShape]:
+    def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
         return kinematics, envelope(kinematics, cam, sense)
 
     return stability(made, elastic, omega, kinematics_and_shape, loading, compiled)
-
-
-class Memory:
-    """Results by a key that names all they depend on; the oldest are forgotten."""
-
-    def __init__(self, most: int = 4 * KEPT) -> None:
-        self._most = most
-        self._kept: OrderedDict[Hashable, Any] = OrderedDict()
-
-    def get(self, key: Hashable, compute: Callable[[], Any]) -> Any:
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
-        value = self._kept[key] = compute()
-        if len(self._kept) > self._most:
-            self._kept.popitem(last=False)
-        return value
-
-    def cache_clear(self) -> None:
-        self._kept.clear()
-
-
-memory = Memory()
-_caches.append(memory)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
@@ -11,32 +12,20 @@ import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape
-from core.design import Design, si
+from core.design import Design, Linkage, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
-from core.instant_centres import CentreTable, moving_collinearity
-from core.mechanism import Course, CrankProgram, Mechanism, body_name, swept, unit_speed_kinematics
+from core.instant_centres import CentreTable, all_centres, moving_collinearity
+from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion import EPS, TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
+from core.numerics.lazy import locked
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
-from core.study.stages import (
-    cam_stage,
-    centres_stage,
-    crank_grid,
-    crank_state,
-    dynamics_stage,
-    evaluations,
-    grid,
-    linkage_stage,
-    loading_of_drive,
-    memory,
-    motion_stage,
-    stability_stage,
-)
+from core.study.stages import crank_grid, crank_state, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -166,14 +155,24 @@ class Study:
 
     # -- stages ---------------------------------------------------------------------------------------------
 
-    def _stage(self, function: Any, *parts: Any) -> Any:
-        return function(*parts) if self.angles.kept else function.__wrapped__(*parts)
+    def _stage(self, name: str, function: Callable[..., Any], *parts: Any) -> Any:
+        """function(*parts), counted; remembered by its parts over a whole turn."""
 
-    def _located(self, error: NoAnswer, stage: str) -> NoAnswer:
-        """The error of a sampled stage with the angles to the last digit, whatever the sampling was."""
-        if not error.cam_angles or not self.angles.kept:
-            return error
-        return at_angles(error, failing_ranges(lambda angles: self.at(angles), stage, self.program))
+        def compute() -> Any:
+            evaluations[name] += 1
+            return locked(function(*parts))
+
+        return memory.get(name, parts, compute) if self.angles.kept else compute()
+
+    @contextmanager
+    def _located(self, stage: str) -> Iterator[None]:
+        """Errors of a sampled stage name the angles to the last digit, whatever the sampling was."""
+        try:
+            yield
+        except NoAnswer as error:
+            if not error.cam_angles or not self.angles.kept:
+                raise
+            raise at_angles(error, failing_ranges(self.at, stage, self.program)) from None
 
     @cached_property
     def mechanism(self) -> Mechanism:
@@ -209,8 +208,8 @@ class Study:
     def drive(self) -> MotionState:
         """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
         if self.by_crank:
-            return self._stage(crank_state, self.course, self.angles)
-        return self._stage(motion_stage, self.design.drive.motion, self.angles)
+            return crank_state(self.course, self.angles)
+        return self._stage("motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles)
 
     @property
     def motion(self) -> MotionState:
@@ -219,25 +218,26 @@ class Study:
 
     @cached_property
     def linkage(self) -> Kinematics:
-        try:
-            return self._stage(linkage_stage, self.mechanism, self.course, self.drive)
-        except NoAnswer as error:
-            raise self._located(error, "linkage") from None
+        with self._located("linkage"):
+            return self._stage("linkage", solve_mechanism, self.mechanism, self.drive, self.course)
 
     @cached_property
     def centres(self) -> CentreTable:
-        """All instant centres of a linkage at every angle; bodies are named as in ``linkage``."""
-        return self._stage(centres_stage, self.mechanism.linkage, self.course, self.drive)
+        """All instant centres of a linkage at every angle, by the driver's own coordinate, so that a dwell of the motion has
+        them too; bodies are named as in ``linkage``."""
+
+        def compute(linkage: Linkage, state: MotionState, course: Course) -> CentreTable:
+            return all_centres(unit_speed_kinematics(linkage, state.y[0], course), course.plan.size)
+
+        return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.course)
 
     @cached_property
     def _cam(self) -> CamShape:
-        try:
-            shape: CamShape = self._stage(cam_stage, self.linkage, self.design.drive.cam, self.sense)
+        with self._located("cam"):
+            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.cam, self.sense)
             if self._given is None and self.mechanism.ranged:
                 cam.require_hold(self.linkage)
             return shape
-        except NoAnswer as error:
-            raise self._located(error, "cam") from None
 
     @property
     def cam(self) -> CamShape:
@@ -251,12 +251,13 @@ class Study:
     @cached_property
     def loading(self) -> Loading:
         """The force elements."""
-        loads: Loading = loading_of_drive(self.design.drive.mechanism, self.design.drive.loads)
+        parts = (self.design.drive.mechanism, self.design.drive.loads)
+        loads: Loading = memory.get("loading", parts, lambda: dynamics.loading_of(*parts))
         return loads
 
     @cached_property
     def dynamics(self) -> Forces:
-        return self._stage(dynamics_stage, self.linkage, self._shape, self.loading, self.omega)
+        return self._stage("dynamics", dynamics.newton_euler, self.linkage, self._shape, self.loading, self.omega)
 
     @property
     def jam(self) -> Extreme | None:
@@ -264,10 +265,11 @@ class Study:
         are no forces to be tabled. None where nothing jams."""
         if not self.loading.frictions:
             return None
-        key = ("jam", self._depends_on("dynamics"))
-        worst: Extreme | None = memory.get(
-            key, lambda: find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
-        )
+
+        def compute() -> Extreme | None:
+            return find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
+
+        worst: Extreme | None = memory.get("jam", self._depends_on("dynamics"), compute)
         return worst
 
     @property
@@ -288,14 +290,11 @@ class Study:
         drive, shaft_part = self.design.drive, self.design.shaft
         if shaft_part is None or shaft_part.elastic is None:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
-        try:
-            found = stability_stage(
-                drive.motion, self.mechanism, self.course, self.loading, drive.cam, self.sense, shaft_part.elastic, self.omega
-            )
-        except NoStability:
-            raise
-        except NoAnswer as error:
-            raise self._located(error, "linkage") from None
+        with self._located("linkage"):
+            found = self._stage(
+                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.cam, self.sense,
+                shaft_part.elastic, self.omega,
+            )  # fmt: skip
         if isinstance(found, NoStability):
             raise found
         return found
@@ -310,8 +309,7 @@ class Study:
     @cached_property
     def flywheel(self) -> Flywheel:
         """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
-        key = (*self._depends_on("dynamics"), self.design.shaft)
-        return memory.get(("flywheel", key), self._flywheel)
+        return memory.get("flywheel", (self._depends_on("dynamics"), self.design.shaft), self._flywheel)
 
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
@@ -330,8 +328,7 @@ class Study:
             raise NoAnswer("the guide jams, the torque is infinite", "loads.friction", "lower it", [(angle, angle)])
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
-        key = ("load curve", self._depends_on("dynamics"))
-        curve: LoadCurve = memory.get(key, self._fitted_load)
+        curve: LoadCurve = memory.get("load curve", self._depends_on("dynamics"), self._fitted_load)
         return curve
 
     def _fitted_load(self) -> LoadCurve:
@@ -375,17 +372,14 @@ class Study:
                     found[name] = replace(found[name], turns=True)
         return found
 
-    def _figures_depend_on(self, stage: str, only: tuple[str, ...] = ()) -> Any:
-        with_motor = stage == "dynamics" and not set(only).isdisjoint(OF_MOTOR) if only else stage == "dynamics"
-        return self._depends_on(stage), self.design.shaft if with_motor else None
-
     # -- extremes -------------------------------------------------------------------------------------------
 
     def extremes(self, stage: str, only: tuple[str, ...] = ()) -> Mapping[str, Range]:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
         self.require_stage(stage)
-        key = ("extremes", stage, only, self._figures_depend_on(stage, only))
-        found: Mapping[str, Range] = memory.get(key, lambda: self._extremes(stage, only))
+        with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
+        key = self._depends_on(stage), self.design.shaft if with_motor else None
+        found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
         return found
 
     @np.errstate(invalid="ignore", over="ignore")  # infinite rates at dead centres
@@ -400,10 +394,8 @@ class Study:
             there = self.at(angles)
             return {name: row.value(there) for name, row in rows.items()}
 
-        try:
+        with self._located(stage):
             found = find_extremes(values, self.program)
-        except NoAnswer as error:
-            raise self._located(error, stage) from None
         if not self.by_crank:
             return found
         return {name: Range(self._limit(name, r.low), self._limit(name, r.high)) for name, r in found.items()}
@@ -559,10 +551,7 @@ class Study:
 
     def points(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
         """Every named point: place [m] and velocity [m/s] (n,), complex."""
-        kinematics, found = self.linkage, {}
-        links = self.design.drive.linkage.by_number
-        for name in (name for n in sorted(links) for name in links[n].places):
-            if name not in found:
-                z = kinematics.bodies[body_of(kinematics, name)].point(name)
-                found[name] = (z[0], z[1] * self.omega)
-        return found
+        kinematics, links = self.linkage, self.design.drive.linkage.by_number
+        names = dict.fromkeys(name for n in sorted(links) for name in links[n].places)
+        poses = {name: kinematics.bodies[body_of(kinematics, name)] for name in names}
+        return {name: (pose.place(name), pose.place(name, 1) * self.omega) for name, pose in poses.items()}

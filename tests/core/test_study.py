@@ -25,7 +25,7 @@ from core.design import Design, Named, Segment
 from core.errors import NoSuchStage
 from core.motion import Angles
 from core.study import SAMPLES, Study, clear_caches, evaluations
-from core.study.stages import dynamics_stage
+from core.study.stages import memory
 
 ROOT = Path(__file__).parents[2]
 STAGES = ("motion", "linkage", "cam", "dynamics")
@@ -161,11 +161,11 @@ def test_more_samples_are_another_question() -> None:
 def test_passing_cam_angles_are_not_kept() -> None:
     study = Study(LIFT, 72)
     kept = study.dynamics
-    before, room = Counter(evaluations), dynamics_stage.cache_info().currsize
+    before, made = Counter(evaluations), memory.computed.copy()
     there = study.at_theta(study.theta)
     _ = there.dynamics, there.dynamics
     assert Counter(evaluations) - before == dict.fromkeys(STAGES, 1), "once for one study"
-    assert dynamics_stage.cache_info().currsize == room
+    assert memory.computed == made
     for name in ("contact", "torque"):
         assert np.array_equal(getattr(there.dynamics, name), getattr(kept, name))
     _ = study.at_theta(study.theta).motion

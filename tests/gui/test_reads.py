@@ -7,7 +7,8 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import Design
 from core.project import load
-from core.study import STAGES, clear_caches, evaluations, stages
+from core.study import STAGES, clear_caches, evaluations
+from core.study.stages import memory
 from kindyna_gui.graph.drawable import stages_of
 from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
@@ -188,8 +189,7 @@ EDITS = {
 
 def turns() -> dict[str, int]:
     """How often each stage has been computed for a whole turn; what is asked at one cam angle is not remembered."""
-    rows = {name: getattr(stages, f"{name}_stage").cache_info().misses for name in ALL}
-    return {**rows, "flywheel": evaluations["flywheel"]}
+    return {name: memory.computed[name] for name in (*ALL, "flywheel")}
 
 
 def test_an_edit_recomputes_only_what_depends_on_it(user: User) -> None:
