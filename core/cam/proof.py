@@ -8,19 +8,13 @@ import numpy as np
 
 from core.cam.shape import CamShape
 from core.findings import LEAST_BOUND, Residual
-from core.mechanism.kinematics import Kinematics
 
 
-def centre_residual(kinematics: Kinematics, shape: CamShape) -> np.ndarray:
+def centre_residual(shape: CamShape) -> np.ndarray:
     """t against i(φ'-d)(R-Q) (n,), relative to the terms of the latter: relative velocity and instant centre Q must
-    say the same. Written as i(weight R - point), it stands at infinity too."""
-    centre, turn = shape.centre, kinematics.follower.turn[1] - shape.sense
-    # the centre's weight is φ'-d for a pivot and 1 for a guide, where the follower does not turn
-    scale = turn / np.where(centre.weight == 0.0, 1.0, centre.weight)
-    scale = np.where(centre.weight == 0.0, 1.0, scale)
-    by_centre = 1j * scale * (centre.weight * shape.reference - centre.point)
-    size = np.abs(scale) * (np.abs(centre.weight * shape.reference) + np.abs(centre.point))
-    return np.abs(shape.relative_velocity - by_centre) / size
+    say the same. The centre's weight is φ'-d, so that i(weight R - point) stands at infinity too."""
+    by_place, by_centre = shape.centre.weight * shape.reference, shape.centre.point
+    return np.abs(shape.relative_velocity - 1j * (by_place - by_centre)) / (np.abs(by_place) + np.abs(by_centre))
 
 
 def gaps(shape: CamShape, radius: float, positions: int = 120) -> np.ndarray:

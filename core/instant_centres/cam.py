@@ -1,70 +1,50 @@
-"""The instant centre of a follower and its cam, by Kennedy's theorem from the pair that holds the follower."""
+"""The instant centre of a follower and its cam, by Kennedy's theorem from the pole of the follower's link."""
 
 from __future__ import annotations
-
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 import numpy as np
 
 from core.instant_centres.centre import Centres
 from core.instant_centres.construction import construction, kennedy
 from core.instant_centres.linkage import primary_pairs
-from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
-
-
-def _through_pivot(kinematics: Kinematics, sense: float) -> Centres:
-    """Kennedy: on the line cam centre - pivot P; q = Zxy φ'/(φ'-d) (Shin1995 (18) counts φ' against the cam)."""
-    pair = kinematics.pairs[kinematics.ground]
-    pivot, turn = kinematics.bodies[pair.body].place(pair.point), kinematics.bodies[pair.body].turn[1]
-    return Centres(pivot * turn, turn - sense)
-
-
-def _across_guide(kinematics: Kinematics, sense: float) -> Centres:
-    """Kennedy: the follower turns about infinity across its guide e, so Q = -i d s' e."""
-    pair = kinematics.pairs[kinematics.ground]
-    speed = (kinematics.bodies[pair.body].origin[1] / pair.axis).real
-    return Centres(-1j * sense * speed * pair.axis, np.ones_like(speed))
-
-
-def _through_pole(kinematics: Kinematics, sense: float) -> Centres:
-    """Kennedy: on the line cam centre - pole I of the roller's link on the frame, which the circle diagram finds from
-    the pairs: Q = φ'I/(φ'-d). Where the link does not turn, where no two triangles reach the pole or rounding decides
-    it, by the velocity of the roller's centre: Q = (φ'R + iR')/(φ'-d)."""
-    follower = kinematics.follower
-    turn = follower.turn[1]
-    point, weight = turn * follower.origin[0] + 1j * follower.origin[1], turn - sense
-    pole = _pole(kinematics)
-    if pole is None:
-        return Centres(point, weight)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        error_bound = pole.error_bound / np.abs(pole.weight)  # relative to the pole's distance: the farther, the larger
-        told = error_bound < _LARGEST_BOUND
-        point = np.where(told, turn * pole.point / pole.weight, point)
-    return Centres(point, weight, np.where(told, np.maximum(error_bound, 1.0), 1.0))
-
+from core.mechanism.kinematics import FRAME, Kinematics
+from core.numerics.vectors import dot
 
 _LARGEST_BOUND = 1e6
 
 
+def cam_follower_centre(kinematics: Kinematics, sense: float) -> Centres:
+    """Centre Q of the follower body relative to the cam (Shin1995 §3); sense: d = +1 for a cam turning counter-clockwise, -1
+    clockwise.
+
+    By the three-centres theorem on the line through the cam centre and the pole p/w of the follower's link on the frame, which
+    is its pivot, infinitely far across its guide, or where the circle diagram finds it from the pairs. The reference point R
+    moves by R' = ik(wR - p), which gives k, and Q = kp/(φ' - d), φ' = kw (Shin1995 (18) counts φ' against the cam). Where R is the
+    pole, no two triangles reach the pole or rounding decides it, by the velocity of R: Q = (φ'R + iR')/(φ'-d).
+    """
+    follower = kinematics.follower
+    turn, place, speed = follower.turn[1], follower.origin[0], follower.origin[1]
+    point, weight = turn * place + 1j * speed, turn - sense
+    pole = _pole(kinematics)
+    if pole is None:
+        return Centres(point, weight)
+    arm = 1j * (pole.weight * place - pole.point)
+    square = dot(arm, arm)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        k = dot(arm, speed) / square
+        # relative to the pole's distance from R, which the construction knows as a part of its size
+        error_bound = pole.error_bound * np.abs(place).max() / np.sqrt(square)
+    known = error_bound < _LARGEST_BOUND
+    return Centres(np.where(known, k * pole.point, point), weight, np.where(known, np.maximum(error_bound, 1.0), 1.0))
+
+
 def _pole(kinematics: Kinematics) -> Centres | None:
-    """The centre of the roller's link on the frame by construction, scaled; None where it is not reached."""
-    names = tuple(name for name in kinematics.bodies if name != kinematics.follower_body)
+    """The centre of the follower's link on the frame from the places of the pairs, scaled; None where it is not reached."""
+    names = tuple(dict.fromkeys((FRAME, *(name for name in kinematics.bodies if name != kinematics.follower_body), kinematics.carrier)))
     order = {name: i for i, name in enumerate(names)}
     size = float(np.abs(kinematics.follower.origin[0]).max())
     found = {key: centre.scaled(size) for key, centre in primary_pairs(kinematics, order).items()}
-    for wanted in construction(names, frozenset(found)).steps:
-        found[wanted.key] = kennedy(found, wanted, size).scaled(size)
-    return found.get((FRAME, kinematics.carrier))
-
-
-CAM_CENTRES: Mapping[str, Callable[[Kinematics, float], Centres]] = MappingProxyType(
-    {REVOLUTE: _through_pivot, SLIDING: _across_guide, "": _through_pole}
-)
-
-
-def cam_follower_centre(kinematics: Kinematics, sense: float) -> Centres:
-    """Centre of the follower body relative to the cam (Shin1995 §3), by the three-centres theorem from the pair
-    that holds the follower on the frame, or from its link's pole; sense: d = +1 for a cam turning counter-clockwise,
-    -1 clockwise."""
-    return CAM_CENTRES[kinematics.pairs[kinematics.ground].kind if kinematics.ground else ""](kinematics, sense)
+    wanted = (FRAME, kinematics.carrier)
+    for step in () if wanted in found else construction(names, frozenset(found)).steps:
+        found[step.key] = kennedy(found, step, size).scaled(size)
+    return found.get(wanted)

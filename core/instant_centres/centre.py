@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy as np
 Key = tuple[str, str]
 """Two bodies, in the order of a mechanism's."""
 FAR = 1e12  # sizes of the mechanism: beyond this a centre counts as at infinity
+
+
+def key_of(a: str, b: str, order: Mapping[str, int]) -> Key:
+    """The key of two bodies, given in either order; ``order``: body -> its place in the mechanism's order."""
+    return (a, b) if order[a] < order[b] else (b, a)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
-from core.instant_centres.centre import Centres, Key
+from core.instant_centres.centre import Centres, Key, key_of
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def construction(bodies: tuple[str, ...], known: frozenset[Key]) -> Construction
     while ready:
         a, b = heappop(ready)
         steps.append(Wanted((bodies[a], bodies[b]), tuple(
-            Triangle(bodies[c], _sorted(bodies[a], bodies[c], order), _sorted(bodies[b], bodies[c], order))
+            Triangle(bodies[c], key_of(bodies[a], bodies[c], order), key_of(bodies[b], bodies[c], order))
             for c in _bits(joined[a] & joined[b])
         )))  # fmt: skip
         join(a, b)
@@ -98,10 +98,6 @@ def _bits(mask: int) -> Iterator[int]:
         mask ^= low
 
 
-def _sorted(a: str, b: str, order: Mapping[str, int]) -> Key:
-    return (a, b) if order[a] < order[b] else (b, a)
-
-
 def line_of(centres: Mapping[Key, Centres], triangle: Triangle) -> np.ndarray:
     """The line of a triangle's two known centres, (3, n): a x + b y + c = 0, (a, b) of length 1 where it is finite;
     all 0 where they coincide."""
@@ -114,9 +110,8 @@ def line_of(centres: Mapping[Key, Centres], triangle: Triangle) -> np.ndarray:
 def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Centres:
     """The wanted centre where the lines of two of its triangles cross; at each position of the two that cross at the
     steepest angle (n,). size [m] of the mechanism: coordinates are compared in units of it."""
-    lines = list(zip(_lines(centres, wanted, size), _line_doubts(centres, wanted, size), strict=True))
     best, square, error_bound = np.zeros(1), np.full(1, -1.0), np.zeros(1)
-    for (one, of_one), (other, of_other) in combinations(lines, 2):
+    for (one, of_one), (other, of_other) in combinations(_lines(centres, wanted, size), 2):
         cut = np.cross(one, other, axis=0)
         steeper = (cut * cut).sum(axis=0)
         better = steeper > square
@@ -128,38 +123,29 @@ def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Cent
 
 def agreement(centres: Mapping[Key, Centres], wanted: Wanted, found: Centres, size: float) -> np.ndarray:
     """How far a centre lies off the lines of its triangles at worst (n,), of unit vectors: 0 by Kennedy's theorem."""
-    at = _unit(found.homogeneous * _scale(size))
-    rows = [np.abs((line * at).sum(axis=0)) for line in _lines(centres, wanted, size)]
-    return np.asarray(np.max(rows, axis=0))
+    at = _vector(found, size)
+    return np.asarray(np.max([np.abs((line * at).sum(axis=0)) for line, _ in _lines(centres, wanted, size)], axis=0))
 
 
-def _scale(size: float) -> np.ndarray:
-    return np.array([[1.0 / size], [1.0 / size], [1.0]])
+_TOLD = 1e-7  # of unit vectors: centres nearer to each other leave their line to rounding
 
 
-def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[np.ndarray]:
-    """The lines of all triangles, of length 1 with coordinates in units of the size; 0 where two centres lie so near to
-    each other that rounding decides the line."""
+def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The lines of all triangles (3, n), of length 1 with coordinates in units of the size, 0 where rounding decides the line;
+    and how many times the rounding of the centres at sight each carries: its centres' error bounds over their distance."""
     lines = []
     for triangle in wanted.triangles:
-        p, q = (centres[key].homogeneous * _scale(size) for key in (triangle.first, triangle.second))
-        line = np.cross(_unit(p), _unit(q), axis=0)
-        lines.append(_unit(np.where((line * line).sum(axis=0) > _TOLD * _TOLD, line, 0.0)))
+        one, other = centres[triangle.first], centres[triangle.second]
+        line = np.cross(_vector(one, size), _vector(other, size), axis=0)
+        length = np.sqrt((line * line).sum(axis=0))
+        bound = (one.error_bound + other.error_bound) / np.maximum(length, _TOLD)
+        lines.append((_unit(np.where(length > _TOLD, line, 0.0)), bound))
     return lines
 
 
-def _line_doubts(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[np.ndarray]:
-    """How many times the rounding of the centres at sight each line carries: its centres' error bounds over their distance."""
-    error_bounds = []
-    for t in wanted.triangles:
-        p, q = (_unit(centres[key].homogeneous * _scale(size)) for key in (t.first, t.second))
-        line = np.cross(p, q, axis=0)
-        length = np.maximum(np.sqrt((line * line).sum(axis=0)), _TOLD)
-        error_bounds.append((centres[t.first].error_bound + centres[t.second].error_bound) / length)
-    return error_bounds
-
-
-_TOLD = 1e-7  # of unit vectors
+def _vector(centre: Centres, size: float) -> np.ndarray:
+    """(x/size, y/size, weight) (3, n) of length 1."""
+    return _unit(np.array(np.broadcast_arrays(centre.point.real / size, centre.point.imag / size, centre.weight)))
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -13,8 +13,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair, Pose
-from core.numerics.derivatives import standing
+from core.mechanism.kinematics import FRAME, FRAME_POSE, SLIDING, Kinematics, Pair, Pose
+from core.mechanism.mechanism import body_name
 from core.numerics.vectors import dot
 
 TURNING = "turning"
@@ -77,23 +77,14 @@ def _turning(name: str, body: Pose, a: str, p: str) -> Difference:
 
 def _sliding(kinematics: Kinematics, pair: Pair) -> Difference:
     """P is the pin of the link that slides, where it has one; A the point of the other that lies under it now."""
-    from core.mechanism import body_name  # which cams do without
-
-    first = kinematics.bodies.get(pair.on) or _still(kinematics.bodies[pair.body])
-    axis = pair.axis * first.unit
+    axis = kinematics.line(pair)
     swapped = pair.point.isdecimal() and body_name(int(pair.point)) == pair.on
     name, on = (pair.on, pair.body) if swapped else (pair.body, pair.on)
-    body, line = (kinematics.bodies[name], kinematics.bodies[on]) if swapped else (kinematics.bodies[name], first)
+    body, line = kinematics.bodies[name], kinematics.bodies.get(on, FRAME_POSE)
     p = next(iter(_outwards(kinematics, name)), pair.point)
     place, speed = body.place(p), body.place(p, 1)
     under = line.origin[1] + 1j * line.turn[1] * (place - line.origin[0])
     return Difference(SLIDING, name, on, p, p, place, place, under, dot(speed - under, axis) * axis, speed)
-
-
-def _still(like: Pose) -> Pose:
-    """The frame of a mechanism that does not list it."""
-    n = like.origin[0].size
-    return Pose(standing(0j).spread(n), standing(0.0).spread(n))
 
 
 # -- the polygon ------------------------------------------------------------------------------------------

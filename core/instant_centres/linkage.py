@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.instant_centres.centre import Centres, Key
+from core.instant_centres.centre import Centres, Key, key_of
 from core.instant_centres.construction import Construction, agreement, construction, kennedy
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics, Pose
 
@@ -39,9 +39,17 @@ class CentreTable:
         """In which order Kennedy's theorem finds the others."""
         return construction(self.bodies, self.primary)
 
+    @cached_property
+    def _order(self) -> Mapping[str, int]:
+        return {name: i for i, name in enumerate(self.bodies)}
+
+    def key(self, a: str, b: str) -> Key:
+        """The key of two bodies, given in either order."""
+        return key_of(a, b, self._order)
+
     def of(self, a: str, b: str) -> Centres:
         """The centre of two bodies, in either order."""
-        return self.centres[(a, b) if self.bodies.index(a) < self.bodies.index(b) else (b, a)]
+        return self.centres[self.key(a, b)]
 
 
 def centres_in_motion(
@@ -81,17 +89,15 @@ def all_centres(kinematics: Kinematics, size: float, bodies: Iterable[str] = ())
     """
     names = tuple(bodies) or tuple(kinematics.bodies)
     found, motion, primary = centres_in_motion(kinematics, size, names)
-    resting = {key: rest for key in found if key not in primary and (rest := motion[key] <= _AT_REST).any()}
+    resting = {key: rests for key in found if key not in primary and (rests := motion[key] <= _AT_REST).any()}
     for wanted in construction(names, primary).steps if resting else ():
         if wanted.key in resting:
             limit, now = kennedy(found, wanted, size).scaled(size), found[wanted.key]
-            told = agreement(found, wanted, limit, size) < _AGREES
-            rest, limit = (
-                resting[wanted.key],
-                Centres(np.where(told, limit.point, 0.0), np.where(told, limit.weight, 0.0)),
-            )
+            agrees, rests = agreement(found, wanted, limit, size) < _AGREES, resting[wanted.key]
             found[wanted.key] = Centres(
-                np.where(rest, limit.point, now.point), np.where(rest, limit.weight, now.weight), now.error_bound
+                np.where(rests, np.where(agrees, limit.point, 0.0), now.point),
+                np.where(rests, np.where(agrees, limit.weight, 0.0), now.weight),
+                now.error_bound,
             )
     return CentreTable(names, MappingProxyType(found), primary, size)
 
@@ -110,15 +116,12 @@ def primary_pairs(kinematics: Kinematics, order: Mapping[str, int]) -> dict[Key,
         if pair.kind == REVOLUTE:
             pins.setdefault(pair.point, set()).update((pair.on, pair.body))
         elif pair.on in order and pair.body in order:
-            across = 1j * pair.axis * kinematics.bodies[pair.on].unit
-            found[_key(pair.on, pair.body, order)] = Centres(across, np.zeros(across.size))
+            across = 1j * kinematics.line(pair)
+            found[key_of(pair.on, pair.body, order)] = Centres(across, np.zeros(across.size))
     for name, links in pins.items():
         for a, b in combinations([n for n in links if n in order], 2):
-            key = _key(a, b, order)
+            key = key_of(a, b, order)
             at = kinematics.bodies[key[0] if key[0] != FRAME else key[1]].place(name)
             found[key] = Centres(at, np.ones(at.size))
     return dict(sorted(found.items(), key=lambda item: (order[item[0][0]], order[item[0][1]])))
 
-
-def _key(a: str, b: str, order: Mapping[str, int]) -> Key:
-    return (a, b) if order[a] < order[b] else (b, a)

@@ -51,7 +51,7 @@ class RatioArms:
 
 def ratio_arms(table: CentreTable, body: str, base: str) -> RatioArms:
     """The distances by which a body's angular velocity follows from that of another moving body."""
-    keys = _key(table, FRAME, base), _key(table, FRAME, body), _key(table, base, body)
+    keys = table.key(FRAME, base), table.key(FRAME, body), table.key(base, body)
     other, own, common = (table.centres[key] for key in keys)
     to_base, to_body = _arm(common, other), _arm(common, own)
     # the three lie on one line: along the longer of the two arms
@@ -68,10 +68,6 @@ def ratio_arms(table: CentreTable, body: str, base: str) -> RatioArms:
 def _arm(common: Centres, held: Centres) -> np.ndarray:
     """From one centre to another, times both weights (n,)."""
     return np.asarray(common.point * held.weight - held.point * common.weight)
-
-
-def _key(table: CentreTable, a: str, b: str) -> Key:
-    return (a, b) if table.bodies.index(a) < table.bodies.index(b) else (b, a)
 
 
 # -- which ratios are told --------------------------------------------------------------------------------
@@ -97,7 +93,7 @@ def link_by_link(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]
 
 
 def _pinned(table: CentreTable, a: str, b: str) -> bool:
-    key = _key(table, a, b)
+    key = table.key(a, b)
     return key in table.primary and bool((table.centres[key].weight != 0.0).all())
 
 

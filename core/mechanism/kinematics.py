@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, sum_of, turning
+from core.numerics.derivatives import Derivatives, standing, sum_of, turning
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import dot, unit
 
@@ -83,6 +83,10 @@ class Pose:
     def place(self, name: str, order: int = 0) -> np.ndarray:
         """A named point in the global frame, or one derivative (n,)."""
         return self.derivative(self.points[name], order)
+
+
+FRAME_POSE = Pose(standing(0j), standing(0.0), unit=np.ones(1, dtype=complex))
+"""Of the frame, which is the global one."""
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from core.design.topology import GROUP
 from core.mechanism.change_points import Bridge, Way
 from core.mechanism.dyads import DYADS, Closed
 from core.mechanism.groups import Group, Settled, newton, settled
-from core.mechanism.kinematics import Pose
+from core.mechanism.kinematics import FRAME_POSE, Pose
 from core.mechanism.loop_closure import placed
 from core.mechanism.plan import Plan
 from core.numerics.derivatives import Derivatives, standing
@@ -25,10 +25,6 @@ class Solved:
 
     poses: dict[int, Pose]
     steps: tuple[Closed | Settled, ...]
-
-
-FRAME_POSE = Pose(standing(0j), standing(0.0), unit=np.ones(1, dtype=complex))
-"""Of the link that stands still."""
 
 
 def driver_pose(plan: Plan, q: Derivatives) -> Pose:

@@ -488,7 +488,7 @@ class Study:
             if self.mechanism.ranged:
                 proof["three_centres"] = self._three_centres()
         if "cam" in wanted:
-            centre, part = cam.centre_residual(self.linkage, self.cam), self.design.drive.cam
+            centre, part = cam.centre_residual(self.cam), self.design.drive.cam
             proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.error_bound)
             radius: float = si(part).roller_radius
             # rounding grows with the distance, which a motion long against the base circle carries beyond it
