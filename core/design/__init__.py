@@ -13,7 +13,7 @@ from core.design.edits import (
     with_stroke,
     without_segment,
 )
-from core.design.fields import Info, field_faults, info_of, unit_of
+from core.design.fields import Info, info_of, unit_of
 from core.design.joins import (
     LEAST_SPAN,
     join_angles,
@@ -160,7 +160,6 @@ __all__ = [
     "edited",
     "entries",
     "faults",
-    "field_faults",
     "get",
     "has_image",
     "info_of",

@@ -1,19 +1,21 @@
-"""Field metadata: label, range and help of every number a user can type. Forms, validation and tables walk it."""
+"""What is known of the fields of a design's parts: label, range and help of every number a user can type, and where a part
+stands in the file. Forms, validation, paths and files walk over these fields; nothing about a part is written twice."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, cast
 
 from core.design.units import Unit, split_unit
-from core.errors import Fault
 
-_KEY = "kindyna"
 LARGEST = 1e15  # in the field's own unit: squares and products of such numbers still are numbers
+LONGEST_MM = 1e9
+NOTHING = dataclasses.MISSING
+"""The default of a field that has none."""
 
 
 @dataclass(frozen=True)
@@ -21,10 +23,14 @@ class Info:
     """What is known of one field.
 
     low, high  bounds of a number (``open_low``: low itself is excluded); no bound stated means ``LARGEST``
-    choices    bounds words, or a few numbers
+    choices    bounds words
+    numbers    bounds a number without a fraction, where not all from low to high are allowed
     step       a sensible step of a spin box, 0 = by magnitude
     optional   may be None
     whole      a number without a fraction
+    of_motion  counts in the motion's unit, which its key in the file ends with: ``rise_mm``
+    pair       key of the file under which it stands with the other coordinate, as [x, y]
+    missing    what a file must say, where Python has a default; that as text
     """
 
     label: str
@@ -32,15 +38,19 @@ class Info:
     low: float = -LARGEST
     high: float = LARGEST
     open_low: bool = False
-    choices: tuple[Any, ...] = ()
+    choices: tuple[str, ...] = ()
+    numbers: tuple[int, ...] = ()
     step: float = 0.0
     optional: bool = False
     whole: bool = False
+    of_motion: bool = False
+    pair: str = ""
+    missing: str = ""
 
     def allowed(self, unit: Unit) -> str:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
-        if self.choices:
-            return " | ".join(map(str, self.choices))
+        if self.choices or self.numbers:
+            return " | ".join(map(str, self.choices or self.numbers))
         symbol = f" {unit.symbol}" if unit.symbol else ""
         if self.low == -LARGEST and self.high == LARGEST:
             return f"any number{' of' + symbol if symbol else ''} up to +-{LARGEST:g}"
@@ -49,14 +59,24 @@ class Info:
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:
-        if self.choices:
-            return value in self.choices
+        if self.choices or self.numbers:
+            return value in (self.choices or self.numbers)
         if value is None:
             return self.optional
         if self.whole and not isinstance(value, int):
             return False
         above = value > self.low if self.open_low else value >= self.low
         return bool(above and value <= self.high and math.isfinite(value))
+
+    @property
+    def problem(self) -> str:
+        """What is wrong with a value that is not admitted."""
+        if self.numbers:
+            return f"no {self.label.lower()}"
+        return "unknown word" if self.choices else "outside its range"
+
+
+_KEY = "kindyna"
 
 
 def number(
@@ -65,67 +85,41 @@ def number(
     high: float = LARGEST,
     *,
     open_low: bool = False,
-    default: Any = dataclasses.MISSING,
+    default: Any = NOTHING,
     help: str = "",
     step: float = 0.0,
+    of_motion: bool = False,
+    missing: str = "",
 ) -> Any:
     """A dataclass field for a number; its unit is told by its name."""
-    info = Info(label, help, low, high, open_low, step=step, optional=default is None)
-    return dataclasses.field(default=default, metadata={_KEY: info})
+    info = Info(
+        label, help, low, high, open_low, step=step, optional=default is None, of_motion=of_motion, missing=missing
+    )
+    return field(default=default, metadata={_KEY: info})
 
 
-def whole(label: str, low: int, high: int, *, default: Any = dataclasses.MISSING, help: str = "") -> Any:
+def whole(
+    label: str, low: int, high: int, *, default: Any = NOTHING, help: str = "", numbers: tuple[int, ...] = ()
+) -> Any:
     """A dataclass field for a number without a fraction."""
-    info = Info(label, help, low, high, step=1.0, whole=True)
-    return dataclasses.field(default=default, metadata={_KEY: info})
+    info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers)
+    return field(default=default, metadata={_KEY: info})
 
 
-LONGEST_MM = 1e9
-
-
-def length(label: str, *, help: str = "", default: Any = dataclasses.MISSING) -> Any:
+def length(label: str, *, help: str = "", default: Any = NOTHING) -> Any:
     """A dataclass field for a length that must be positive."""
     return number(label, 0.0, LONGEST_MM, open_low=True, help=help, default=default)
 
 
-def coordinate(label: str, *, help: str = "", default: Any = dataclasses.MISSING) -> Any:
+def coordinate(label: str, *, help: str = "", default: Any = NOTHING, pair: str = "") -> Any:
     """A dataclass field for a signed distance."""
-    return number(label, -LONGEST_MM, LONGEST_MM, help=help, default=default)
+    info = Info(label, help, -LONGEST_MM, LONGEST_MM, pair=pair)
+    return field(default=default, metadata={_KEY: info})
 
 
-def choice(label: str, choices: tuple[str, ...], *, default: Any = dataclasses.MISSING, help: str = "") -> Any:
+def choice(label: str, choices: tuple[str, ...], *, default: Any = NOTHING, help: str = "", missing: str = "") -> Any:
     """A dataclass field for one word of several."""
-    return dataclasses.field(default=default, metadata={_KEY: Info(label, help, choices=choices)})
-
-
-@dataclass(frozen=True)
-class Placing:
-    """Where the parts in a field stand in the file.
-
-    inside  the keys of the part stand in the table of the whole
-    key     rows are told by this field of theirs, as ``points.A``; else by number
-    single  a row is one value; row: makes one from name and value
-    """
-
-    inside: bool = False
-    key: str = ""
-    single: bool = False
-    row: Callable[[str, Any], Any] | None = None
-
-
-_PLACING = "kindyna-placing"
-_PLAIN = Placing()
-
-
-def placed(placing: Placing, default: Any = dataclasses.MISSING) -> Any:
-    """A dataclass field for a part or a list of parts."""
-    return dataclasses.field(default=default, metadata={_PLACING: placing})
-
-
-def placing_of(field: dataclasses.Field[Any]) -> Placing:
-    """Where the parts in a field stand in the file."""
-    placing: Placing = field.metadata.get(_PLACING, _PLAIN)
-    return placing
+    return field(default=default, metadata={_KEY: Info(label, help, choices=choices, missing=missing)})
 
 
 def info_of(field: dataclasses.Field[Any]) -> Info | None:
@@ -137,18 +131,128 @@ def unit_of(field: dataclasses.Field[Any]) -> Unit:
     return split_unit(field.name)[1]
 
 
-def field_faults(part: Any, path: str) -> list[Fault]:
-    """Every field of a part that is outside its range; ``path`` is the part's own."""
-    found = []
-    for field, info in _entries_of(cast(Hashable, type(part))):
-        value = getattr(part, field.name)
-        if not info.admits(value):
-            problem = "unknown word" if info.choices else "outside its range"
-            found.append(Fault(f"{path}.{field.name}", value, problem, info.allowed(unit_of(field))))
-    return found
+# -- where a part stands in the file ----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How the file holds what is no entry of its own: text, a part, a list of parts.
+
+    kind     class of the part, or of the rows of a list; None: text
+    choose   class of the part by the table of the whole, which holds the part's keys too; None where it has none of them
+    single   one part, no list of them
+    key      rows are named by this field of theirs, as ``points.A``, and are one value or pair each; else numbered
+    whole    may be assumed as a whole
+    brief    the part's entries that are as they would be anyway are left out
+    missing  what a file must say, as text
+    in_file  False: told by something else
+    """
+
+    kind: Any = None
+    choose: Callable[[Mapping[str, Any]], Any] | None = None
+    single: bool = False
+    key: str = ""
+    whole: bool = False
+    brief: bool = False
+    missing: str = ""
+    in_file: bool = True
+
+
+_PLACING = "kindyna-placing"
+
+
+def placed(placing: Placing, default: Any = NOTHING) -> Any:
+    """A dataclass field for text, a part or a list of parts."""
+    return field(default=default, metadata={_PLACING: placing})
+
+
+@dataclass(frozen=True)
+class Slot:
+    """One entry of a part's table in the file.
+
+    key      as the file spells it
+    names    the fields that hold it: two of a pair; none of a curve's law that its class tells
+    infos    of these fields; none of text, parts and lists
+    placing, default   of the field, of a pair's first
+    within   field of the part whose own fields these are, where its keys stand in the table of the whole
+    brief    left out of the file where it is as it would be anyway
+    """
+
+    key: str
+    names: tuple[str, ...]
+    infos: tuple[Info, ...]
+    placing: Placing
+    default: Any
+    within: str = ""
+    brief: bool = False
+
+    @property
+    def info(self) -> Info | None:
+        """Of its field, of a pair's first; None of text, parts and lists."""
+        return self.infos[0] if self.infos else None
+
+    @property
+    def missing(self) -> str | None:
+        """What the file must say, as text; None where it need not."""
+        stated = self.info.missing if self.info else self.placing.missing
+        return stated or (self.allowed if self.default is NOTHING and self.names else None)
+
+    @property
+    def allowed(self) -> str:
+        """The allowed values as text."""
+        return self.info.allowed(split_unit(self.key)[1]) if self.info else self.placing.missing
+
+
+LAW = "law"
+"""Key of a segment's curve, which tells what other keys it has; the first of its table."""
 
 
 @lru_cache(maxsize=256)
-def _entries_of(kind: Any) -> tuple[tuple[dataclasses.Field[Any], Info], ...]:
-    """The fields of a part that hold entries of their own."""
-    return tuple((field, info) for field in dataclasses.fields(kind) if (info := info_of(field)) is not None)
+def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
+    """The fields of a class as they follow each other in the file: as the class says, else as they are declared."""
+    own = {each.name: each for each in dataclasses.fields(kind)}
+    first = [own.pop(name) for name in getattr(kind, "FILE_ORDER", ())]
+    return (*first, *own.values())
+
+
+@lru_cache(maxsize=512)
+def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -> tuple[Slot, ...]:
+    """The entries of a class's table in the file, for a motion in ``unit``; inside: field -> class of the parts whose keys
+    stand in this table."""
+    found: list[Slot] = [] if LAW not in vars(kind) else [Slot(LAW, (), (), Placing(), NOTHING)]
+    for each in _fields_in_order(kind):
+        info, placing = info_of(each), each.metadata.get(_PLACING, Placing())
+        if placing.choose is not None:
+            own = (slot for name, part in inside if name == each.name for slot in slots(part))
+            found += [replace(slot, within=each.name, brief=placing.brief) for slot in own]
+        elif info is not None and info.pair and (first := next((s for s in found if s.key == info.pair), None)):
+            both = replace(first, names=(*first.names, each.name), infos=(*first.infos, info))
+            found[found.index(first)] = both
+        elif placing.in_file:
+            key = each.name if info is None else info.pair or (f"{each.name}_{unit}" if info.of_motion and unit else each.name)
+            found.append(Slot(key, (each.name,), () if info is None else (info,), placing, each.default))
+    return tuple(found)
+
+
+@lru_cache(maxsize=256)
+def _choosing(kind: Any) -> tuple[tuple[str, Placing], ...]:
+    """The fields of a class whose parts' keys stand in its table."""
+    placings = ((each.name, each.metadata.get(_PLACING, Placing())) for each in dataclasses.fields(kind))
+    return tuple((name, placing) for name, placing in placings if placing.choose is not None)
+
+
+def inside_of(part: Any) -> tuple[tuple[str, Any], ...]:
+    """Field -> class of the parts of a part whose keys stand in its own table."""
+    parts = ((name, getattr(part, name)) for name, _ in _choosing(cast(Hashable, type(part))))
+    return tuple((name, type(inner)) for name, inner in parts if inner is not None)
+
+
+def inside_of_table(kind: Any, table: Mapping[str, Any], *, possible: bool = False) -> tuple[tuple[str, Any], ...]:
+    """The same by the table of a file; possible: also of parts that it does not have, but could have."""
+    chosen = ((name, (placing.choose and placing.choose(table)) or (possible and placing.kind)) for name, placing in _choosing(kind))
+    return tuple((name, part) for name, part in chosen if part)
+
+
+def slots_of(part: Any, unit: str = "") -> tuple[Slot, ...]:
+    """The entries of a part's table in the file, those of parts in it that stand in the same table included."""
+    return slots(cast(Hashable, type(part)), unit, inside_of(part))

@@ -25,8 +25,8 @@ class Place:
     """A named point of a link, in the link's own frame."""
 
     name: str
-    x_mm: float = coordinate("x")
-    y_mm: float = coordinate("y")
+    x_mm: float = coordinate("x", pair="x, y")
+    y_mm: float = coordinate("y", pair="x, y")
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,9 @@ class Link:
     """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
 
     number: int = whole("Number", 1, 999, help="1 = frame")
-    points: tuple[Place, ...] = placed(Placing(key="name"), ())
+    points: tuple[Place, ...] = placed(
+        Placing(Place, key="name", whole=True, missing="{ A = [0.0, 0.0], B = [40.0, 0.0] }, in mm"), ()
+    )
 
     @property
     def places(self) -> Mapping[str, complex]:
@@ -49,8 +51,8 @@ class Slider:
 
     link: int = whole("Link", 1, 999, help="the link that slides")
     on: int = whole("On", 1, 999, help="the link that carries the line")
-    through_x_mm: float = coordinate("Line through x", default=0.0)
-    through_y_mm: float = coordinate("Line through y", default=0.0)
+    through_x_mm: float = coordinate("Line through x", pair="through", default=0.0)
+    through_y_mm: float = coordinate("Line through y", pair="through", default=0.0)
     angle_deg: float = number("Angle of the line", -360.0, 360.0, default=0.0)
 
 
@@ -60,9 +62,10 @@ class Driver:
     pinned to the frame, or the slide of a link on the frame, follows the design's motion."""
 
     link: int = whole("Driving link", 2, 999)
-    kind: str = choice("Driven by", DRIVERS, default=CRANK)
+    kind: str = choice("Driven by", DRIVERS, default=CRANK, missing=" | ".join(DRIVERS))
     speed_rpm: float = number(
         "Speed", -1e5, 1e5, default=60.0, step=1.0,
+        missing="of the crank, in rpm; negative = clockwise",
         help="of the crank, or of the shaft whose turn the motion takes; negative = clockwise",
     )  # fmt: skip
 
@@ -78,10 +81,8 @@ class Side:
     the crank's angle 0, or from the driver's lowest position.
     """
 
-    SINGLE: ClassVar[str] = "side"
-
     joint: str
-    side: int = whole("Side", -1, 1)
+    side: int = whole("Side", -1, 1, numbers=(1, -1))
 
 
 @dataclass(frozen=True)
@@ -90,10 +91,10 @@ class Linkage:
 
     FILE_ORDER: ClassVar[tuple[str, ...]] = ("driver", "branch", "links", "sliders")
 
-    links: tuple[Link, ...]
-    sliders: tuple[Slider, ...] = ()
-    driver: Driver = Driver(2)
-    branch: tuple[Side, ...] = placed(Placing(key="joint", single=True, row=Side), ())
+    links: tuple[Link, ...] = placed(Placing(Link, missing="[[linkage.links]] with number and points"))
+    sliders: tuple[Slider, ...] = placed(Placing(Slider), ())
+    driver: Driver = placed(Placing(Driver, single=True, missing='{ link = 2, kind = "crank", speed_rpm = 60.0 }'), Driver(2))
+    branch: tuple[Side, ...] = placed(Placing(Side, key="joint"), ())
 
     @property
     def by_number(self) -> Mapping[int, Link]:
@@ -111,7 +112,7 @@ class LinkageCam:
     motion. Its size follows from where the roller runs."""
 
     link: int = whole("Roller on link", 2, 999)
-    point: str
+    point: str = placed(Placing(missing="the name of a point"))
     roller_radius_mm: float = length("Roller radius Rr")
     form: str = choice("Form", FORMS, default="open")
 
@@ -123,8 +124,8 @@ class LinkMass:
     link: int = whole("Link", 2, 999)
     mass_kg: float = number("Mass", 0.0, default=0.0)
     inertia_kg_m2: float = number("Inertia", 0.0, default=0.0, help="about its centre of mass")
-    centre_x_mm: float = coordinate("Centre of mass x", default=0.0, help="in the link's frame")
-    centre_y_mm: float = coordinate("Centre of mass y", default=0.0)
+    centre_x_mm: float = coordinate("Centre of mass x", pair="centre", default=0.0, help="in the link's frame")
+    centre_y_mm: float = coordinate("Centre of mass y", pair="centre", default=0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,7 +133,7 @@ class LinkForce:
     """A constant force at a point of a link, in the frame's directions, and a torque on the link."""
 
     link: int = whole("Link", 2, 999)
-    point: str
+    point: str = placed(Placing(missing="the name of a point"))
     x_n: float = number("Force x", default=0.0)
     y_n: float = number("Force y", default=0.0)
     torque_nm: float = number("Torque", default=0.0, help="counter-clockwise")
@@ -144,5 +145,5 @@ class LinkageLoads:
 
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
-    masses: tuple[LinkMass, ...] = ()
-    forces: tuple[LinkForce, ...] = ()
+    masses: tuple[LinkMass, ...] = placed(Placing(LinkMass), ())
+    forces: tuple[LinkForce, ...] = placed(Placing(LinkForce), ())

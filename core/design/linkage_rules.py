@@ -173,9 +173,6 @@ def sided_joints(linkage: Linkage) -> tuple[str, ...]:
 
 def _branches(drive: Drive) -> Iterator[Fault]:
     linkage = _linkage(drive)
-    for side in linkage.branch:
-        if side.side not in (-1, 1):
-            yield Fault(f"linkage.branch.{side.joint}", side.side, "no side", "1 | -1")
     if not _sound(linkage) or mobility(linkage) != 1:
         return
     known = sided_joints(linkage)

@@ -6,12 +6,13 @@ No part holds a result, a view setting or another kind's keys; a part that is No
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from core.design.fields import Placing, choice, coordinate, length, number, placed
+from core.design.fields import LAW, Placing, choice, coordinate, length, number, placed
 from core.design.units import UNITS
+from core.laws import LAWS
 
 # -- motion ----------------------------------------------------------------------------------------------
 
@@ -21,7 +22,7 @@ class Named:
     """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
     deceleration, as a fraction of the span."""
 
-    law: str
+    law: str = placed(Placing(missing=" | ".join(LAWS)))
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
 
 
@@ -54,8 +55,8 @@ class Polynomial:
 
     law: ClassVar[str] = "polynomial"
     label: ClassVar[str] = "Polynomial"
-    start: End = End()
-    end: End = End()
+    start: End = placed(Placing(End, single=True, whole=True), End())
+    end: End = placed(Placing(End, single=True, whole=True), End())
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ class Spline:
 
     law: ClassVar[str] = "spline"
     label: ClassVar[str] = "Spline"
-    points: tuple[Point, ...] = ()
+    points: tuple[Point, ...] = placed(Placing(Point, whole=True), ())
 
 
 Curve = Named | Scca | Polynomial | Spline
@@ -91,13 +92,18 @@ def curve_of(law: str) -> Curve:
     return CURVES[law]() if law in CURVES else Named(law)
 
 
+def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
+    law = table.get(LAW)
+    return CURVES.get(law, Named) if isinstance(law, str) else Named
+
+
 @dataclass(frozen=True)
 class Segment:
     """One stretch of the motion: cam span, rise (end minus start, in the motion's unit), and the curve between."""
 
     span_deg: float = number("Span", 1e-6, 360.0, step=1.0, help="cam angle this segment takes")
-    rise: float = number("Rise", help="end minus start; negative for a return", step=1.0)
-    curve: Curve = placed(Placing(inside=True), Named("dwell"))
+    rise: float = number("Rise", help="end minus start; negative for a return", step=1.0, of_motion=True)
+    curve: Curve = placed(Placing(Named, choose=_curve_class, brief=True), Named("dwell"))
 
 
 @dataclass(frozen=True)
@@ -107,9 +113,9 @@ class Motion:
     ``unit`` is ``mm`` for a follower that slides and ``deg`` for one that swings.
     """
 
-    start: float = number("Start", help="position at cam angle 0")
-    segments: tuple[Segment, ...] = ()
-    unit: str = "mm"
+    start: float = number("Start", help="position at cam angle 0", of_motion=True)
+    segments: tuple[Segment, ...] = placed(Placing(Segment), ())
+    unit: str = placed(Placing(in_file=False), "mm")
 
     @property
     def scale(self) -> float:
@@ -208,6 +214,10 @@ class Elastic:
     spring_factor: float = number("Spring factor", 0.0, 1e3, default=1.5, step=0.1, help="Kim1990's a of a retuned spring")
 
 
+def _elastic_class(table: Mapping[str, Any]) -> type[Elastic] | None:
+    return Elastic if any(field.name in table for field in fields(Elastic)) else None
+
+
 @dataclass(frozen=True)
 class Shaft:
     """The camshaft: sense and speed of rotation, flywheel, motor; ``elastic`` where it twists."""
@@ -221,7 +231,7 @@ class Shaft:
     motor_slope_nm_s_per_rad: float = number(
         "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
     )
-    elastic: Elastic | None = placed(Placing(inside=True), None)
+    elastic: Elastic | None = placed(Placing(Elastic, choose=_elastic_class), None)
 
     @property
     def sense(self) -> float:

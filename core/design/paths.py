@@ -1,53 +1,36 @@
 """Addresses inside a design, spelled as in the file: ``follower.rod_mm``, ``motion.segments[2].rise_mm``,
-``linkage.links[2].points.A``. One walk over the fields of its parts serves forms, edits, ``assumed`` and files alike.
-
-Where a part stands in the file is said by the metadata of its field: a list by number or by name, a part whose keys stand
-in the table of the whole. Two coordinates stand in the file as one pair.
+``linkage.links[2].points.A``. One walk over the entries of its tables (``fields.slots_of``) serves forms, ranges, edits,
+``assumed`` and files alike.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterator, Mapping
-from dataclasses import Field, dataclass, fields, is_dataclass, replace
-from functools import lru_cache
-from types import MappingProxyType
-from typing import Any, cast
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, is_dataclass, replace
+from typing import Any
 
-from core.design.fields import Info, info_of, placing_of
-from core.design.parts import Motion, Segment, curve_of
-from core.design.units import NO_UNIT, Unit, split_unit
-from core.design.whole import SECTIONS, Design, with_table
+from core.design.fields import LAW, Info, Slot, slots, slots_of
+from core.design.parts import Segment, curve_of
+from core.design.units import Unit, split_unit
+from core.design.whole import Design, with_table
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
+_UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
 Step = tuple[str, int | None]
-
-PAIRS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "points": ("x_mm", "y_mm"),
-        "through": ("through_x_mm", "through_y_mm"),
-        "centre": ("centre_x_mm", "centre_y_mm"),
-    }
-)
-"""What stands in the file as [x, y] -> the fields it is kept in."""
+_NO_ROW = object()
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One value that can be edited: its path, what is known of it, its unit, what stands there."""
+    """One value that can be edited: its path, what is known of it, its unit, what stands there; in_file: path of the entry
+    of the file, which of a pair holds both."""
 
     path: str
     info: Info
     unit: Unit
     value: Any
-
-
-@lru_cache(maxsize=256)
-def fields_in_order(part: Any) -> tuple[Field[Any], ...]:
-    """The fields of a part as they follow each other in the file: as the class says, else as they are declared."""
-    wanted = getattr(part, "FILE_ORDER", ())
-    own = {field.name: field for field in fields(part)}
-    return tuple(own.pop(name) for name in wanted if name in own) + tuple(own.values())
+    in_file: str
 
 
 # -- entries ----------------------------------------------------------------------------------------------
@@ -57,57 +40,61 @@ def entries(design: Design, name: str) -> Iterator[Entry]:
     """The entries of one table of the design, in the order of the file; none where it lacks the table."""
     part = design.tables.get(name)
     if part is not None:
-        yield from entries_of(part, name, getattr(part, "unit", None))
+        yield from entries_of(part, name)
 
 
-def entries_of(part: Any, path: str, motion_unit: str | None = None) -> Iterator[Entry]:
+def entries_of(part: Any, path: str) -> Iterator[Entry]:
     """The entries of a part and of the parts in it, in the order of the file."""
-    for field in fields_in_order(cast(Hashable, type(part))):
-        value, info, placing = getattr(part, field.name), info_of(field), placing_of(field)
-        if info is not None:
-            key = _key(part, field.name, motion_unit)
-            yield Entry(f"{path}.{key}", info, split_unit(key)[1] or NO_UNIT, value)
-        elif is_dataclass(value):
-            yield from entries_of(value, path if placing.inside else f"{path}.{field.name}", motion_unit)
-        elif isinstance(value, tuple):
-            for i, row in enumerate(value):
-                if not is_dataclass(row):
-                    break
-                at = f"{path}.{field.name}.{getattr(row, placing.key)}" if placing.key else f"{path}.{field.name}[{i}]"
-                rows = entries_of(row, at, motion_unit)
-                yield from (replace(entry, path=at) for entry in rows) if placing.single else rows
-
-
-def _key(part: Any, name: str, motion_unit: str | None) -> str:
-    """The motion's own numbers carry its unit in the file."""
-    return f"{name}_{motion_unit}" if motion_unit and isinstance(part, Motion | Segment) and name in ("start", "rise") else name
+    return (entry for _, entry in _walk(part, path, getattr(part, "unit", "")) if entry is not None)
 
 
 def all_paths(design: Design) -> Iterator[str]:
     """Every path that may be assumed, in the order of the file: of what stands there as one entry, that one too."""
-    seen: set[str] = set()
-    for name in SECTIONS:
-        for entry in entries(design, name):
-            for path in (*_holders(entry.path), entry.path):
-                if path not in seen:
-                    seen.add(path)
-                    yield path
+    for name, part in design.tables.items():
+        for path, _ in _walk(part, name, getattr(part, "unit", "")):
+            yield path
 
 
-_HOLDERS = (
-    (r"(.*\.points)\.(\w+)\.[xy]_mm", (r"\1", r"\1.\2")),
-    (r"(.*\.(?:through|centre))_[xy]_mm", (r"\1",)),
-    (r"(motion\.segments\[\d+\])\.span_deg", (r"\1.law",)),
-    (r"(motion\.segments\[\d+\]\.(?:start|end|points)).*", (r"\1",)),
-)
+def in_order(part: Any, unit: str = "") -> list[Slot]:
+    """The entries of a part's table in the order of the file: a segment's law comes first."""
+    return sorted(slots_of(part, unit), key=lambda slot: slot.key != LAW)
 
 
-def _holders(path: str) -> Iterator[str]:
-    """Entries of the file that hold the value at a path; a segment's law comes before its span."""
-    for pattern, holders in _HOLDERS:
-        match = re.fullmatch(pattern, path)
-        if match:
-            yield from (match.expand(holder) for holder in holders)
+def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]:
+    """Every path in a part that may be assumed, in the order of the file, with its entry; None of what is no single value:
+    a law, a pair, a list of points."""
+    for slot in in_order(part, unit):
+        holder = getattr(part, slot.within) if slot.within else part
+        at, kind = f"{path}.{slot.key}", slot.placing.kind
+        if kind is None:
+            yield from _values(holder, slot, at, path)
+            continue
+        value = getattr(holder, slot.names[0])
+        if slot.placing.whole and value:
+            yield at, None
+        if slot.placing.key:
+            name, only = slots(kind)
+            for row in value:
+                row_at = f"{at}.{getattr(row, name.key)}"
+                yield from _values(row, only, row_at, row_at)
+        elif isinstance(value, tuple):
+            for i, row in enumerate(value):
+                yield from _walk(row, f"{at}[{i}]", unit)
+        else:
+            yield from _walk(value, at, unit)
+
+
+def _values(part: Any, slot: Slot, at: str, path: str) -> Iterator[tuple[str, Entry | None]]:
+    """The paths of one entry of the file; at: its own, path: of the part whose fields hold it."""
+    if slot.info is None:
+        if slot.key == LAW:
+            yield at, None
+    elif len(slot.names) == 1:
+        yield at, Entry(at, slot.info, split_unit(slot.key)[1], getattr(part, slot.names[0]), at)
+    else:
+        yield at, None
+        for name, info in zip(slot.names, slot.infos, strict=True):
+            yield f"{path}.{name}", Entry(f"{path}.{name}", info, split_unit(name)[1], getattr(part, name), at)
 
 
 # -- values -----------------------------------------------------------------------------------------------
@@ -115,135 +102,94 @@ def _holders(path: str) -> Iterator[str]:
 
 def get(design: Design, path: str) -> Any:
     """The value at a path; of a point its pair of coordinates. Raises KeyError where the path leads nowhere."""
-    (name, index), *rest = _steps(path)
-    if not rest and name in ("name", "assumed", "shaft"):
+    (name, index), *steps = _steps(path)
+    if not steps and name in ("name", "assumed", "shaft"):
         return getattr(design, name)
-    at = design.tables.get(name)
-    if at is None or index is not None:
-        return at if at is None and name in design.sections and not rest else _nowhere(path)
-    for step in rest:
-        at = _item(_child(at, step[0], path), step[1], path)
-    single = placing_single(at)
-    if single is not None:
-        return getattr(at, single)
-    return tuple(getattr(at, key) for key in PAIRS["points"]) if _is_pair(at) else at
+    part = design.tables.get(name)
+    if index is not None or (part is None and (steps or name not in design.sections)):
+        return _nowhere(path)
+    value, _ = _opened(part, steps, path)
+    return _nowhere(path) if value is _NO_ROW else value
 
 
 def put(design: Design, path: str, value: Any) -> Design:
     """The design with the value at a path replaced. Raises KeyError where the path leads nowhere."""
-    (name, index), *rest = _steps(path)
-    if not rest and name in ("name", "assumed"):
+    (name, index), *steps = _steps(path)
+    if not steps and name in ("name", "assumed"):
         return replace(design, **{name: value})
-    if name not in design.sections or index is not None:
-        _nowhere(path)
-    if not rest:
-        return with_table(design, name, value)
     part = design.tables.get(name)
-    return with_table(design, name, _nowhere(path) if part is None else _put(part, rest, value, path))
+    if name not in design.sections or index is not None or (steps and part is None):
+        return _nowhere(path)
+    return with_table(design, name, _opened(part, steps, path)[1](value))
 
 
-def _put(at: Any, steps: list[Step], value: Any, path: str) -> Any:
+def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
+    """What stands at the steps from a part, and the function that gives the part with another value there."""
     if not steps:
-        if _is_pair(at) and not is_dataclass(value):
-            return replace(at, **dict(zip(PAIRS["points"], value, strict=True)))
-        single = placing_single(at)
-        return value if single is None or is_dataclass(value) else replace(at, **{single: value})
-    (name, index), rest = steps[0], steps[1:]
-    if isinstance(at, Segment) and name == "law":
-        return replace(at, curve=curve_of(value))
-    holder = _holding(at, name)
-    if holder is not None:
-        return replace(at, **{holder: _put(getattr(at, holder), steps, value, path)})
-    if name in PAIRS and name not in _names(at) and not rest:
-        if PAIRS[name][0] not in _names(at):
-            _nowhere(path)
-        return replace(at, **dict(zip(PAIRS[name], value, strict=True)))
-    field = _field(at, name, path)
-    old, placing = getattr(at, field.name), placing_of(field)
-    if placing.key and rest:
-        return replace(at, **{field.name: _put_row(old, field, rest, value, path)})
-    if index is None:
-        return replace(at, **{field.name: _put(old, rest, value, path)})
-    items = list(old)
-    items[index] = _put(_item(old, index, path), rest, value, path)
-    return replace(at, **{field.name: tuple(items)})
+        return part, lambda value: value
+    (name, index), *rest = steps
+    if isinstance(part, Segment) and name == LAW and not rest:
+        return part.curve.law, lambda value: replace(part, curve=curve_of(value))
+    slot = _slot(part, name, path)
+    if slot.within:
+        inner, put_inner = _opened(getattr(part, slot.within), steps, path)
+        return inner, lambda value: replace(part, **{slot.within: put_inner(value)})
+    if slot.info is not None and index is None and not rest:
+        return _value(part, slot, name)
+    field = slot.names[0]
+    old = getattr(part, field)
+    if slot.placing.key and rest:
+        inner, put_inner = _row(old, slot, rest, path)
+    elif index is None:
+        inner, put_inner = _opened(old, rest, path)
+    elif isinstance(old, tuple) and index < len(old):
+        inner, put_row = _opened(old[index], rest, path)
 
-
-def _put_row(rows: tuple[Any, ...], field: Field[Any], steps: list[Step], value: Any, path: str) -> tuple[Any, ...]:
-    """A row of a list that is told by name; a new one where a row is one value."""
-    placing, name = placing_of(field), steps[0][0]
-    if any(getattr(row, placing.key) == name for row in rows):
-        return tuple(_put(row, steps[1:], value, path) if getattr(row, placing.key) == name else row for row in rows)
-    if placing.row is None:
+        def put_inner(value: Any) -> Any:
+            return (*old[:index], put_row(value), *old[index + 1 :])
+    else:
         return _nowhere(path)
-    return (*rows, placing.row(name, value))
+    return inner, lambda value: replace(part, **{field: put_inner(value)})
 
 
-def _child(at: Any, name: str, path: str) -> Any:
-    if isinstance(at, tuple):  # rows by name
-        found = [row for row in at if is_dataclass(row) and name in (getattr(row, "name", None), getattr(row, "joint", None))]
-        return found[0] if found else _nowhere(path)
-    if not is_dataclass(at):
+def _value(part: Any, slot: Slot, name: str) -> tuple[Any, Callable[[Any], Any]]:
+    """The entry of a part, or one of the two fields of a pair."""
+    names = (name,) if name in slot.names else slot.names
+    if len(names) == 1:
+        return getattr(part, names[0]), lambda value: replace(part, **{names[0]: value})
+    pair = tuple(getattr(part, each) for each in names)
+    return pair, lambda value: value if is_dataclass(value) else replace(part, **dict(zip(names, value, strict=True)))
+
+
+def _row(rows: tuple[Any, ...], slot: Slot, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:
+    """A row that is told by its name, or a value of it; a new one where there is none of that name and it is one value."""
+    key, only = slots(slot.placing.kind)
+    (name, _), *rest = steps
+    place = next((i for i, row in enumerate(rows) if getattr(row, key.key) == name), len(rows))
+    if place == len(rows):
+        if rest or len(only.names) > 1:
+            return _nowhere(path)
+        return _NO_ROW, lambda value: (*rows, slot.placing.kind(name, value))
+    inner, put_inner = _opened(rows[place], rest, path) if rest else _value(rows[place], only, only.key)
+    return inner, lambda value: (*rows[:place], put_inner(value), *rows[place + 1 :])
+
+
+def _slot(part: Any, name: str, path: str) -> Slot:
+    """The entry of a part's table of this key, or held in a field of this name."""
+    if not is_dataclass(part):
         return _nowhere(path)
-    if isinstance(at, Segment) and name == "law":
-        return at.curve.law
-    holder = _holding(at, name)
-    if holder is not None:
-        return _child(getattr(at, holder), name, path)
-    if name in PAIRS and name not in _names(at) and PAIRS[name][0] in _names(at):
-        return tuple(getattr(at, key) for key in PAIRS[name])
-    return getattr(at, _field(at, name, path).name)
-
-
-def _holding(at: Any, name: str) -> str | None:
-    """The field of a part inside this one whose keys stand in its table, where ``name`` is one of them."""
-    for field in fields(at):
-        inner = getattr(at, field.name)
-        if placing_of(field).inside and is_dataclass(inner) and name in _names(inner) and name != "law":
-            return field.name
-    return None
-
-
-def _field(at: Any, name: str, path: str) -> Field[Any]:
-    if isinstance(at, Motion | Segment):
-        name = re.sub(r"^(start|rise)_(mm|deg)$", r"\1", name)
-    found = next((field for field in fields(at) if field.name == name), None)
-    return _nowhere(path) if found is None else found
-
-
-def _item(items: Any, index: int | None, path: str) -> Any:
-    if index is None:
-        return items
-    return items[index] if isinstance(items, tuple) and index < len(items) else _nowhere(path)
-
-
-def _is_pair(at: Any) -> bool:
-    return is_dataclass(at) and PAIRS["points"][0] in _names(at)
-
-
-def placing_single(at: Any) -> str | None:
-    """The one field of a row that is a single value in the file: a joint's side."""
-    return getattr(at, "SINGLE", None) if is_dataclass(at) else None
-
-
-def _names(part: Any) -> frozenset[str]:
-    return _names_of(cast(Hashable, type(part)))
-
-
-@lru_cache(maxsize=256)
-def _names_of(part: Any) -> frozenset[str]:
-    return frozenset(field.name for field in fields(part))
+    plain = _UNIT_OF_MOTION.sub("", name)
+    for slot in slots_of(part):
+        if name == slot.key or name in slot.names or (slot.info and slot.info.of_motion and plain == slot.key):
+            return slot
+    return _nowhere(path)
 
 
 def _steps(path: str) -> list[Step]:
-    steps: list[Step] = []
-    for text in path.split("."):
-        match = _STEP.match(text)
-        if match is None:
-            _nowhere(path)
-        else:
-            steps.append((match[1], int(match[2]) if match[2] is not None else None))
-    return steps
+    matches = [_STEP.match(text) for text in path.split(".")]
+    return [
+        (match[1], None if match[2] is None else int(match[2])) if match is not None else _nowhere(path) for match in matches
+    ]
 
 
 def _nowhere(path: str) -> Any:

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any
 
 from core.design.counts import count_fault
-from core.design.fields import field_faults, placing_of
 from core.design.linkage import Linkage
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Spline
-from core.design.paths import fields_in_order
+from core.design.paths import entries_of
 from core.design.whole import Design
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
@@ -98,43 +97,19 @@ CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = Map
 )
 
 
-def _curve_faults(segment: Segment, path: str) -> Iterator[Fault]:
-    """Ranges of a curve's own numbers, then the rule that ties them together."""
-    yield from _deep_faults(segment.curve, path)
-    rule = CURVE_RULES.get(type(segment.curve))
-    if rule is not None:
-        yield from rule(segment.curve, segment, path)
-
-
-def _deep_faults(part: Any, path: str) -> Iterator[Fault]:
-    yield from field_faults(part, path)
-    for field in dataclasses.fields(part):
-        value = getattr(part, field.name)
-        if dataclasses.is_dataclass(value):
-            yield from _deep_faults(value, f"{path}.{field.name}")
-        elif isinstance(value, tuple):
-            for i, item in enumerate(value):
-                yield from _deep_faults(item, f"{path}.{field.name}[{i}]")
-
-
 def _segments_are_few(motion: Motion, path: str) -> Iterator[Fault]:
     if fault := count_fault(f"{path}.segments", len(motion.segments)):
         yield fault
 
 
-def _segment_faults(motion: Motion, path: str) -> Iterator[Fault]:
+def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
     for i, segment in enumerate(motion.segments):
         at = f"{path}.segments[{i}]"
-        for fault in field_faults(segment, at):
-            yield Fault(_with_unit(fault.path, motion.unit), fault.value, fault.problem, fault.allowed)
         yield from _law_is_known(segment, at)
         yield from _law_fits_rise(segment, at, motion.unit)
-        yield from _curve_faults(segment, at)
-
-
-def _with_unit(path: str, unit: str) -> str:
-    """The motion's own numbers carry its unit in the file: ``rise`` -> ``rise_mm``."""
-    return f"{path}_{unit}" if path.endswith((".rise", ".start")) else path
+        rule = CURVE_RULES.get(type(segment.curve))
+        if rule is not None:
+            yield from rule(segment.curve, segment, at)
 
 
 def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]:
@@ -159,38 +134,26 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segments_are_few, _segment_faults, _spans_make_a_turn, _rises_return_to_start),
+        Motion: (_segments_are_few, _segments_hold, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
     }
 )
 
 
 def part_faults(part: Any, path: str) -> list[Fault]:
-    """Every fault of one table: the ranges of its fields, then the rules that tie them together.
+    """Every fault of one table: the ranges of its entries, then the rules that tie them together.
 
     A rule is asked even where a range is not kept, so that it hides nothing: it must bear any number, nan included.
     """
-    found = [fault for at, inner in _parts_of(part, path) for fault in field_faults(inner, at)]
-    if isinstance(part, Motion):
-        found = field_faults(part, path)
-        found = [Fault(_with_unit(f.path, part.unit), f.value, f.problem, f.allowed) for f in found]
+    found = [
+        Fault(each.path, each.value, each.info.problem, each.info.allowed(each.unit))
+        for each in entries_of(part, path)
+        if not each.info.admits(each.value)
+    ]
     told = {f.path for f in found}
     for rule in RULES.get(type(part), ()):
         found.extend(f for f in rule(part, path) if f.path not in told)
     return found
-
-
-def _parts_of(part: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """A part and every part in it with its path, in the order of the file."""
-    yield path, part
-    for field in fields_in_order(cast(Hashable, type(part))):
-        value, placing = getattr(part, field.name), placing_of(field)
-        if dataclasses.is_dataclass(value):
-            yield from _parts_of(value, path if placing.inside else f"{path}.{field.name}")
-        elif isinstance(value, tuple) and value and dataclasses.is_dataclass(value[0]) and not placing.single:
-            for i, row in enumerate(value):
-                at = f"{path}.{field.name}.{getattr(row, placing.key)}" if placing.key else f"{path}.{field.name}[{i}]"
-                yield from _parts_of(row, at)
 
 
 def _too_many(design: Design) -> Iterator[Fault]:

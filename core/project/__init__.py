@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from typing import Any
-
-import tomli_w
 
 from core.design import Design
 from core.errors import MISSING, DesignError, Fault
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
 from core.project.files import AnyPath, read_text, write
-from core.project.linkage_writing import linkage_tables, section_text
 from core.project.reading import from_table, motion_from_table
-from core.project.writing import linkage_head, motion_to_table, to_table
+from core.project.writing import dumps, motion_to_table, to_table
 
 __all__ = [
     "Difference", "differences", "dumps", "from_table", "load", "loads", "motion_from_table", "motion_to_table", "save", "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
-_WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
 
 def load(path: AnyPath) -> Design:
@@ -44,19 +39,6 @@ def save(design: Design, path: AnyPath) -> str:
     loads(text)
     write(path, text)
     return text
-
-
-def dumps(design: Design) -> str:
-    """The file's text: keys in the order of the contract, every number with all its digits."""
-    if design.drive.is_linkage:
-        sections = (section_text(name, table) for name, table in linkage_tables(design).items())
-        return _text(linkage_head(design)) + "".join(sections)
-    return _text(to_table(design))
-
-
-def _text(table: dict[str, Any]) -> str:
-    text = tomli_w.dumps(table, indent=_WIDE)
-    return re.sub(rf"(?m)^(?: {{{_WIDE}}})+", lambda indent: " " * (4 * len(indent[0]) // _WIDE), text)
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from core.design.counts import MOST_KEYS, count_fault
 from core.errors import MISSING, DesignError, Fault
-from core.project.telling import spelled
+from core.project.messages import spelled
 
 MARKS: Mapping[str, tuple[str, int]] = MappingProxyType(
     {"=": ("entries", 30_000), "{": ("tables", 15_000), ",": ("values", 100_000), "\n[": ("headers", 15_000)}

@@ -2,161 +2,275 @@
 
 from __future__ import annotations
 
-import dataclasses
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cache
+from numbers import Real
 from typing import Any
-
-from cattrs import BaseValidationError
 
 from core.design import (
     CURVES,
     FOLLOWER_KINDS,
+    MOTION,
     Design,
     Drive,
-    Elastic,
-    End,
+    Driver,
     FollowerKind,
+    Linkage,
+    LinkageCam,
+    LinkageLoads,
     Motion,
     Named,
     Segment,
     Shaft,
+    all_paths,
+    entries,
+    faults,
     part_faults,
     whole_faults,
 )
-from core.errors import DesignError, Fault
+from core.design.fields import LAW, Slot, inside_of_table, slots
+from core.design.topology import driver_pair, is_pin
+from core.errors import MISSING, DesignError, Fault
+from core.laws import find_law
 from core.project.counts import require_few_entries
-from core.project.hooks import NO_NUMBER, NO_WORD, converter, keys_of, required_keys
-from core.project.linkage_reading import linkage_from_table
-from core.project.telling import did_you_mean, faults_of, hinted, missing, nearest, spelled, unknown_key
+from core.project.messages import did_you_mean, hinted, missing, nearest, spelled, stem, unknown_key
 from core.project.writing import FORMAT
 
+Tables = Mapping[str, Any]
+
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
-_OPTIONAL = ("loads",)
-_KNOWN = ("format", "name", "assumed", "motion", "follower", "cam", "shaft", "loads")
-_POINT = re.compile(r"(\.points)\[\d+\]\.\w+$")  # of a spline: assumed one by one, or all together
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
+_HEAD = ("format", "name", "assumed")
+_ALWAYS = {"follower": ("motion", "follower", "cam", "shaft"), "linkage": ("linkage",)}  # the others may be absent
+_MOTION_SPEED = 60.0  # [rpm] of a motion's shaft where the file does not say: one turn a second
+_STRUCTURE = r"linkage|linkage\.links\[\d+\]|linkage\.branch\..*|linkage\.driver\.(link|kind)|.*\.(link|on|point)"
+"""Paths of faults that may follow from links that could not be read."""
 
 
-def from_table(table: Mapping[str, Any]) -> Design:
+class _NoWord(str):
+    """Text apart from all other."""
+
+
+# What stands where nothing could be read, so that the rules can be asked of the rest: no rule fires on nan,
+# and what is told of these very objects is left out.
+NO_NUMBER = float("nan")
+NO_WORD = _NoWord()
+
+
+def from_table(table: Tables) -> Design:
     """The design in the tables of a file. Raises DesignError with all faults; with one alone where there is too much of
     something."""
     require_few_entries(table)
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
-    if next((kind for kind in _KINDS if kind in table), "") == "linkage":
-        design, told = linkage_from_table(table, _read)
-        if found or told:
-            raise DesignError([*found, *told])
-        return design
-    parts: dict[str, Any] = {}
-    if "follower" in table or not any(kind in table for kind in _KINDS):
-        row, told = _follower_kind(table)
-        unit = row.motion_unit if row else _likely_unit(table)
-        found += [*_unknown_keys(table), *_assumed_faults(table, row, unit), *told]
-        for name, part in _parts(row).items():
-            parts[name], told = _read(table, name, part, unit)
-            found += told
-    if found:
+    kind = next((kind for kind in _KINDS if kind in table), "follower")
+    if kind == "drives":
         raise DesignError(found)
-    drive = Drive(parts["motion"], parts["follower"], parts["cam"], parts["loads"])
-    return Design(table["name"], parts["shaft"], (drive,), tuple(table.get("assumed", ())))
+    row, row_faults = (None, []) if kind == "linkage" else _follower_kind(table)
+    reader = Reader(row.motion_unit if row else _likely_unit(table))
+    classes = _classes(kind, row)
+    known = (*_HEAD, *classes)
+    found += [unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in _KINDS]
+    found += row_faults
+    parts = {}
+    for name in ("shaft", kind, "motion", "cam", "loads"):  # the shaft's speed is the driver's, who tells the motion's unit
+        parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
+        if name == "shaft" and part is not None:
+            reader.shaft_rpm = part.signed_rpm
+        if name == "linkage":
+            reader.unit = _driver_unit(part, table.get("motion"))
+    assumed = table.get("assumed", ())
+    plain = tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
+    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"])
+    design = Design(table.get("name", ""), parts["shaft"], (drive,), plain)
+    found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
+    unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
+    found += _assumed_faults(assumed, design, unsure)
+    if found:
+        tables = list(classes)  # in the order of the file, its head first
+        raise DesignError(sorted(found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)))
+    return design
 
 
-def motion_from_table(table: Mapping[str, Any], unit: str) -> Motion:
+def motion_from_table(table: Tables, unit: str) -> Motion:
     """A motion that need not be whole, in ``unit``. Raises DesignError with all other faults."""
     require_few_entries({"motion": table})
-    motion, found = _read({"motion": table}, "motion", Motion, unit)
-    missing_yet = whole_faults(motion, "motion") if motion is not None else []
-    if blunders := [fault for fault in found if fault not in missing_yet]:
-        raise DesignError(blunders)
+    reader = Reader(unit)
+    motion = reader.table({"motion": table}, "motion", Motion, needed=True)
+    missing_yet = whole_faults(motion, "motion")
+    rules = (fault for fault in part_faults(motion, "motion") if fault not in missing_yet)
+    if found := reader.with_rules(rules, {}):
+        raise DesignError(found)
     assert isinstance(motion, Motion)
     return motion
 
 
-# -- the head of the file ---------------------------------------------------------------------------------
+# -- one reader for every part ----------------------------------------------------------------------------
 
 
-def _format_faults(table: Mapping[str, Any]) -> Iterator[Fault]:
-    if "format" not in table:
-        yield missing("format", str(FORMAT))
-    elif type(table["format"]) is not int or table["format"] != FORMAT:
-        yield Fault("format", table["format"], "unknown format", str(FORMAT))
+class Reader:
+    """Reads tables of a file into parts of a design, told by the entries of their classes (``fields.slots``); ``faults``
+    gathers what is wrong. What cannot be read is NO_NUMBER or NO_WORD, of which no rule speaks."""
+
+    def __init__(self, unit: str) -> None:
+        self.unit = unit  # of the motion
+        self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
+        self.faults: list[Fault] = []
+
+    def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
+        """One table of the file as a part; one of defaults and nothing known where the table is missing or none, None where
+        it need not be there or its class is not known."""
+        if name not in tables:
+            if needed and name != "follower":
+                keys = ", ".join(slot.key for slot in slots(kind, self.unit) if slot.missing) if kind else ""
+                self.faults.append(missing(name, f"a table [{name}]{' with ' * bool(keys)}{keys}"))
+            return self.part(kind, MISSING, name) if kind and (needed or name == "loads") else None
+        value = tables[name]
+        if not isinstance(value, Mapping):
+            self.faults.append(Fault(name, value, "must be a table", f"[{name}]"))
+            value = MISSING
+        elif name == "follower":
+            value = {key: each for key, each in value.items() if key != "kind"}
+        return self.part(kind, value, name) if kind else None
+
+    def part(self, kind: Any, value: Any, path: str) -> Any:
+        """A part of this class; value: its table, MISSING where that is known to be a fault already."""
+        if value is not MISSING and not isinstance(value, Mapping):
+            self.faults.append(Fault(path, value, "must be a table"))
+            value = MISSING
+        table = self._with_defaults(kind, {} if value is MISSING else value)
+        inside = inside_of_table(kind, table)
+        entries = slots(kind, self.unit, inside)
+        values: dict[str, dict[str, Any]] = {"": {}, **{name: {} for name, _ in inside}}
+        for slot in entries:
+            at = f"{path}.{slot.key}"
+            if slot.key in table:
+                read = self._entry(slot, table[slot.key], at)
+            else:
+                lacks = slot.missing is not None and value is not MISSING
+                if lacks and all(stem(key) != stem(slot.key) for key in table):  # else it is one of a wrong unit
+                    self.faults.append(missing(at, slot.missing or ""))
+                read = self._absent(slot)
+            values[slot.within].update(zip(slot.names, read, strict=False))
+        if extra := table.keys() - {slot.key for slot in entries}:
+            known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
+            for key in sorted(extra, key=str):
+                self.faults.append(unknown_key(f"{path}.{spelled(key)}", key, table[key], known))
+        own = values.pop("") | {name: part(**values[name]) for name, part in inside}
+        return kind(**own, unit=self.unit) if kind is Motion else kind(**own)
+
+    def _with_defaults(self, kind: type, table: Tables) -> Tables:
+        """A part's table with what follows from its other entries, or from other tables: a dwell need not say its rise, a
+        driver not its speed where it is the shaft's or follows a motion."""
+        if kind is Segment:
+            word = table.get(LAW)
+            law = find_law(word) if isinstance(word, str) else None
+            if law is not None:
+                return {f"rise_{self.unit}": 0.0, **table} if law.still else table
+            return {f"rise_{self.unit}": 0.0 if isinstance(word, str) and word in CURVES else NO_NUMBER, **table}
+        if kind is Driver and (self.shaft_rpm is not None or table.get("kind") == MOTION):
+            return {"speed_rpm": _MOTION_SPEED if self.shaft_rpm is None else self.shaft_rpm, **table}
+        return table
+
+    def _absent(self, slot: Slot) -> tuple[Any, ...]:
+        """The values of the fields of an entry that the file does not have."""
+        if slot.missing is None:
+            return (slot.default,) * len(slot.names)
+        if slot.info is not None:
+            return (NO_WORD if slot.info.choices else NO_NUMBER,) * len(slot.names)
+        if slot.placing.kind is None:
+            return (NO_WORD,)
+        return (self.part(slot.placing.kind, MISSING, ""),) if slot.placing.single else ((),)
+
+    def _entry(self, slot: Slot, value: Any, at: str) -> tuple[Any, ...]:
+        """The values of the fields that hold an entry of the file."""
+        info, placing = slot.info, slot.placing
+        if len(slot.names) > 1:
+            return self._pair(slot, value, at)
+        if info is not None and not info.choices:
+            return (self._number(slot, value, at),)
+        if placing.kind is None:
+            if isinstance(value, str):
+                return (value,)
+            self.faults.append(Fault(at, value, "must be text", slot.allowed))
+            return (NO_WORD,)
+        if placing.key:
+            return (tuple(self._named_rows(placing.kind, value, at)),)
+        if slot.placing.single:
+            return (self.part(placing.kind, value, at),)
+        if not isinstance(value, list | tuple):
+            self.faults.append(Fault(at, value, "must be a list of tables", f"[[{at}]]"))
+            value = ()
+        return (tuple(self.part(placing.kind, row, f"{at}[{i}]") for i, row in enumerate(value)),)
+
+    def _named_rows(self, kind: type, value: Any, at: str) -> Iterator[Any]:
+        """Rows that are one value or pair each, by their names."""
+        if not isinstance(value, Mapping):
+            self.faults.append(Fault(at, value, "must be a table"))
+            return
+        _, only = slots(kind)
+        for name, entry in value.items():
+            yield kind(str(name), *self._entry(only, entry, f"{at}.{spelled(name)}"))
+
+    def _number(self, slot: Slot, value: Any, at: str) -> Any:
+        """A number, whole where the field asks for it."""
+        info = slot.info
+        assert info is not None
+        problem = info.problem if info.numbers else f"must be a {'whole ' * info.whole}number"
+        if isinstance(value, int if info.whole else Real) and not isinstance(value, bool) and (value in info.numbers or not info.numbers):
+            try:
+                return value if info.whole else float(value)
+            except OverflowError:
+                problem = "too large for a number"
+        self.faults.append(Fault(at, value, problem, slot.allowed))
+        return NO_NUMBER
+
+    def _pair(self, slot: Slot, value: Any, at: str) -> tuple[float, ...]:
+        """``[x, y]``."""
+        if isinstance(value, list | tuple) and len(value) == len(slot.names):
+            return tuple(self._number(slot, each, at) for each in value)
+        self.faults.append(Fault(at, value, "must be two numbers", "[x, y]"))
+        return (NO_NUMBER,) * len(slot.names)
+
+    def with_rules(self, rule_faults: Iterable[Fault], paths: Mapping[str, str]) -> list[Fault]:
+        """All that is wrong, one fault of a path: what could not be read, then what the rules say of the rest; paths: of an
+        entry -> of the file's entry that holds it."""
+        found = list({fault.path: fault for fault in reversed(self.faults)}.values())[::-1]
+        told = {fault.path for fault in found}
+        broken = any(re.match(r"linkage($|\.(links|sliders|driver))", path) for path in told)
+        unread = tuple(f"{path}{mark}" for path in told for mark in ".[")
+        for fault in rule_faults:
+            path = paths.get(fault.path, fault.path)
+            empty = fault.value is NO_NUMBER or fault.value is NO_WORD
+            follows = broken and (fault.value is MISSING or re.fullmatch(_STRUCTURE, path))
+            if not (path in told or path.startswith(unread) or empty or follows):
+                found.append(hinted(replace(fault, path=path)))
+                if path != fault.path:
+                    told.add(path)  # of a pair one is enough
+        return found
 
 
-def _name_faults(table: Mapping[str, Any]) -> Iterator[Fault]:
-    if "name" not in table:
-        yield missing("name", "any text")
-    elif not isinstance(table["name"], str):
-        yield Fault("name", table["name"], "must be text", "any text")
-    elif not table["name"].strip():
-        yield Fault("name", table["name"], "empty", "any text")
+# -- the kind of the design -------------------------------------------------------------------------------
 
 
-def _kind_faults(table: Mapping[str, Any]) -> Iterator[Fault]:
-    there = [kind for kind in _KINDS if kind in table]
-    if not there:
-        yield missing("follower", _ONE_KIND)
-    elif there[0] == "drives":
-        yield Fault(there[0], table[there[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
-    for other in there[1:]:
-        yield Fault(other, table[other], f"stands beside {there[0]}, but a design is of one kind", _ONE_KIND)
+def _classes(kind: str, row: FollowerKind | None) -> dict[str, type | None]:
+    """The class of each table of the file; None where it depends on an unknown kind of follower."""
+    if kind == "linkage":
+        return {"motion": Motion, "linkage": Linkage, "cam": LinkageCam, "shaft": Shaft, "loads": LinkageLoads}
+
+    def of(name: str) -> type | None:
+        classes = {getattr(each, name) for each in ([row] if row else FOLLOWER_KINDS.values())}
+        return classes.pop() if len(classes) == 1 else None
+
+    return {"motion": Motion, "follower": of("follower"), "cam": of("cam"), "shaft": Shaft, "loads": of("loads")}
 
 
-def _unknown_keys(table: Mapping[str, Any]) -> Iterator[Fault]:
-    for key, value in table.items():
-        if key not in _KNOWN and key not in _KINDS:
-            yield unknown_key(spelled(key), key, value, _KNOWN)
-
-
-def _assumed_faults(table: Mapping[str, Any], row: FollowerKind | None, unit: str) -> Iterator[Fault]:
-    paths = table.get("assumed", [])
-    if not isinstance(paths, list | tuple):
-        yield Fault("assumed", paths, "must be a list of field paths")
-        return
-    if not paths:
-        return
-    segments = table["motion"].get("segments") if isinstance(table.get("motion"), Mapping) else None
-    known = _field_paths(row, unit, len(segments) if isinstance(segments, list | tuple) else 0, _is_elastic(table))
-    sure = {path.partition(".")[0] for path in known}  # without the others' kind nothing is known of them
-    for i, path in enumerate(paths):
-        if not isinstance(path, str):
-            yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
-        elif _POINT.sub(r"\1", path) not in known and (row or path.partition(".")[0] in sure):
-            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
-
-
-def _curve_keys() -> list[str]:
-    """What the kinds of curves add to a segment's table."""
-    keys = [f.name for curve in (Named, *CURVES.values()) for f in dataclasses.fields(curve) if f.name != "law"]
-    ends = [f"{end}.{f.name}" for end in ("start", "end") for f in dataclasses.fields(End)]
-    return [*keys, *ends]
-
-
-def _is_elastic(table: Mapping[str, Any]) -> bool:
-    shaft = table.get("shaft")
-    return isinstance(shaft, Mapping) and any(f.name in shaft for f in dataclasses.fields(Elastic))
-
-
-def _field_paths(row: FollowerKind | None, unit: str, segments: int, elastic: bool) -> dict[str, None]:
-    """Every path that may be assumed, in the order of the file."""
-    parts = {name: part for name, part in _parts(row).items() if part}
-    paths = [f"{name}.{key}" for name, part in parts.items() for field, key in keys_of(part, unit).items() if field != "elastic"]
-    if elastic:
-        paths += [f"shaft.{f.name}" for f in dataclasses.fields(Elastic)]
-    of_segment = (*keys_of(Segment, unit).values(), *_curve_keys())
-    for i in range(segments):
-        paths += [f"motion.segments[{i}].{key}" for key in of_segment]
-    return {path: None for path in paths if path != "motion.segments"}
-
-
-# -- its tables -------------------------------------------------------------------------------------------
-
-
-def _follower_kind(table: Mapping[str, Any]) -> tuple[FollowerKind | None, list[Fault]]:
+def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
     """The row of the follower's kind; where that is misspelt, the one probably meant."""
     follower = table.get("follower")
     if not isinstance(follower, Mapping):
-        return None, []  # told with the table itself
+        return None, []  # a fault of the table itself
     kinds = " | ".join(FOLLOWER_KINDS)
     if "kind" not in follower:
         return None, [missing("follower.kind", kinds)]
@@ -166,46 +280,77 @@ def _follower_kind(table: Mapping[str, Any]) -> tuple[FollowerKind | None, list[
     if kind in FOLLOWER_KINDS:
         return FOLLOWER_KINDS[kind], []
     meant = nearest(kind, tuple(FOLLOWER_KINDS))
-    told = [hinted(Fault("follower.kind", kind, "unknown word", kinds))]
-    return FOLLOWER_KINDS[meant] if meant else None, told
+    return FOLLOWER_KINDS[meant] if meant else None, [hinted(Fault("follower.kind", kind, "unknown word", kinds))]
 
 
-def _likely_unit(table: Mapping[str, Any]) -> str:
+def _likely_unit(table: Tables) -> str:
     """The unit of the motion where the follower does not tell."""
     motion = table.get("motion")
     return "deg" if isinstance(motion, Mapping) and "start_deg" in motion else "mm"
 
 
-def _parts(row: FollowerKind | None) -> dict[str, type | None]:
-    """The class of each table, None where it depends on an unknown kind."""
-
-    def of(name: str) -> type | None:
-        classes = {getattr(each, name) for each in ([row] if row else FOLLOWER_KINDS.values())}
-        return classes.pop() if len(classes) == 1 else None
-
-    return {"motion": Motion, "follower": of("follower"), "cam": of("cam"), "shaft": Shaft, "loads": of("loads")}
+def _driver_unit(linkage: Linkage, motion: Any) -> str:
+    """Degrees where the driver turns, mm where it slides; where that is not known, as the motion has it."""
+    pair = driver_pair(linkage) if linkage.driver.link in linkage.by_number else None
+    if pair is None:
+        return "mm" if isinstance(motion, Mapping) and "start_mm" in motion else "deg"
+    return "deg" if is_pin(pair) else "mm"
 
 
-def _read(table: Mapping[str, Any], name: str, part: type | None, unit: str) -> tuple[Any, list[Fault]]:
-    """One table as a part of the design, and all that is wrong with it."""
-    if name not in table and name not in _OPTIONAL:
-        keys = f" with {', '.join(required_keys(part, unit))}" if part else ""
-        return None, [] if name == "follower" else [missing(name, f"a table [{name}]{keys}")]
-    at = table.get(name, {})
-    if not isinstance(at, Mapping):
-        return None, [Fault(name, at, "must be a table", f"[{name}]")]
-    if part is None:
-        return None, []
-    if name == "follower":
-        at = {key: value for key, value in at.items() if key != "kind"}
-    found: list[Fault] = []
-    try:
-        read: Any = converter(unit).structure(at, part)
-    except BaseValidationError as error:
-        found = list(faults_of(error, name, at, unit))
-        read = converter(unit, strict=False).structure(at, part)
-    told = {fault.path for fault in found}
-    for fault in part_faults(read, name):
-        if fault.path not in told and fault.value is not NO_NUMBER and fault.value is not NO_WORD:
-            found.append(hinted(fault))
-    return read, found
+# -- the head of the file ---------------------------------------------------------------------------------
+
+
+def _format_faults(table: Tables) -> Iterator[Fault]:
+    if "format" not in table:
+        yield missing("format", str(FORMAT))
+    elif type(table["format"]) is not int or table["format"] != FORMAT:
+        yield Fault("format", table["format"], "unknown format", str(FORMAT))
+
+
+def _name_faults(table: Tables) -> Iterator[Fault]:
+    if "name" not in table:
+        yield missing("name", "any text")
+    elif not isinstance(table["name"], str):
+        yield Fault("name", table["name"], "must be text", "any text")
+    elif not table["name"].strip():
+        yield Fault("name", table["name"], "empty", "any text")
+
+
+def _kind_faults(table: Tables) -> Iterator[Fault]:
+    there = [kind for kind in _KINDS if kind in table]
+    if not there:
+        yield missing("follower", _ONE_KIND)
+    elif there[0] == "drives":
+        yield Fault(there[0], table[there[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
+    for other in there[1:]:
+        yield Fault(other, table[other], f"stands beside {there[0]}, but a design is of one kind", _ONE_KIND)
+
+
+def _assumed_faults(assumed: Any, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
+    """Paths that lead to no entry; of a segment also those of another law's entries, which an edit may have left behind, and
+    unsure: tables of which nothing is known."""
+    if not isinstance(assumed, list | tuple):
+        yield Fault("assumed", assumed, "must be a list of field paths")
+        return
+    known = dict.fromkeys(all_paths(design)) if assumed else {}
+    for i, path in enumerate(assumed):
+        if not isinstance(path, str):
+            yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
+        elif path not in known and path.partition(".")[0] not in unsure and not _of_another_law(design, path):
+            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
+
+
+def _of_another_law(design: Design, path: str) -> bool:
+    match = re.fullmatch(r"motion\.segments\[(\d+)\]\.(.+)", path)
+    if match is None or design.drive.motion is None or int(match[1]) >= len(design.drive.motion.segments):
+        return False
+    return re.sub(r"\[\d+\]", "", match[2]) in _curve_entries()
+
+
+@cache
+def _curve_entries() -> frozenset[str]:
+    """The entries of all kinds of curves: ``crossover``, ``start``, ``start.velocity``, ``points.value``."""
+    kinds: tuple[Any, ...] = (Named, *CURVES.values())
+    every = [slot for kind in kinds for slot in slots(kind)]
+    inner = (f"{slot.key}.{each.key}" for slot in every if slot.placing.kind for each in slots(slot.placing.kind))
+    return frozenset((*(slot.key for slot in every), *inner))

@@ -1,45 +1,119 @@
-"""A design as the tables of its file, keys in the order of the contract."""
+"""A design as the tables and the text of its file: keys in the order of the contract, a linkage's points, driver and branch
+on one line each."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from core.design import FOLLOWER_KINDS, Design, Motion, kind_of
-from core.project.hooks import converter
-from core.project.linkage_writing import linkage_tables
+import tomli_w
+
+from core.design import Design, LinkageLoads, Motion, Segment
+from core.design.edits import still
+from core.design.fields import Slot, slots
+from core.design.paths import in_order
 
 FORMAT = 1
+_WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
 
 def to_table(design: Design) -> dict[str, Any]:
-    """The tables of the file."""
-    if design.drive.is_linkage:
-        return {**linkage_head(design), **linkage_tables(design)}
-    kind = kind_of(design.drive.follower)
-    made = converter(FOLLOWER_KINDS[kind].motion_unit)
-    table = _head(design)
+    """The tables of the file; of a linkage [loads] only where there is something to say."""
+    drive = design.drive
+    table: dict[str, Any] = {"format": FORMAT, "name": design.name}
+    if design.assumed:
+        table["assumed"] = list(design.assumed)
     for name, part in design.tables.items():
-        table[name] = made.unstructure(part)
-    table["follower"] = {"kind": kind, **table["follower"]}
+        if name != "loads" or repr(part) != repr(LinkageLoads()):  # which tells 0.0 from -0.0
+            table[name] = _table(part, drive.motion_unit)
+    if not drive.is_linkage:
+        table["follower"] = {"kind": drive.kind, **table["follower"]}
     return table
 
 
 def motion_to_table(motion: Motion) -> dict[str, Any]:
     """The table [motion] of the file."""
-    table: dict[str, Any] = converter(motion.unit).unstructure(motion)
+    return _table(motion, motion.unit)
+
+
+def _table(part: Any, unit: str) -> dict[str, Any]:
+    """A part's entries as keys, those of parts that stand in its table among them; what is None, and lists without rows, are
+    left out."""
+    table: dict[str, Any] = {}
+    for slot in in_order(part, unit):
+        holder = getattr(part, slot.within) if slot.within else part
+        if not _left_out(part, holder, slot):
+            table[slot.key] = _entry(holder, slot, unit)
     return table
 
 
-def linkage_head(design: Design) -> dict[str, Any]:
-    """What stands before [linkage]: head and motion."""
-    table = _head(design)
-    if design.drive.motion is not None:
-        table["motion"] = motion_to_table(design.drive.motion)
-    return table
+def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
+    values = [getattr(holder, name) for name in slot.names]
+    if isinstance(part, Segment) and holder is part:
+        return slot.names == ("rise",) and still(part) and str(part.rise) == "0.0"
+    return values in ([None], [()]) or (slot.brief and values == [slot.default])
 
 
-def _head(design: Design) -> dict[str, Any]:
-    table: dict[str, Any] = {"format": FORMAT, "name": design.name}
-    if design.assumed:
-        table["assumed"] = list(design.assumed)
-    return table
+def _entry(part: Any, slot: Slot, unit: str) -> Any:
+    """The value of one entry as the file has it."""
+    if not slot.names:
+        return part.law
+    if len(slot.names) > 1:
+        return [float(getattr(part, name)) for name in slot.names]
+    value, placing = getattr(part, slot.names[0]), slot.placing
+    if placing.key:
+        name, only = slots(placing.kind)
+        return {getattr(row, name.key): _entry(row, only, unit) for row in value}
+    if isinstance(value, tuple):
+        return [_table(row, unit) for row in value]
+    if placing.kind is not None:
+        return _table(value, unit)
+    is_real = slot.info is not None and not slot.info.choices and not slot.info.whole
+    return float(value) if is_real else value
+
+
+# -- as text ----------------------------------------------------------------------------------------------
+
+
+def dumps(design: Design) -> str:
+    """The file's text, every number with all its digits."""
+    table = to_table(design)
+    head = {name: value for name, value in table.items() if name == "motion" or not isinstance(value, Mapping)}
+    text = re.sub(
+        rf"(?m)^(?: {{{_WIDE}}})+",
+        lambda indent: " " * (4 * len(indent[0]) // _WIDE),
+        tomli_w.dumps(head, indent=_WIDE),
+    )
+    return text + "".join(_section(name, part) for name, part in table.items() if name not in head)
+
+
+def _section(name: str, table: Mapping[str, Any]) -> str:
+    """``[name]`` with its entries on one line each, then its lists of tables as ``[[name.key]]``."""
+    lines = ["", f"[{name}]", *_lines({key: value for key, value in table.items() if not _is_rows(value)})]
+    for key, rows in table.items():
+        if _is_rows(rows):
+            for row in rows:
+                lines += ["", f"[[{name}.{key}]]", *_lines(row)]
+    return "\n".join(lines) + "\n"
+
+
+def _is_rows(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and isinstance(value[0], dict)
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{_toml({key: 0}).removesuffix(' = 0')} = {_inline(value)}" for key, value in table.items()]
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, Mapping):
+        inside = ", ".join(_lines(value))
+        return f"{{ {inside} }}" if inside else "{}"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return f"[{', '.join(_inline(each) for each in value)}]"
+    return _toml({"v": value}).removeprefix("v = ")
+
+
+def _toml(table: Mapping[str, Any]) -> str:
+    return tomli_w.dumps(table).rstrip("\n")

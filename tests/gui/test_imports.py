@@ -33,7 +33,7 @@ print("LOADED", *sorted(sys.modules))
 # Whoever comes here is loaded with every start: is it worth it?
 PACKAGES = {
     "core", "kindyna_gui", "numpy", "PySide6", "shiboken6", "shibokensupport", "signature_bootstrap", "pyqtgraph", "colorama",
-    "attr", "attrs", "cattrs", "tomli_w", "typing_extensions",
+    "tomli_w",
 }  # fmt: skip
 QT = {"QtCore", "QtGui", "QtWidgets", "QtSvg", "QtOpenGL", "QtOpenGLWidgets", "QtTest", "support"}  # OpenGL, QtTest: pyqtgraph's
 NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec", "emath"}
