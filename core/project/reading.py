@@ -167,7 +167,7 @@ class Reader:
             word = table.get(LAW)
             law = find_law(word) if isinstance(word, str) else None
             if law is not None:
-                return {f"rise_{self.unit}": 0.0, **table} if law.still else table
+                return {f"rise_{self.unit}": 0.0, **table} if law.is_dwell else table
             return {f"rise_{self.unit}": 0.0 if isinstance(word, str) and word in CURVES else NO_NUMBER, **table}
         if kind is Driver and (self.shaft_rpm is not None or table.get("kind") == MOTION):
             return {"speed_rpm": _MOTION_SPEED if self.shaft_rpm is None else self.shaft_rpm, **table}

@@ -10,7 +10,7 @@ from typing import Any
 import tomli_w
 
 from core.design import Design, LinkageLoads, Motion, Segment
-from core.design.edits import still
+from core.design.edits import is_dwell
 from core.design.fields import Slot, slots
 from core.design.paths import in_order
 
@@ -51,7 +51,7 @@ def _table(part: Any, unit: str) -> dict[str, Any]:
 def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
     values = [getattr(holder, name) for name in slot.names]
     if isinstance(part, Segment) and holder is part:
-        return slot.names == ("rise",) and still(part) and str(part.rise) == "0.0"
+        return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
     return values in ([None], [()]) or (slot.brief and values == [slot.default])
 
 
