@@ -17,15 +17,14 @@ import numpy as np
 
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
-from core.stability.arrays import Arrays
 from core.stability.hill.coefficients import Coefficients, is_dwell
-from core.stability.nonlinear import Equation, Points
+from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import gauss, integrals, integration, powers
 
 STAGES = 16
-PHASE = 2.5  # [rad] longest step, in the phase of the shaft's own vibration
-PANELS = 2.0  # longest step, in panels of the coefficients
-SWEEPS = 40  # most Newton iterations of a step
+PHASE = 3.5  # [rad] longest step, in the phase of the shaft's own vibration
+PANELS = 2.5  # longest step, in panels of the coefficients
+SWEEPS = 16  # most Newton iterations of a step
 SETTLED = 32.0 * EPS  # residual of a stage at which the iteration ends, relative to 1 + the largest rate
 ATTEMPTS = 60  # most lengths tried for a step
 LANDED = 1e-12  # [rad] largest distance from a join at which a step ends on it
@@ -37,12 +36,13 @@ FASTEST = 30.0  # largest |Π|, which is 1 in even rotation: beyond it the cam o
 Turns = float | np.ndarray
 
 _NODES, _WEIGHTS = gauss(STAGES)
-_WITH_END = np.append(_NODES, 1.0)
+_PLACES = np.concatenate(([0.0], _NODES, [1.0]))  # start, nodes, end of a step
 _WITHIN = integration(STAGES)
+_TO_PLACES = np.vstack((np.zeros(STAGES), _WITHIN, _WEIGHTS))  # from the rates at the nodes to their integrals up to there
 
 
 @dataclass(frozen=True, eq=False)
-class Step(Arrays):
+class Step:
     """n steps, each of one trajectory.
 
     trajectory   (n,) index of the trajectory
@@ -65,6 +65,10 @@ class Step(Arrays):
         """The steps of all parts in their order."""
         return Step(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Step)))
 
+    def only(self, at: np.ndarray) -> Step:
+        """The steps ``at``: indices or a mask (n,)."""
+        return Step(*(getattr(self, f.name)[at] for f in fields(self)))
+
     @cached_property
     def powers(self) -> np.ndarray:
         """Coefficients (n, 2, STAGES + 1) of t**k, t = -1 ... 1 over the step, of the polynomials of β and Π: the integrals of
@@ -77,6 +81,11 @@ class Step(Arrays):
         """β and Π (n, k, 2) at fractions ``part`` (n or 1, k) of the steps, 0 ... 1; at 0 exactly those of the start."""
         inside = powers(2.0 * part - 1.0, STAGES + 1) @ self.powers.swapaxes(1, 2)
         return np.where((part == 0.0)[..., None], self.x[:, None], inside)
+
+    def at_places(self) -> tuple[np.ndarray, np.ndarray]:
+        """y (n, k) and β, Π (n, k, 2) at the start, at the nodes and at the end of the steps, k = STAGES + 2."""
+        h = self.h[:, None]
+        return self.y[:, None] + h * _PLACES, self.x[:, None] + h[..., None] * (_TO_PLACES @ self.rate)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,19 +116,15 @@ class _State:
     change: np.ndarray | None
 
 
-class Integrator(Equation):
+class Integrator(WindUpEquation):
     """Integrator of equation (13) for m points of the chart."""
 
-    def __init__(self, coefficients: Coefficients, points: Points) -> None:
-        super().__init__(coefficients, points)
+    def __init__(self, coefficients: Coefficients, eta: Turns, q: Turns, damping: float = 0.0) -> None:
+        super().__init__(coefficients, eta, q, damping)
         panels = coefficients.panels
         width = np.where(is_dwell(panels), TURN, panels.width)
         self._widest = PANELS * np.minimum.reduceat(width, self.first) / TURN  # by piece
         self._waves = PHASE / (2.0 * pi * np.maximum(self.eta, 1e-3))
-
-    def _longest(self, state: _State, index: np.ndarray) -> np.ndarray:
-        """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
-        return np.minimum(self._widest[state.piece[index]], self._waves[index])
 
     def run(self, start: np.ndarray, y0: Turns, y1: Turns, *, change: bool = False, keep: bool = False) -> Trajectories:
         """Trajectories from states ``start`` (m, 2) = (β, Π) at y0 to y1 [turns of the input], numbers or (m,).
@@ -160,78 +165,84 @@ class Integrator(Equation):
         back = np.flatnonzero((np.abs(rest - self.begins[state.piece]) <= OUTSIDE) & (state.x[:, 1] < 0.0))
         self._leave(state, back, np.full(back.size, -1))
 
-    def _ends(self, state: _State, index: np.ndarray) -> np.ndarray:
-        """Cam angles (n, 2) [rad] at which the pieces of trajectories (n,) begin and end."""
-        piece, full = state.piece[index], TURN * state.turn[index]
-        return np.stack((self.begins[piece] + full, self.ends[piece] + full), axis=1)
+    def _on(self, state: _State, index: np.ndarray) -> OnPieces:
+        """The equation of trajectories (n,) on the pieces where they are."""
+        return OnPieces(self, index, state.piece[index], state.turn[index])
 
     def _advance(self, state: _State, index: np.ndarray) -> list[Step]:
         """One step of each of the trajectories (n,). Where no length succeeds its y and x become nan."""
-        h, target = self._first_guess(state, index)
+        here = self._on(state, index)
+        rate, h, target = self._first_guess(state, here)
         done: list[Step] = []
         for _ in range(ATTEMPTS):
-            ends = self._ends(state, index)
-            trial, h, settled = self._collocate(state, index, h, target, ends)
-            theta = TURN * (state.y[index, None] + h[:, None] * _WITH_END - trial.within(_WITH_END[None])[..., 0])
-            outside = np.where(theta > ends[:, 1:] + OUTSIDE, 1, np.where(theta < ends[:, :1] - OUTSIDE, -1, 0))
+            trial, settled = self._collocate(state, here, h, target, rate)
+            h, (y, x) = trial.h, trial.at_places()
+            theta = TURN * (y - x[..., 0])
+            outside = np.where(theta > here.end + OUTSIDE, 1, np.where(theta < here.begin - OUTSIDE, -1, 0))
+            outside[:, 0] = 0
             outside[target != 0, -1] = 0  # a landing ends on the join, whatever rounding says
-            left = outside.any(axis=1)
-            inside_time = (h > 0.0) & (h <= (state.until[index] - state.y[index]) * (1.0 + 4.0 * EPS))
-            good = settled & ~left & inside_time
+            possible = settled & (h > 0.0) & (h <= (state.until[here.index] - trial.y) * (1.0 + 4.0 * EPS))
+            good = possible & ~outside.any(axis=1)
             if good.all():
-                self._accept(state, trial, target)
+                self._accept(state, trial, x[:, -1], target)
                 return [*done, trial]
             if good.any():
                 done.append(trial.only(good))
-                self._accept(state, done[-1], target[good])
-            h, target = _next_guess(trial, h, target, settled & left & inside_time, theta, outside, ends)
-            index, h, target = index[~good], h[~good], target[~good]
+                self._accept(state, done[-1], x[good, -1], target[good])
+            h, target = _next_guess(here, h, possible, theta, outside)
+            here, rate, h, target = self._on(state, here.index[~good]), rate[~good], h[~good], target[~good]
             crossing = np.flatnonzero(h < LEAST)
             if crossing.size:  # on a join and moves to the other side
-                at = index[crossing]
-                theta_now = TURN * (state.y[at] - state.x[at, 0])
-                near = np.abs(theta_now[:, None] - self._ends(state, at)).argmin(axis=1)
-                self._leave(state, at, 2 * near - 1)
-                h[crossing], target[crossing] = self._first_guess(state, at)
-        state.y[index], state.x[index] = np.nan, np.nan
+                at = here.index[crossing]
+                theta_now = TURN * (state.y[at, None] - state.x[at, :1])
+                before = np.abs(theta_now - here.begin[crossing]) <= np.abs(theta_now - here.end[crossing])
+                self._leave(state, at, np.where(before[:, 0], -1, 1))
+                here = self._on(state, here.index)
+                rate[crossing], h[crossing], target[crossing] = self._first_guess(state, self._on(state, at))
+        state.y[here.index], state.x[here.index] = np.nan, np.nan
         return done
 
-    def _first_guess(self, state: _State, index: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Length (n,) of the step and its target: the end (+1) or the beginning (-1) of the piece, or none (0)."""
-        h = np.minimum(self._longest(state, index), state.until[index] - state.y[index])
-        theta = TURN * (state.y[index] - state.x[index, 0])
-        low, high = self._ends(state, index).T
-        d = self.local(1, state.piece[index], state.turn[index], theta[:, None])[0, :, 0]
-        speed = TURN * state.x[index, 1] / (1.0 + self.q[index] * d)
+    def _first_guess(self, state: _State, here: OnPieces) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Rates (n, 1, 2) at the start of the next step, its length (n,) and its target: the end (+1) or the beginning (-1) of
+        the piece, or none (0)."""
+        y, x = state.y[here.index, None], state.x[here.index, None]
+        rate = here.rate(y, x)
+        h = np.minimum(self._longest(here), state.until[here.index] - y[:, 0])
+        theta, speed = TURN * (y - x[..., 0]), TURN * (1.0 - rate[..., 0])
         with np.errstate(divide="ignore", invalid="ignore"):
-            needed = np.where(speed > 0.0, high - theta, low - theta) / speed
+            needed = (np.where(speed > 0.0, here.end - theta, here.begin - theta) / speed)[:, 0]
         soon = (needed > LEAST) & (needed <= 1.05 * h)
-        return np.where(soon, needed, h), np.where(soon, np.where(speed > 0.0, 1, -1), 0)
+        return rate, np.where(soon, needed, h), np.where(soon, np.where(speed[:, 0] > 0.0, 1, -1), 0)
+
+    def _longest(self, here: OnPieces) -> np.ndarray:
+        """The longest step (n,) [turns] that the coefficients and the shaft's wave allow."""
+        return np.minimum(self._widest[here.piece], self._waves[here.index])
 
     def _collocate(
-        self, state: _State, index: np.ndarray, h: np.ndarray, target: np.ndarray, ends: np.ndarray
-    ) -> tuple[Step, np.ndarray, np.ndarray]:
-        """Steps of length h (n,), or of such length that they end at their target; the lengths, and whether each converged (n,).
+        self, state: _State, here: OnPieces, h: np.ndarray, target: np.ndarray, rate: np.ndarray
+    ) -> tuple[Step, np.ndarray]:
+        """Steps of length h (n,), or of such length that they end at their target, and whether each converged (n,).
 
-        Newton's method with the derivatives at the first guess, a straight line from the start. Of a step with a target the
-        length is found in the same iteration, by Newton's method for the cam angle at its end.
+        Newton's method with the derivatives at the first guess, a straight line from the start with its rates (n, 1, 2). Of a
+        step with a target the length is found in the same iteration, by Newton's method for the cam angle at its end.
         """
-        piece, turn = state.piece[index], state.turn[index]
-        y, x, n = state.y[index], state.x[index], index.size
-        goal = np.where(target > 0, ends[:, 1], ends[:, 0])
-        lands, any_lands = target != 0, bool(target.any())
-        limit = 1.5 * self._longest(state, index)
+        y, x, n = state.y[here.index], state.x[here.index], h.size
+        lands, limit = target != 0, 1.5 * self._longest(here)
+        goal = np.where(target > 0, here.end[:, 0], here.begin[:, 0]) if lands.any() else None
         h = y + np.clip(h, -limit, limit) - y  # so that y + h is exact: the steps add up without rounding
-        rate = self.rate(index, piece, turn, y[:, None], x[:, None]).repeat(STAGES, axis=1)
-        first = x[:, None] + h[:, None, None] * (_WITHIN @ rate)
-        jacobian = self.jacobian(index, piece, turn, y[:, None] + h[:, None] * _NODES, first)[..., :2]
-        solve = np.linalg.inv(self._system(h, jacobian))
+        rate = rate.repeat(STAGES, axis=1)
+        solve = None
         for _ in range(SWEEPS):
-            values = x[:, None] + h[:, None, None] * (_WITHIN @ rate)
-            residual = self.rate(index, piece, turn, y[:, None] + h[:, None] * _NODES, values) - rate
+            times, values = y[:, None] + h[:, None] * _NODES, x[:, None] + h[:, None, None] * (_WITHIN @ rate)
+            if solve is None:
+                now, jacobian = here.rate_and_jacobian(times, values)
+                solve = np.linalg.inv(_system(h, jacobian[..., :2]))
+            else:
+                now = here.rate(times, values)
+            residual = now - rate
             rate = rate + (solve @ residual.reshape(n, -1, 1)).reshape(rate.shape)
             settled = np.abs(residual).max(axis=(1, 2)) <= SETTLED * (1.0 + np.abs(rate).max(axis=(1, 2)))
-            if any_lands:
+            if goal is not None:
                 miss = goal - TURN * (y + h - x[:, 0] - h * (rate[:, :, 0] @ _WEIGHTS))
                 speed = TURN * (1.0 - rate[:, -1, 0])
                 moves = lands & (speed != 0.0) & (np.abs(miss) > SETTLED * (1.0 + np.abs(goal)))
@@ -241,37 +252,29 @@ class Integrator(Equation):
                 settled &= ~lands | (np.abs(miss) <= LANDED)
             if settled.all():
                 break
-        return Step(index, y, h, x, rate, piece, turn), h, settled
+        return Step(here.index, y, h, x, rate, here.piece, here.turn), settled
 
-    def _system(self, h: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
-        """1 - h A ⊗ J (n, 2s, 2s) of steps h (n,) and derivatives of the rates at their nodes (n, s, 2, 2)."""
-        inner = np.einsum("n,ij,nikl->nikjl", h, _WITHIN, jacobian)
-        return np.asarray(np.eye(2 * STAGES) - inner.reshape(h.size, 2 * STAGES, 2 * STAGES))
-
-    def _accept(self, state: _State, step: Step, target: np.ndarray) -> None:
-        """Move the trajectories to the ends of their steps."""
-        index = step.trajectory
+    def _accept(self, state: _State, step: Step, x: np.ndarray, target: np.ndarray) -> None:
+        """Move the trajectories to the ends x (n, 2) of their steps."""
+        index, landed = step.trajectory, target != 0
         if state.change is not None:
             state.change[index] = self._changed(step, state.change[index])
-        x = step.x + step.h[:, None] * np.einsum("s,nsk->nk", _WEIGHTS, step.rate)
-        y = step.y + step.h
-        landed = target != 0
-        until = state.until[index]
-        y = np.where(~landed & (y >= until * (1.0 - 4.0 * EPS)), until, y)
-        state.y[index], state.x[index] = y, x
+        y, until = step.y + step.h, state.until[index]
+        state.y[index] = np.where(~landed & (y >= until * (1.0 - 4.0 * EPS)), until, y)
+        state.x[index] = x
         self._leave(state, index[landed], target[landed])
 
     def _changed(self, step: Step, before: np.ndarray) -> np.ndarray:
         """Derivatives (n, 2, 3) of the state at the end of the steps: the same collocation of the variational equation."""
-        y = step.y[:, None] + step.h[:, None] * _NODES
-        x = step.x[:, None] + step.h[:, None, None] * (_WITHIN @ step.rate)
-        full = self.jacobian(step.trajectory, step.piece, step.turn, y, x)
+        y, x = step.at_places()
+        here = OnPieces(self, step.trajectory, step.piece, step.turn)
+        _, full = here.rate_and_jacobian(y[:, 1:-1], x[:, 1:-1])
         n = step.trajectory.size
         jacobian, by_eta = full[..., :2], full[..., 2]
         # (1 - h A ⊗ J) rates = J before + by_eta
         right = jacobian @ before[:, None]
         right[..., 2] += by_eta
-        rates = np.linalg.solve(self._system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(
+        rates = np.linalg.solve(_system(step.h, jacobian), right.reshape(n, 2 * STAGES, 3)).reshape(
             n, STAGES, 2, 3
         )
         return before + step.h[:, None, None] * np.einsum("s,nskl->nkl", _WEIGHTS, rates)
@@ -288,7 +291,7 @@ class Integrator(Equation):
         new, new_turn = (old + velocity_sign) % count, turn + (old + velocity_sign) // count
         if state.change is not None:
             y, x = state.y[index, None], state.x[index, None]
-            here, there = self.rate(index, old, turn, y, x)[:, 0], self.rate(index, new, new_turn, y, x)[:, 0]
+            here, there = (OnPieces(self, index, *each).rate(y, x)[:, 0] for each in ((old, turn), (new, new_turn)))
             speed = 1.0 - here[:, 0]
             with np.errstate(divide="ignore", invalid="ignore"):
                 jump = np.where(speed != 0.0, (here[:, 1] - there[:, 1]) / speed, 0.0)
@@ -296,22 +299,24 @@ class Integrator(Equation):
         state.piece[index], state.turn[index] = new, new_turn
 
 
+def _system(h: np.ndarray, jacobian: np.ndarray) -> np.ndarray:
+    """1 - h A ⊗ J (n, 2s, 2s) of steps h (n,) and derivatives of the rates at their nodes (n, s, 2, 2)."""
+    inner = np.einsum("n,ij,nikl->nikjl", h, _WITHIN, jacobian)
+    return np.asarray(np.eye(2 * STAGES) - inner.reshape(h.size, 2 * STAGES, 2 * STAGES))
+
+
 def _next_guess(
-    trial: Step, h: np.ndarray, target: np.ndarray, crossed: np.ndarray, theta: np.ndarray, outside: np.ndarray, ends: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Length and target (n,) of the next attempt: a step that left its piece ends on the join it crossed; any other has no
-    target and half the length."""
-    first = (outside != 0).argmax(axis=1)
-    at = np.arange(h.size)
-    side = outside[at, first]
-    before_part = np.where(first > 0, _WITH_END[first - 1], 0.0)
-    start = TURN * (trial.y - trial.x[:, 0])
-    before = np.where(first > 0, theta[at, first - 1], start)
-    goal = np.where(side > 0, ends[:, 1], ends[:, 0])
+    here: OnPieces, h: np.ndarray, possible: np.ndarray, theta: np.ndarray, outside: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Length and target (n,) of the next attempt: a step that is possible but left its piece ends on the join it crossed; any
+    other has no target and half the length."""
+    first, at = (outside != 0).argmax(axis=1), np.arange(h.size)
+    side, crossed = outside[at, first], possible & (first > 0)
+    goal = np.where(side > 0, here.end[:, 0], here.begin[:, 0])
     with np.errstate(divide="ignore", invalid="ignore"):
-        part = np.clip((goal - before) / (theta[at, first] - before), 0.0, 1.0)
-    part = before_part + np.nan_to_num(part) * (_WITH_END[first] - before_part)
+        part = np.clip((goal - theta[at, first - 1]) / (theta[at, first] - theta[at, first - 1]), 0.0, 1.0)
+    part = _PLACES[first - 1] + np.nan_to_num(part) * (_PLACES[first] - _PLACES[first - 1])
     # left at the first node: the cam turns back at the end of the piece, so a shorter step is needed
-    at_once = crossed & (first == 0) & (part <= 1e-6)
-    new = np.where(crossed, np.where(at_once, _NODES[0] * h, part * h), 0.5 * np.abs(h))
+    at_once = crossed & (first == 1) & (part <= 1e-6)
+    new = np.where(crossed, np.where(at_once, _NODES[0], part) * h, 0.5 * np.abs(h))
     return new, np.where(crossed & ~at_once, side, 0)

@@ -18,7 +18,6 @@ import numpy as np
 from core.stability.floquet import determinant, growth
 from core.stability.hill.coefficients import Coefficients
 from core.stability.integrator import Integrator
-from core.stability.nonlinear import Points
 
 NEWTON = 30
 CLOSE = 1e-13  # of the state, a turn must bring it back so well
@@ -110,7 +109,7 @@ def shoot(
     coefficients: Coefficients, eta: float, q: float, damping: float, guess: np.ndarray | None
 ) -> SteadyResponse | None:
     """The steady response near a guess (2,), or near an even turn; None where Newton's method does not settle."""
-    integrator = Integrator(coefficients, Points(np.array([eta]), np.array([q]), damping))
+    integrator = Integrator(coefficients, eta, q, damping)
     state = (integrator.resting() if guess is None else np.array([guess], dtype=float))[0]
     best: SteadyResponse | None = None
     for _ in range(NEWTON):
@@ -168,7 +167,7 @@ def _derivatives(
     coefficients: Coefficients, point: np.ndarray, q: float, damping: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a turn misses its start by (2,), and its derivatives (2, 3) by β, Π and η."""
-    integrator = Integrator(coefficients, Points(point[2:], np.array([q]), damping))
+    integrator = Integrator(coefficients, point[2], q, damping)
     gone = integrator.run(point[None, :2], 0.0, 1.0, change=True)
     assert gone.change is not None
     return gone.x[0] - point[:2], gone.change[0] - np.eye(2, 3)

@@ -18,7 +18,7 @@ from core.stability.contact import Contact
 from core.stability.hill.coefficients import Coefficients
 from core.stability.hill.edges import ETA_MAX
 from core.stability.integrator import OUTSIDE, STAGES, Integrator, Step
-from core.stability.nonlinear import Equation, Points
+from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import powers
 
 BISECTIONS = 50
@@ -54,8 +54,8 @@ class History:
         return samples.beta[:, 0], samples.rate[:, 0]
 
     @cached_property
-    def _equation(self) -> Equation:
-        return Equation(self.coefficients, Points(np.array([self.eta]), np.array([self.q]), self.damping))
+    def _equation(self) -> WindUpEquation:
+        return WindUpEquation(self.coefficients, self.eta, self.q, self.damping)
 
     def _sampled(self, y: np.ndarray) -> StepSamples:
         """At y (n,), one sample a step; where two steps meet, of the later one."""
@@ -194,7 +194,7 @@ def histories(
 
     Raises NoStability where the equation cannot be followed from the very start.
     """
-    integrator = Integrator(coefficients, Points(eta, q, damping))
+    integrator = Integrator(coefficients, eta, q, damping)
     gone = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
     steps = Step.joined(gone.steps)
     found = []
@@ -238,13 +238,13 @@ class StepSamples:
     inward: np.ndarray
 
     @staticmethod
-    def of(equation: Equation, steps: Step, part: np.ndarray) -> StepSamples:
+    def of(equation: WindUpEquation, steps: Step, part: np.ndarray) -> StepSamples:
         """At parts (n or 1, k) of the steps, 0 ... 1."""
         x = steps.within(part)
         y = steps.y[:, None] + steps.h[:, None] * part
         theta = TURN * (y - x[..., 0] - steps.turn[:, None])
         middle = 0.5 * (equation.begins + equation.ends)[steps.piece]
-        rate, second = equation.velocities(steps.trajectory, steps.piece, steps.turn, y, x)
+        rate, second = OnPieces(equation, steps.trajectory, steps.piece, steps.turn).velocities(y, x)
         return StepSamples(y, x[..., 0], rate, second / -TURN, theta, OUTSIDE * np.sign(middle[:, None] - theta))
 
     def moves(self, contact: Contact) -> np.ndarray:

@@ -10,7 +10,6 @@ from shafts import HARD, KIM, coefficients, of, push
 
 from core.stability import history, monodromy
 from core.stability.integrator import Integrator
-from core.stability.nonlinear import Points
 from core.stability.windup import History
 
 
@@ -61,7 +60,7 @@ def test_derivatives_through_jumps_of_the_inertia_keep_eleven_digits(name: str) 
     """Against differences of sixth order of histories, which pass joins exactly."""
     found, eta, q, step, y = coefficients(HARD[name]), 1.7, 0.2, 3e-4, 1.3
     start = np.array([0.01, 1.03])
-    change = Integrator(found, Points(np.array([eta]), np.array([q]))).run(start, 0.0, y, change=True).change
+    change = Integrator(found, eta, q).run(start, 0.0, y, change=True).change
     assert change is not None
 
     def end(shift: np.ndarray) -> np.ndarray:

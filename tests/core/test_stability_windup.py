@@ -1,5 +1,6 @@
 """core.stability: the nonlinear wind-up, against another integrator and against the laws it must obey."""
 
+from collections.abc import Callable, Sequence
 from functools import cache
 
 import numpy as np
@@ -7,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references import EPS, MP
+from scipy.integrate import solve_ivp
 from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
 from core.stability import branch, histories, history, mean_wind_up, shoot, steady_response
 from core.stability.integrator import Integrator
-from core.stability.nonlinear import Points
 from core.stability.steady_response import SCALE, _tangent
 from core.stability.windup import History
 
@@ -59,6 +60,58 @@ def test_a_history_goes_on_from_any_of_its_states(name: str, eta: float, q: floa
     assert abs(beta) > 1e-4
     for one, other in zip(later.at(y), whole.at(y + 1.0), strict=True):
         assert np.abs(one - other).max() < room * max(1.0, np.abs(other).max())
+
+
+# -- another integrator, other cams ------------------------------------------------------------------------
+
+Terms = Callable[[float], Sequence[float]]
+
+
+def parabolic(theta: float) -> tuple[float, float, float]:
+    """d, C, U of Kim's valve train with two parabolic strokes of 120° each and a dwell: X from 0 to 1, X'm = 2/φ, X''m = 4/φ²."""
+    span = TAU / 3.0
+    if theta >= 2.0 * span:
+        return 0.0, 0.0, 0.0
+    rising = theta < span
+    part = (theta if rising else 2.0 * span - theta) / span
+    x, x1, x2 = (2 * part**2, 4 * part, 4.0) if part < 0.5 else (1 - 2 * (1 - part) ** 2, 4 * (1 - part), -4.0)
+    x1 *= 1.0 if rising else -1.0
+    return (x1 / 2.0) ** 2, x1 * x2 / span / 4.0, 1.5 * x * x1 / span
+
+
+def by_dop853(terms: Terms, ends: Sequence[float], eta: float, q: float, y: np.ndarray) -> np.ndarray:
+    """β (n,) at y (n,) from rest by scipy, restarted where the cam comes to an end of a piece; it never turns back."""
+    state, begin, low, parts = [0.0, 0.0], 0.0, 0.0, []
+    for high in [turn * TAU + end for turn in range(int(y[-1]) + 2) for end in ends]:
+        if begin > y[-1]:
+            break
+
+        def slopes(t: float, s: np.ndarray, low: float = low, high: float = high) -> list[float]:
+            theta = min(max(TAU * (t - s[0]), np.nextafter(low, high)), np.nextafter(high, low))
+            d, c, u = terms(theta % TAU)
+            return [s[1], (TAU * q * (c * (1.0 - s[1]) ** 2 + u) - (TAU * eta) ** 2 * s[0]) / (1.0 + q * d)]
+
+        def at_end(t: float, s: np.ndarray, high: float = high) -> float:
+            return TAU * (t - s[0]) - high
+
+        at_end.terminal = True  # type: ignore[attr-defined]
+        run = solve_ivp(slopes, (begin, 2.0 * y[-1]), state, "DOP853", events=at_end, dense_output=True, rtol=1e-12, atol=1e-16)
+        assert (run.y[1] < 1.0).all()
+        parts.append(run.sol(y[(y >= begin) & (y < run.t[-1])])[0])
+        begin, low, state = float(run.t[-1]), high, run.y[:, -1].tolist()
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize(("name", "eta", "q"), [("parabolic", 2.4, 0.05), ("layout c", 2.6, 0.1)])
+def test_the_wind_up_is_that_of_dop853(name: str, eta: float, q: float) -> None:
+    """A parabolic law by its formulas, at whose joins C jumps, and a layout of the cam slider under its own loads."""
+    found, y = coefficients(HARD[name]), np.linspace(0.0, 0.999, 200)
+    fixed = np.array([1.0, 1.0, eta**2 if found.fixed else 1.0])
+    terms = parabolic if name == "parabolic" else lambda theta: fixed * found.panels.at(np.array([theta]), 3)[:, 0]
+    first = np.flatnonzero(np.diff(found.panels.piece, append=-1))
+    ends = found.panels.start[first] + found.panels.width[first]
+    beta = by_dop853(terms, ends, eta, q, y)
+    assert np.abs(history(found, eta, q, 0.0, 1.0).at(y)[0] - beta).max() < 3e-11 * np.abs(beta).max()
 
 
 # -- accuracy ---------------------------------------------------------------------------------------------
@@ -126,12 +179,12 @@ def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: 
     """By the state at the start and by η, through joins at which C jumps."""
     found, eta, q = coefficients(HARD[name]), 1.7, 0.2
     start, step = np.array([0.01, 1.03]), 1e-4
-    integrator = Integrator(found, Points(np.array([eta]), np.array([q]), damping))
+    integrator = Integrator(found, eta, q, damping)
     change = integrator.run(start, 0.0, 1.3, change=True).change
     assert change is not None
 
     def end(shift: np.ndarray) -> np.ndarray:
-        other = Integrator(found, Points(np.array([eta + shift[2]]), np.array([q]), damping))
+        other = Integrator(found, eta + shift[2], q, damping)
         return other.run(start + shift[:2], 0.0, 1.3).x[0]
 
     for column in range(3):
@@ -144,7 +197,7 @@ def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: 
 @given(st.sampled_from(sorted(HARD)), st.floats(0.4, 5.0), st.floats(1e-4, 0.4))
 @settings(max_examples=20)
 def test_without_damping_a_turn_keeps_areas(name: str, eta: float, q: float) -> None:
-    integrator = Integrator(coefficients(HARD[name]), Points(np.array([eta]), np.array([q])))
+    integrator = Integrator(coefficients(HARD[name]), eta, q)
     change = integrator.run(integrator.resting(), 0.0, 1.0, change=True).change
     assert change is not None
     if np.isfinite(change).all():
@@ -239,7 +292,7 @@ def test_a_steady_response_repeats_and_its_matrix_is_its_stability(eta: float, q
     assert steady.stable is (eta != 1.5), "at 1.5 it lies in the third tongue"
     # a small departure goes where the matrix says
     off = np.array([1e-6, -2e-6])
-    integrator = Integrator(found, Points(np.array([eta]), np.array([q])))
+    integrator = Integrator(found, eta, q)
     moved = integrator.run(steady.state + off, 0.0, 1.0).x[0] - steady.state
     assert np.abs(moved - steady.matrix @ off).max() < 1e-9  # of 3e-5, to second order
 
@@ -297,6 +350,6 @@ def test_a_search_that_runs_wild_finds_nothing() -> None:
 
 
 def test_a_cam_that_only_spins_is_lost_and_told_so() -> None:
-    lost = Integrator(coefficients(KIM), Points(np.array([0.5]), np.array([1.0]))).run(np.array([0.0, 40.0]), 0.0, 1.0)
+    lost = Integrator(coefficients(KIM), np.array([0.5]), np.array([1.0])).run(np.array([0.0, 40.0]), 0.0, 1.0)
     assert np.isnan(lost.y).all()
     assert np.isnan(lost.x).all()
