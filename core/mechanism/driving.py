@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from core.mechanism.driver_ranges import TURN, Course
@@ -48,6 +50,7 @@ class CrankProgram:
         return MotionState(angles, y, np.ones(angles.theta.size))
 
 
+@lru_cache(maxsize=32)
 def swept(program: Program) -> tuple[float, float]:
     """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
     still is given a little room."""

@@ -12,7 +12,7 @@ from core.errors import NoAnswer
 from core.motion import Angles, Program
 from core.motion.extremes import piecewise_angles
 
-MOST = 2000  # angles that are tried; motions of many more pieces are sampled more coarsely
+MOST = 1000  # angles that are tried; motions of many more pieces are sampled more coarsely
 
 
 def failing_ranges(study_at: Callable[[Angles], Any], stage: str, program: Program) -> list[tuple[float, float]]:
