@@ -35,6 +35,7 @@ from core.mechanism.mechanism import body_name
 from core.mechanism.plan import plan_of
 from core.mechanism.solving import at_driver
 from core.motion import program
+from core.numerics.cancellation import checkpoint
 
 SWING, SLIDE = np.deg2rad(30.0), 0.1  # of a first motion: radians of a pinned link, parts of the size of one that slides
 ROLLER_SIZE = 0.08  # of a first roller, parts of the size
@@ -136,6 +137,7 @@ def _assembled(linkage: Linkage, kinematics: Kinematics, place: float, low: floa
     """The linkage with the sides that it has in this position, and the range around it, between low and high."""
     joints = sided_joints(linkage)
     for sides in islice(product((1, -1), repeat=len(joints)), _MOST):
+        checkpoint()
         tried = replace(linkage, branch=tuple(Side(joint, side) for joint, side in zip(joints, sides, strict=True)))
         course = course_of(tried, low, high)
         here = next((r for r in course.ranges if r.low <= place <= r.high), None)

@@ -9,7 +9,9 @@ from PySide6.QtGui import QAction, QActionGroup
 from PySide6.QtWidgets import QMenu
 
 from core.design import CRANK, Design, Driver
+from core.errors import KindynaError
 from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
+from kindyna_gui.documents.export_dialogs import beside
 from kindyna_gui.labels import driver_text
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.window.player import TURN
@@ -51,7 +53,10 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     player.play(False)
 
     def changed() -> Design:
-        return with_driver(before, driver, session.at(player.theta).linkage)
+        made = beside(window, "Looking how the links can be put together", partial(with_driver, before, driver, kinematics))
+        if made is None:
+            raise KindynaError("stopped before it was done")
+        return made
 
     kinematics = session.at(player.theta).linkage
     step, loses = f"Let link {driver.link} {'turn at speed' if driver.kind == CRANK else 'follow a motion'}", _loses(before, driver)

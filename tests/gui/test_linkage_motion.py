@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
+from PySide6.QtCore import QPointF, Qt, QTimer
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QProgressDialog
 from window_user import Open, User, settle, wait_for
 
 from core.design import join_levels, motion_of, require_motion
@@ -309,3 +310,24 @@ def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> Non
         QTest.keyClick(box, key)  # as where the focus has stayed
     settle()
     assert user.design is before
+
+
+def test_a_driver_that_takes_long_can_be_given_up(open_user: Open) -> None:
+    """The last link of Stephenson's chain leads a group of four: each way to put it together is followed all round."""
+    user = open_user(example("stephenson_six_bar"), plots=False)
+    user.turn(50.0)
+    before = user.design
+
+    def give_up() -> None:
+        dialog = user.window.findChild(QProgressDialog)
+        if dialog is not None:
+            timer.stop()
+            dialog.canceled.emit()
+
+    timer = QTimer(user.window, interval=10)
+    timer.timeout.connect(give_up)
+    timer.start()
+    user.choose("Compo", "Driver", "Link 6 turns at speed")
+    assert not timer.isActive(), "a dialog came while it was computed"
+    assert user.design is before
+    assert "stopped before it was done" in user.window.status.currentMessage()
