@@ -1,16 +1,16 @@
 """Curve blending after Yang and Son: the sequence follows from the tables, spans and heights from closed forms."""
 
-from core.blend.choose import GOALS, best, blend
-from core.blend.curves import (
+from core.blend.best import GOALS, best, blend
+from core.blend.feasible import Opening, feasible_ranges, openings
+from core.blend.request import MAY_VANISH, SETTINGS, Blended, BlendError, Range, Request
+from core.blend.sequences import (
     CONSTANT_VELOCITY,
     ELEMENTS,
     MOTION_TYPES,
-    Sequence,
+    CurveSequence,
     sequences,
 )
-from core.blend.feasible import Opening, feasible_ranges, openings
-from core.blend.request import Blended, BlendError, Candidate, Request, candidates
-from core.blend.settings import MAY_VANISH, SETTINGS, Range
+from core.blend.solver import Candidate, candidates
 
 __all__ = [
     "CONSTANT_VELOCITY",
@@ -22,10 +22,10 @@ __all__ = [
     "BlendError",
     "Blended",
     "Candidate",
+    "CurveSequence",
     "Opening",
     "Range",
     "Request",
-    "Sequence",
     "best",
     "blend",
     "candidates",

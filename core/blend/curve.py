@@ -23,7 +23,7 @@ from core.blend.polynomials import (
     vanishes,
     whole,
 )
-from core.blend.settings import Constraint, ratio
+from core.blend.request import Constraint, ratio
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
 SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them

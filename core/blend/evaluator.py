@@ -11,9 +11,9 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from core.blend.curves import ELEMENTS
 from core.blend.family import RETURN, RISE, SPEEDS, Family, Task, named
-from core.blend.settings import POINT, Constraint, ratio
+from core.blend.request import POINT, Constraint, ratio
+from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
 from core.numerics.cancellation import checkpoint
 

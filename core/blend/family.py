@@ -17,8 +17,8 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from core.blend.curves import CONSTANT, ELEMENTS, KAPPA, Sequence
 from core.blend.equations import Equations, Form, term, times_t
+from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
 
 RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
 SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
@@ -41,7 +41,7 @@ class Solution:
     """heights (all positive magnitudes) and spans [deg] curve by curve, in the order of the sequence; speeds of rise
     and return [per deg], 0 where the motion has none."""
 
-    sequence: Sequence
+    sequence: CurveSequence
     heights: tuple[float, ...]
     spans: tuple[float, ...]
     speed: float
@@ -76,7 +76,7 @@ class Family:
     mirrored: the return is the rise run backwards.
     """
 
-    sequence: Sequence
+    sequence: CurveSequence
     mirrored: bool = False
 
     @cached_property
@@ -201,7 +201,7 @@ def named(curves: tuple[str, ...], names: tuple[str, str, str]) -> tuple[str, ..
     return names if len(curves) == 3 else names[::2]
 
 
-def _without_freedom(sequence: Sequence, task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _without_freedom(sequence: CurveSequence, task: Task) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """C5; C6; P1-P2 and H5-H6, whose spans make the accelerations at the top equal: β1/β2 = √(h/g)."""
     if not sequence.back:
         return (task.rise,), (task.span,)

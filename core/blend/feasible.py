@@ -1,18 +1,33 @@
-"""Which settings a request may still take, within which ranges, and which of its settings others determine."""
+"""Which settings a request may still take, within which ranges, which of its settings others determine; and why a request
+is refused: one line that names the setting, what it may be and what to do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context
 from functools import lru_cache
 from itertools import combinations
+from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.evaluator import Evaluator, Place
+from core.blend.curve import SAME
+from core.blend.evaluator import ROUNDING, Evaluator, Place
 from core.blend.family import Family, Task
-from core.blend.request import BlendError, Candidate, Request, candidates
-from core.blend.settings import POINT, SETTINGS, Constraint, Range, merged
+from core.blend.request import (
+    POINT,
+    SETTINGS,
+    BlendError,
+    Constraint,
+    Range,
+    Request,
+    hardest_first,
+    hull,
+    merged,
+)
+from core.blend.sequences import sequences
+from core.blend.solver import Candidate, candidates
 from core.numerics.cancellation import checkpoint
 
 _DRAWN, _KEPT = 4000, 8  # points of which so many feasible ones are kept
@@ -39,7 +54,9 @@ def feasible_ranges(request: Request, setting: str, at: float = 0.0) -> list[Ran
     return ranges_by(request, complete or able, others, mine)
 
 
-def ranges_by(request: Request, rows: Iterable[Candidate], others: Sequence[Constraint], mine: Constraint) -> list[Range]:
+def ranges_by(
+    request: Request, rows: Iterable[Candidate], others: Sequence[Constraint], mine: Constraint
+) -> list[Range]:
     """What a setting may be beside other constraints by any of the candidates."""
     found = []
     for candidate in rows:
@@ -118,7 +135,9 @@ def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndar
     """In which direction a setting grows, at some points (points, free numbers): of length 1, or 0."""
     evaluator = Evaluator(family, Task(1.0, strokes, 1.0))
     t, *x = np.array([(t, *x) for t, x in _points(family, strokes)]).T
-    found = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(t, np.array(x).reshape(-1, t.size), slopes=True))
+    found = evaluator.setting(
+        Constraint(name, 1.0, at), evaluator.forms(t, np.array(x).reshape(-1, t.size), slopes=True)
+    )
     slopes = (found[1:] * np.abs([t, *x])).T
     sizes = np.linalg.norm(slopes, axis=1, keepdims=True)
     grows = sizes > _ZERO * np.abs(found[0])[:, None]
@@ -140,3 +159,145 @@ def _points(family: Family, strokes: float) -> list[Place]:
             if len(found) == _KEPT:
                 break
     return found
+
+
+# -- why a request is refused -----------------------------------------------------------------------------
+
+
+def refusal(request: Request, fitting: Sequence[Candidate], constraints: Sequence[Constraint]) -> BlendError:
+    """The error where no sequence meets the constraints: a setting that others determine; else the last to which the others
+    leave something, one that is not linear before all others; else the first that is out of what those before it leave."""
+    able = [c for c in fitting if not dependent(request, c, constraints)]
+    redundant = None if able else _redundant(request, fitting, constraints)
+    if redundant is not None:
+        return redundant
+    for constraint in hardest_first(constraints) if able else ():
+        others = [c for c in constraints if c is not constraint]
+        ranges = ranges_by(request, able, others, constraint)
+        if ranges:
+            return _out_of_range(request, constraint, ranges, others)
+    ordered = sorted(constraints, key=lambda c: not c.linear)
+    for i, constraint in enumerate(ordered):
+        ranges = ranges_by(request, fitting, ordered[:i], constraint)
+        value = _shown_value(request, constraint)
+        if ranges and not any(r.low <= value <= r.high for r in ranges):
+            return _out_of_range(request, constraint, ranges, ordered[:i])
+    names = ", ".join(_text(request, c) for c in constraints)
+    return BlendError(f"{names}: these settings leave no range; change one of them")
+
+
+def _redundant(request: Request, fitting: Sequence[Candidate], constraints: Sequence[Constraint]) -> BlendError | None:
+    """The refusal of a setting that others determine, with its value, and what may be set instead; None where those others
+    are not feasible themselves."""
+    for candidate in fitting:
+        for constraint in hardest_first(constraints):
+            others = [c for c in constraints if c is not constraint]
+            by = determining(request, candidate, constraint, others)
+            ranges = ranges_by(request, [candidate], by, constraint) if by is not None else []
+            if by is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
+                name, unit = _name(request, constraint), request.unit_of(constraint.name)
+                cause = f" by {', '.join(_text(request, c) for c in by)}" if by else ""
+                values = " or ".join(f"{r.low:.9g}" for r in ranges)
+                text = f"{_text(request, constraint)} {unit}: determined already{cause}: {name} = {values} {unit}"
+                return BlendError(f"{text}; {_instead(request, candidate, others)}", name, hull(ranges))
+    return None
+
+
+def _instead(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> str:
+    """``instead set h1 (0 < h1 < 15 mm), h3 or acceleration``: what says something new, and a range."""
+    new = new_settings(request, candidate, constraints) if not dependent(request, candidate, constraints) else ()
+    if not new:
+        return "leave it out" if candidate.freedom < len(constraints) + 1 else "set another one"
+    names = [_spelt(request, n) for n in new]
+    ranges = ranges_by(request, [candidate], constraints, request.constraint(new[0], 1.0))
+    if ranges:
+        text = " or ".join(range_text(r, names[0]) for r in ranges)
+        names[0] = f"{names[0]} ({text} {request.unit_of(new[0])})"
+    return f"instead set {', '.join(names[:-1])} or {names[-1]}" if len(names) > 1 else f"instead set {names[0]}"
+
+
+def _out_of_range(
+    request: Request, constraint: Constraint, ranges: Sequence[Range], beside: Sequence[Constraint]
+) -> BlendError:
+    """The refusal of a setting, with what it may be."""
+    unit, name, allowed = request.unit_of(constraint.name), _name(request, constraint), hull(ranges)
+    others = ", ".join(_text(request, c) for c in beside)
+    tail = f" beside {others}" if others else ""
+    text = f"{_text(request, constraint)} {unit}"
+    if _is_one(*allowed):
+        return BlendError(f"{text}: determined already{tail}: {allowed[0]:.9g} {unit}; set another one", name, allowed)
+    shown = " or ".join(range_text(r, name) for r in ranges)
+    if any(_is_well_within(r, _shown_value(request, constraint)) for r in ranges):
+        text = f"{text}: many motions have it{tail}: it leaves them undetermined"
+        return BlendError(f"{text}; set another one, or one within {shown} {unit}", name, allowed)
+    return BlendError(f"{text} is not feasible{tail}; feasible: {shown} {unit}", name, allowed)
+
+
+def wrong_number(request: Request) -> BlendError:
+    """How many settings each sequence takes and which of them are still open, or which sequences there are."""
+    rows = candidates(request)
+    if not rows:
+        allowed = " | ".join(str(s) for s in sequences(request.type, request.constant))
+        return BlendError(f"sequence {request.sequence!r}: not of this motion; allowed: {allowed}")
+    counts = sorted({(c.freedom, f"{c.sequence}{' (mirrored)' if c.family.mirrored else ''}") for c in rows})
+    wants = "; ".join(f"{name} takes {count} setting{'s' if count != 1 else ''}" for count, name in counts)
+    given = ", ".join([*request.settings, *([POINT] * len(request.points))]) or "none"
+    known = set().union(*(c.names for c in rows))
+    strange = [name for name in request.settings if request.renamed(name) not in known]
+    if strange:
+        allowed = " | ".join(_spelt(request, name) for name in SETTINGS if name in known)
+        text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
+        return BlendError(text, strange[0])
+    new = {name for opening in openings(request) for name in opening.settings}
+    more = f"; still open: {', '.join(_spelt(request, n) for n in SETTINGS if n in new)}" if new else ""
+    return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")
+
+
+# -- words and numbers ------------------------------------------------------------------------------------
+
+
+def _shown_value(request: Request, constraint: Constraint) -> float:
+    return constraint.value + request.start if constraint.name == "peak" else constraint.value
+
+
+def _name(request: Request, constraint: Constraint) -> str:
+    """The setting's name as the request spells it."""
+    return next((name for name in request.settings if request.renamed(name) == constraint.name), constraint.name)
+
+
+def _text(request: Request, constraint: Constraint) -> str:
+    """``point at 120 deg = 5``."""
+    at = f" at {constraint.at + request.start:.9g} deg" if constraint.name == POINT else ""
+    return f"{_name(request, constraint)}{at} = {_shown_value(request, constraint):.9g}"
+
+
+def _spelt(request: Request, name: str) -> str:
+    """As the request spells it: a return alone may count its curves from 1."""
+    if any(request.renamed(given) != given for given in request.settings):
+        return next((n for n in ("h1", "h2", "h3", "vcv") if request.renamed(n) == name), name)
+    return name
+
+
+def _is_one(low: float, high: float) -> bool:
+    """Whether there is but one value."""
+    return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
+
+
+def _is_well_within(found: Range, value: float) -> bool:
+    room = SAME * (found.high - found.low) if isfinite(found.high) else SAME * abs(found.low)
+    return found.low + room < value < found.high - room
+
+
+def range_text(found: Range, name: str) -> str:
+    """``0.1 < vcv <= 0.2``; ends that are reached are rounded inwards, so that they can be typed."""
+    low = _nine_digits(found.low, ROUND_HALF_EVEN if found.low_open else ROUND_CEILING)
+    high = _nine_digits(found.high, ROUND_HALF_EVEN if found.high_open else ROUND_FLOOR)
+    if found.high == inf:
+        return f"{name} {'>' if found.low_open else '>='} {low:.9g}"
+    return f"{low:.9g} {'<' if found.low_open else '<='} {name} {'<' if found.high_open else '<='} {high:.9g}"
+
+
+def _nine_digits(value: float, rounding: str) -> float:
+    """Rounded so, but to the nearest where that is the same but for rounding in the computation."""
+    nearest, made = (float(Context(prec=9, rounding=r).create_decimal(value)) for r in (ROUND_HALF_EVEN, rounding))
+    return nearest if abs(nearest - value) <= ROUNDING * abs(value) else made

@@ -14,7 +14,7 @@ import numpy as np
 from core.blend.curve import SAME, Curve, Extreme, Stretch, between
 from core.blend.equations import Row, solution_spaces
 from core.blend.evaluator import Evaluator
-from core.blend.settings import Constraint, Range, merged, tied
+from core.blend.request import Constraint, Range, merged, tied
 
 NEAR = 1e-6  # a height of a face, as a share of the stroke, that is above 0
 SAMPLES = 24  # values of t of a sample of points

@@ -1,32 +1,131 @@
-"""A request for a blended motion, the sequences of curves that may meet it, and the answer as segments."""
+"""A request for a blended motion, its settings as constraints on a family of motions, and the answer as segments."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
 from itertools import accumulate
 from math import fsum, isfinite
 from types import MappingProxyType
+from typing import NamedTuple
 
-from core.blend.curves import CONSTANT, CONSTANT_VELOCITY, ELEMENTS, MOTION_TYPES, Sequence, sequences
+from core.blend.equations import Equations, Row
 from core.blend.family import Family, Solution, Task
-from core.blend.settings import MAY_VANISH, POINT, SETTINGS, Constraint
-from core.blend.solver import Problem
-from core.design import Named, Segment
+from core.blend.polynomials import UNIT, whole
+from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES
+from core.design import Segment
 from core.errors import KindynaError
 
-_MIRROR = {
-    "C1": "C4", "C2": "C3", "C3": "C2", "C4": "C1", "C5": "C6", "C6": "C5", "CV1": "CV2", "CV2": "CV1",
-    "H1": "H4", "H2": "H3", "H3": "H2", "H4": "H1", "H5": "H6", "H6": "H5", "P1": "P2", "P2": "P1",
-}  # fmt: skip
-_MIRRORED_SETTING = {
-    "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
-}  # fmt: skip
+HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
+SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
+MAY_VANISH = ("h2", "h5", "length")
+"""What may be 0: a constant velocity of no length, where the curves about it meet."""
+POINT = "point"
+NONLINEAR = ("acceleration", POINT)
+_PER_DEGREE = {"vcv": 1, "vcv2": 1, "acceleration": 2}
+_SPEEDS = {"vcv": "W", "vcv2": "R"}
+ALIKE = 1e-9  # two ranges that are nearer to each other are one
+NONE = 1e-12  # a share of the upper end that is 0
+TIED = 1e-12  # values that are the same but for rounding
 _OF_A_RETURN = {"h1": "h4", "h2": "h5", "h3": "h6", "vcv": "vcv2"}
-_CURVES = {name: Named(name.lower()) for name in ELEMENTS}
-ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 UNITS = {"length": "deg", "peak": "deg", "vcv": "{u}/deg", "vcv2": "{u}/deg", "acceleration": "{u}/deg^2"}
+
+
+class Constraint(NamedTuple):
+    """name of ``SETTINGS`` or ``point``, its value, and where a point lies [deg from the start of the curves]."""
+
+    name: str
+    value: float
+    at: float = 0.0
+
+    @property
+    def linear(self) -> bool:
+        """Whether it is a linear equation in x1, x2, ... with t given."""
+        return self.name not in NONLINEAR
+
+    @property
+    def size(self) -> float:
+        """By what a miss is divided: the value, or the stroke (1) for a point and for what shall be 0."""
+        return 1.0 if self.name == POINT else self.value or 1.0
+
+
+def hardest_first(constraints: Sequence[Constraint]) -> list[Constraint]:
+    """Those that are not linear, then the others, of each the last given first."""
+    return sorted(constraints, key=lambda c: (c.linear, -constraints.index(c)))
+
+
+def unit_of(name: str, task: Task) -> float:
+    """What a setting is where stroke of the rise and span are 1 and so is the setting."""
+    if name in ("length", "peak"):
+        return task.span
+    return task.rise / task.span ** _PER_DEGREE.get(name, 0)
+
+
+def in_units(constraint: Constraint, task: Task) -> Constraint:
+    """The constraint for a stroke and a span of 1."""
+    name, value, at_angle = constraint
+    return Constraint(name, value / unit_of(name, task), at_angle / task.span)
+
+
+def ratio(name: str, family: Family) -> tuple[str, str]:
+    """A linear setting as a form divided by another; an empty name is 1."""
+    if name == "length":
+        return ("h2", "W") if family.has_constant_rise else ("h5", "R")
+    if name == "peak":
+        return "up", "W"
+    return _SPEEDS.get(name, name), ""
+
+
+def equations_of(constraints: Iterable[Constraint], family: Family, equations: Equations) -> list[Row]:
+    """The linear constraints as equations, without any rounding: form - value · other form = 0."""
+    found = []
+    for constraint in constraints:
+        if constraint.linear:
+            above, below = (equations.exact(name) for name in ratio(constraint.name, family))
+            value = whole(constraint.value)
+            found.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
+    return found
+
+
+@dataclass(frozen=True)
+class Range:
+    """What a setting may be, from low to high; an open end can only be approached."""
+
+    low: float
+    high: float
+    low_open: bool = False
+    high_open: bool = False
+
+    def times(self, factor: float) -> Range:
+        """In other units; a lower end that is 0 but for rounding is 0."""
+        low = 0.0 if isfinite(self.high) and abs(self.low) <= NONE * abs(self.high) else self.low
+        return Range(low * factor, self.high * factor, self.low_open, self.high_open)
+
+
+def merged(ranges: Iterable[Range]) -> list[Range]:
+    """The same values in order, ranges that meet made one."""
+    found: list[Range] = []
+    for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
+        if found and r.low <= found[-1].high + ALIKE * abs(found[-1].high):
+            last = found.pop()
+            high = max(last.high, r.high)
+            low_open = last.low_open and (r.low_open or not tied(r.low, last.low))
+            open_ = all(q.high_open for q in (last, r) if tied(q.high, high))
+            r = Range(last.low, high, low_open, open_)
+        found.append(r)
+    return found
+
+
+def tied(a: float, b: float) -> bool:
+    return a == b or (isfinite(a - b) and abs(a - b) <= TIED * max(abs(a), abs(b)))
+
+
+def hull(ranges: Sequence[Range]) -> tuple[float, float]:
+    """The ends of all of them."""
+    return ranges[0].low, ranges[-1].high
+
+
+# -- request and answer -----------------------------------------------------------------------------------
 
 
 class BlendError(KindynaError):
@@ -149,99 +248,3 @@ class Blended:
     def first_level(self) -> float:
         """Where they start above their lowest level."""
         return -min(accumulate((s.rise for s in self.segments), initial=0.0)) + 0.0
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A sequence with the family that solves it; backwards: of which it is the motion run backwards."""
-
-    sequence: Sequence
-    family: Family
-    backwards: bool
-
-    @property
-    def freedom(self) -> int:
-        return self.family.freedom
-
-    @cached_property
-    def names(self) -> frozenset[str]:
-        """What can be set of its curves."""
-        rise, back = self.sequence.rise, self.sequence.back
-        names = {"acceleration", POINT}
-        if len(rise) > 1:
-            names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
-        if len(back) > 1:
-            names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
-        if rise and back:
-            names.add("peak")
-        return frozenset(names)
-
-    def has(self, constraints: Iterable[Constraint]) -> bool:
-        """Whether every constraint is of a curve that it has."""
-        return {c.name for c in constraints} <= self.names
-
-    def takes(self, constraints: list[Constraint]) -> bool:
-        """The same, and they are not too many."""
-        return len(constraints) <= self.freedom and self.has(constraints)
-
-    def problem(self, request: Request, constraints: Iterable[Constraint]) -> Problem:
-        """Strokes, span and constraints as its family solves them, whose time may run backwards."""
-        row, span = MOTION_TYPES[request.type], request.end - request.start
-        rise, back = (stroke if ends else 0.0 for stroke, ends in zip(request.strokes, (row.rise, row.back), strict=True))
-        if not self.backwards:
-            return Problem(self.family, Task(rise, back, span), list(constraints))
-        return Problem(self.family, Task(back, rise, span), [_run_backwards(c, span) for c in constraints])
-
-    def answer(self, request: Request, solution: Solution) -> Blended:
-        """A solution of its family as the request wants it: in the order of time, as segments; a constant velocity of no
-        length is none."""
-        heights, spans = solution.heights, solution.spans
-        if self.backwards:
-            heights, spans = heights[::-1], spans[::-1]
-            solution = Solution(self.sequence, heights, spans, solution.back_speed, solution.speed)
-        none = ROUNDING * sum(spans)
-        segments = [
-            Segment(span, ELEMENTS[name].velocity_sign * height, _CURVES[name])
-            for name, height, span in zip(self.sequence.curves, heights, spans, strict=True)
-            if span > (none if name in CONSTANT else 0.0)
-        ]
-        return Blended(request, solution, tuple(segments))
-
-
-def candidates(request: Request) -> list[Candidate]:
-    """The sequences of a type of motion with their freedoms, fewest curves first."""
-    rise, back = request.strokes
-    return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back))
-
-
-@lru_cache(maxsize=64)
-def _candidates(
-    motion_type: str, constant: str, only: str, wanted_mirrored: bool | None, equal: bool
-) -> tuple[Candidate, ...]:
-    found = []
-    for sequence in sequences(motion_type, constant):
-        if only and only != str(sequence):
-            continue
-        backwards = len(sequence.rise) < 2 and (len(sequence.back) > 1 or not sequence.rise)
-        solved = _mirror(sequence) if backwards else sequence
-        if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False:
-            mirrored = Family(solved, mirrored=True)
-            if mirrored.freedom < Family(solved).freedom and equal:
-                found.append(Candidate(sequence, mirrored, backwards))
-        if wanted_mirrored is not True:
-            found.append(Candidate(sequence, Family(solved), backwards))
-    return tuple(found)
-
-
-def _mirror(sequence: Sequence) -> Sequence:
-    """The curves of the motion run backwards."""
-    rise, back = (tuple(_MIRROR[name] for name in reversed(stroke)) for stroke in (sequence.back, sequence.rise))
-    return Sequence(rise, back)
-
-
-def _run_backwards(constraint: Constraint, span: float) -> Constraint:
-    """The same of the motion run backwards."""
-    name, value, at = constraint
-    return Constraint(
-        _MIRRORED_SETTING.get(name, name), span - value if name == "peak" else value, span - at if name == POINT else 0.0
-    )

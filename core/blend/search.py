@@ -13,7 +13,7 @@ import numpy as np
 
 from core.blend.evaluator import Evaluator, Place
 from core.blend.region import MIXES, Region
-from core.blend.settings import Constraint, equations_of
+from core.blend.request import Constraint, equations_of
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """A value and its derivatives (rows, n) from all forms of the family at n points."""

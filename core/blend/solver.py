@@ -4,8 +4,9 @@ of all points; what several numbers leave beside a point or an acceleration is s
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import cached_property, partial
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial
 from math import inf
 
 import numpy as np
@@ -15,10 +16,33 @@ from core.blend.equations import Row, solution_spaces
 from core.blend.evaluator import Evaluator, Place, column
 from core.blend.family import Family, Solution, Task
 from core.blend.region import Region
+from core.blend.request import (
+    HEIGHTS,
+    POINT,
+    Blended,
+    Constraint,
+    Range,
+    Request,
+    equations_of,
+    in_units,
+    merged,
+    tied,
+    unit_of,
+)
 from core.blend.search import Quantity, least, log_accelerations, logarithm, sample
-from core.blend.settings import HEIGHTS, POINT, Constraint, Range, equations_of, in_units, merged, tied, unit_of
+from core.blend.sequences import CONSTANT, ELEMENTS, MOTION_TYPES, CurveSequence, sequences
 from core.blend.tracks import Track, acceleration_tracks
+from core.design import Named, Segment
 
+_MIRROR = {
+    "C1": "C4", "C2": "C3", "C3": "C2", "C4": "C1", "C5": "C6", "C6": "C5", "CV1": "CV2", "CV2": "CV1",
+    "H1": "H4", "H2": "H3", "H3": "H2", "H4": "H1", "H5": "H6", "H6": "H5", "P1": "P2", "P2": "P1",
+}  # fmt: skip
+_MIRRORED_SETTING = {
+    "h1": "h6", "h2": "h5", "h3": "h4", "h4": "h3", "h5": "h2", "h6": "h1", "vcv": "vcv2", "vcv2": "vcv",
+}  # fmt: skip
+_CURVES = {name: Named(name.lower()) for name in ELEMENTS}
+ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
 _SHARP = 1e-4  # an extreme that moves by more of its value has become another one
 _ENDLESS = 1e6  # a speed or an acceleration of so many strokes per span has no upper end
 _ALIKE = 1e-9
@@ -66,7 +90,12 @@ class Problem:
         for start in self._candidates():
             met = self.evaluator.meets(self.constraints, start)
             place, met = (start, True) if met else self.evaluator.solved(self.constraints, start)
-            if met and self.evaluator.is_feasible(place) and not any(_alike(place, p) for p in found) and self._is_alone(place):
+            if (
+                met
+                and self.evaluator.is_feasible(place)
+                and not any(_alike(place, p) for p in found)
+                and self._is_alone(place)
+            ):
                 found.append(place)
         return found
 
@@ -166,9 +195,116 @@ class Problem:
         """What is least where a setting is least, or greatest; of an acceleration, which may be of any size, logarithms."""
         evaluator = self.evaluator
         if mine.name == "acceleration":
-            return log_accelerations(evaluator) if sign > 0.0 else [lambda forms: -logarithm(evaluator.setting(mine, forms))]
+            return (
+                log_accelerations(evaluator)
+                if sign > 0.0
+                else [lambda forms: -logarithm(evaluator.setting(mine, forms))]
+            )
         return [lambda forms: sign * evaluator.setting(mine, forms)]
 
 
 def _alike(a: Place, b: Place) -> bool:
     return all(abs(v - w) <= _ALIKE * (abs(v) + abs(w)) for v, w in zip((a[0], *a[1]), (b[0], *b[1]), strict=True))
+
+
+# -- the sequences that may meet a request ----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A sequence with the family that solves it; backwards: of which it is the motion run backwards."""
+
+    sequence: CurveSequence
+    family: Family
+    backwards: bool
+
+    @property
+    def freedom(self) -> int:
+        return self.family.freedom
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """What can be set of its curves."""
+        rise, back = self.sequence.rise, self.sequence.back
+        names = {"acceleration", POINT}
+        if len(rise) > 1:
+            names |= {"h1", "h3", "vcv", *(("h2", "length") if len(rise) == 3 else ())}
+        if len(back) > 1:
+            names |= {"h4", "h6", "vcv2", *(("h5", "length") if len(back) == 3 else ())}
+        if rise and back:
+            names.add("peak")
+        return frozenset(names)
+
+    def has(self, constraints: Iterable[Constraint]) -> bool:
+        """Whether every constraint is of a curve that it has."""
+        return {c.name for c in constraints} <= self.names
+
+    def takes(self, constraints: list[Constraint]) -> bool:
+        """The same, and they are not too many."""
+        return len(constraints) <= self.freedom and self.has(constraints)
+
+    def problem(self, request: Request, constraints: Iterable[Constraint]) -> Problem:
+        """Strokes, span and constraints as its family solves them, whose time may run backwards."""
+        row, span = MOTION_TYPES[request.type], request.end - request.start
+        rise, back = (
+            stroke if ends else 0.0 for stroke, ends in zip(request.strokes, (row.rise, row.back), strict=True)
+        )
+        if not self.backwards:
+            return Problem(self.family, Task(rise, back, span), list(constraints))
+        return Problem(self.family, Task(back, rise, span), [_run_backwards(c, span) for c in constraints])
+
+    def answer(self, request: Request, solution: Solution) -> Blended:
+        """A solution of its family as the request wants it: in the order of time, as segments; a constant velocity of no
+        length is none."""
+        heights, spans = solution.heights, solution.spans
+        if self.backwards:
+            heights, spans = heights[::-1], spans[::-1]
+            solution = Solution(self.sequence, heights, spans, solution.back_speed, solution.speed)
+        none = ROUNDING * sum(spans)
+        segments = [
+            Segment(span, ELEMENTS[name].velocity_sign * height, _CURVES[name])
+            for name, height, span in zip(self.sequence.curves, heights, spans, strict=True)
+            if span > (none if name in CONSTANT else 0.0)
+        ]
+        return Blended(request, solution, tuple(segments))
+
+
+def candidates(request: Request) -> list[Candidate]:
+    """The sequences of a type of motion with their freedoms, fewest curves first."""
+    rise, back = request.strokes
+    return list(_candidates(request.type, request.constant, request.sequence.upper(), request.mirrored, rise == back))
+
+
+@lru_cache(maxsize=64)
+def _candidates(
+    motion_type: str, constant: str, only: str, wanted_mirrored: bool | None, equal: bool
+) -> tuple[Candidate, ...]:
+    found = []
+    for sequence in sequences(motion_type, constant):
+        if only and only != str(sequence):
+            continue
+        backwards = len(sequence.rise) < 2 and (len(sequence.back) > 1 or not sequence.rise)
+        solved = _mirror(sequence) if backwards else sequence
+        if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False:
+            mirrored = Family(solved, mirrored=True)
+            if mirrored.freedom < Family(solved).freedom and equal:
+                found.append(Candidate(sequence, mirrored, backwards))
+        if wanted_mirrored is not True:
+            found.append(Candidate(sequence, Family(solved), backwards))
+    return tuple(found)
+
+
+def _mirror(sequence: CurveSequence) -> CurveSequence:
+    """The curves of the motion run backwards."""
+    rise, back = (tuple(_MIRROR[name] for name in reversed(stroke)) for stroke in (sequence.back, sequence.rise))
+    return CurveSequence(rise, back)
+
+
+def _run_backwards(constraint: Constraint, span: float) -> Constraint:
+    """The same of the motion run backwards."""
+    name, value, at = constraint
+    return Constraint(
+        _MIRRORED_SETTING.get(name, name),
+        span - value if name == "peak" else value,
+        span - at if name == POINT else 0.0,
+    )

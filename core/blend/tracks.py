@@ -17,7 +17,7 @@ from core.blend.equations import Equations, Row, SolutionSpace, solution_spaces
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import PeakAcceleration
 from core.blend.polynomials import ZERO, Floats, Polynomial, roots, rounded, whole
-from core.blend.settings import Range
+from core.blend.request import Range
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values (n,) at t (n,) and x (numbers, n)."""

@@ -12,7 +12,7 @@ import pytest
 from blends import FREEDOM, SEQUENCES, free_motion
 from mpmath import mpf, pi, sin, sqrt
 
-from core.blend import ELEMENTS, BlendError, Request, Sequence, blend, sequences
+from core.blend import ELEMENTS, BlendError, CurveSequence, Request, blend, sequences
 
 DIGITS = 40
 TIGHT = mpf(10) ** -35
@@ -345,7 +345,7 @@ def test_both_heights_and_the_peak_want_a_curve_more() -> None:
     with pytest.raises(BlendError, match="C1-CV1-H2-P2 takes 2 settings"):
         blend(Request(**PICKER, settings=settings, sequence="C1-CV1-H2-P2"))
     five = blend(Request(**PICKER, settings=settings)).solution
-    assert five.sequence == Sequence(("C1", "CV1", "H2"), ("H3", "C4"))
+    assert five.sequence == CurveSequence(("C1", "CV1", "H2"), ("H3", "C4"))
     assert five.heights[:3] == pytest.approx((1.0, 18.0, 1.0), rel=1e-14)
     assert 30.0 + five.peak_span == pytest.approx(250.0, rel=1e-14)
     assert five.spans[1] >= 150.0

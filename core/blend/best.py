@@ -9,15 +9,13 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.blend.curves import CONSTANT
 from core.blend.evaluator import Evaluator, law_of
 from core.blend.family import Solution
-from core.blend.feasible import dependent
-from core.blend.refusal import refusal, wrong_number
-from core.blend.request import Blended, BlendError, Candidate, Request, candidates
+from core.blend.feasible import dependent, refusal, wrong_number
+from core.blend.request import Blended, BlendError, Constraint, Request
 from core.blend.search import least, logarithm
-from core.blend.settings import Constraint
-from core.blend.solver import Problem
+from core.blend.sequences import CONSTANT
+from core.blend.solver import Candidate, Problem, candidates
 from core.laws import peaks
 from core.numerics.cancellation import checkpoint
 

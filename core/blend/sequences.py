@@ -78,7 +78,7 @@ CONSTANT_VELOCITY = ("none", "rise", "return", "both")
 
 
 @dataclass(frozen=True)
-class Sequence:
+class CurveSequence:
     """Curves of the rise and of the return, either empty where the motion has none."""
 
     rise: tuple[str, ...]
@@ -111,15 +111,15 @@ def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: boo
     return sorted((c for c in found if any(n in CONSTANT for n in c) == constant), key=lambda c: (len(c), c))
 
 
-def sequences(motion_type: str, constant: str = "none") -> list[Sequence]:
+def sequences(motion_type: str, constant: str = "none") -> list[CurveSequence]:
     """Every sequence the tables admit for a type of motion, fewest curves first; constant: one of
     ``CONSTANT_VELOCITY``."""
     return list(_sequences(motion_type, constant))
 
 
 @lru_cache(maxsize=32)
-def _sequences(motion_type: str, constant: str) -> tuple[Sequence, ...]:
+def _sequences(motion_type: str, constant: str) -> tuple[CurveSequence, ...]:
     row = MOTION_TYPES[motion_type]
     rises = _strokes(row.rise, 1, constant in ("rise", "both"))
     backs = _strokes(row.back, -1, constant in ("return", "both"))
-    return tuple(sorted((Sequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
+    return tuple(sorted((CurveSequence(r, b) for r in rises for b in backs), key=lambda s: (len(s.curves), str(s))))
