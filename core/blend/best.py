@@ -9,11 +9,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.blend.evaluator import Evaluator, law_of
+from core.blend.evaluator import Evaluator, constant, law_of, logarithm
 from core.blend.family import Solution
 from core.blend.feasible import dependent, refusal, wrong_number
 from core.blend.request import Blended, BlendError, Constraint, Request
-from core.blend.search import least, logarithm
+from core.blend.search import least
 from core.blend.sequences import CONSTANT
 from core.blend.solver import Candidate, Problem, candidates
 from core.laws import peaks
@@ -105,11 +105,11 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     goals = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
     if length:
         share = Constraint("length", length / problem.task.span)
-        limits = [lambda forms: evaluator.setting(share, forms) / share.value - _one(forms)]
+        limits = [lambda forms: evaluator.setting(share, forms) / share.value - constant(1.0, forms)]
     found = least(evaluator, problem.constraints, goals, limits)
     if found is None:
         return None
-    if min(evaluator.equations.at(evaluator.family.constant, *found[1]), default=1.0) <= GONE:  # perhaps others are as gentle
+    if min(evaluator.at(evaluator.family.constant, found[1]), default=1.0) <= GONE:  # perhaps others are as gentle
         limits += [partial(_above, evaluator, name) for name in evaluator.family.constant]
         other = least(evaluator, problem.constraints, goals, limits)
         found = other if other is not None and other[0] <= found[0] + 1e-9 else found
@@ -118,19 +118,14 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
 
 def _above(evaluator: Evaluator, name: str, forms: np.ndarray) -> np.ndarray:
     """By how much a constant velocity is higher than one that counts as gone."""
-    return evaluator.form(name, forms) - 1e3 * GONE * _one(forms)
-
-
-def _one(forms: np.ndarray) -> np.ndarray:
-    """1 as a quantity: its derivatives are 0."""
-    return np.eye(forms.shape[1], 1)
+    return evaluator.form(name, forms) - constant(1e3 * GONE, forms)
 
 
 def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], forms: np.ndarray) -> np.ndarray:
     """Logarithm of c h^i / β^k with its derivatives."""
     which, power, root = goal
     height, span = evaluator.height_and_span(curve, forms)
-    return power * logarithm(height) - root * logarithm(span) + log(_coefficient(curve[0], which)) * _one(forms)
+    return power * logarithm(height) - root * logarithm(span) + constant(log(_coefficient(curve[0], which)), forms)
 
 
 def _peak(solution: Solution, goal: Goal) -> float:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
 
 import numpy as np
 
@@ -44,43 +43,18 @@ class Equations:
         self.numbers, self.top, self.tops = tuple(numbers), top, tuple(tops)
         self.place = {name: i for i, name in enumerate(forms)}
         """Of each form its row in what ``evaluated`` returns."""
-        with_one = {**forms, "": term(len(self.numbers))}
-        self._terms = {
-            name: [(float(form[i, j]), POWERS[i], int(j)) for i, j in np.argwhere(form)] for name, form in with_one.items()
-        }
-        self._raised = max(0, *(-e for terms in self._terms.values() for _, e, _ in terms))
-        self._powers = np.array([e for e in POWERS if e >= -self._raised], dtype=float)
+        self._forms = {**forms, "": term(len(self.numbers))}
+        used = np.any(list(self._forms.values()), axis=(0, 2))
+        self._powers = np.array(POWERS[int(used.argmax()) :], dtype=float)
         self._tensor = np.array(list(forms.values()))[:, -self._powers.size :]
 
-    # -- exactly ------------------------------------------------------------------------------------------
-
     @cached_property
-    def _rows(self) -> Mapping[str, Row]:
-        width, polynomials = len(self.numbers) + 1, []
-        for terms in self._terms.values():
-            rows = [[0] * len(POWERS) for _ in range(width)]
-            for c, e, j in terms:
-                rows[j][e + self._raised] += whole(c)
-            polynomials += [Polynomial(row) for row in rows]
-        short = shortened(polynomials)
-        return {name: tuple(short[i * width :][:width]) for i, name in enumerate(self._terms)}
-
-    def exact(self, name: str) -> Row:
-        """A form, or 1 for an empty name, times a power of t: polynomials by 1, x_1, ..., all of them times the same."""
-        return self._rows[name]
-
-    # -- in floating point --------------------------------------------------------------------------------
-
-    def terms(self, names: Iterable[str], t: float, x: Iterable[float]) -> list[list[float]]:
-        """Forms, or 1 for an empty name, at one point, term by term. In plain floats: of so few terms quicker than arrays."""
-        inverse = 1.0 / t if t else inf
-        powers = (1.0, t, t * t, inverse * inverse, inverse)  # negative ones counted from the end
-        with_one = (1.0, *x)
-        return [[c * powers[e] * with_one[j] for c, e, j in self._terms[name]] for name in names]
-
-    def at(self, names: Iterable[str], t: float, x: Iterable[float]) -> list[float]:
-        """Forms, or 1 for an empty name, at one point."""
-        return [sum(form) for form in self.terms(names, t, x)]
+    def exact(self) -> Mapping[str, Row]:
+        """Of each form, and of 1 under an empty name, the polynomials by 1, x_1, ...: all times the same power of t."""
+        width, count = len(self.numbers) + 1, self._powers.size
+        columns = [column for form in self._forms.values() for column in form[-count:].T.tolist()]
+        short = shortened(Polynomial(map(whole, column)) for column in columns)
+        return {name: tuple(short[i * width :][:width]) for i, name in enumerate(self._forms)}
 
     def evaluated(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
         """All forms at t (n,) and x (numbers, n): (forms, 1, n); with their derivatives by t, x_1, ... behind the value:
@@ -125,14 +99,43 @@ class SolutionSpace:
         *rows, below = rounded([*(r[0] for r in self.x), self.below])
         return tuple([row[0] / below[0] if row else 0.0 for row in rows])
 
-    def leading(self, first: int = 0) -> tuple[list[Row], float]:
-        """The x_j as polynomials in one number p by 1 and the other free numbers, and the upper end of p: it is t where that
-        is free, else y_first."""
+    def along(self, first: int = 0) -> Parametrised:
+        """The same over one number p, which is t where that is free, else y_first, and the other free numbers."""
         if self.t is None:
-            return list(self.x), self.equations.top
+            return Parametrised(self.equations, None, self.x, self.below, self.equations.top)
         others = [i for i in range(len(self.free)) if i != first]
-        rows = [(r[0] + r[1 + first].shifted(1), *(r[1 + i] for i in others)) for r in self.x]
-        return rows, self.equations.tops[self.free[first] - 1]
+        rows = tuple([(r[0] + r[1 + first].shifted(1), *(r[1 + i] for i in others)) for r in self.x])
+        return Parametrised(self.equations, self.t, rows, self.below, self.equations.tops[self.free[first] - 1])
+
+
+@dataclass(frozen=True)
+class Parametrised:
+    """Points over a number p, 0 < p < top, and others: x_j = (x[j-1][0](p) + x[j-1][1](p) y1 + ...)/below(p).
+
+    t  its value; None where p is t
+    """
+
+    equations: Equations
+    t: float | None
+    x: tuple[Row, ...]
+    below: Polynomial
+    top: float
+
+    def form(self, name: str) -> Row:
+        """A form, or 1 for an empty name, by 1, y1, ...: polynomials in p, all forms times the same one."""
+        row = self.equations.exact[name]
+        if self.t is not None:
+            powers = [whole(self.t**e) for e in range(max(map(len, row)))]
+            row = tuple([Polynomial([sum(c * p for c, p in zip(r.coefficients, powers, strict=False))]) for r in row])
+        made = [row[0] * self.below, *[ZERO] * (len(self.x[0]) - 1 if self.x else 0)]
+        for factor, numerators in zip(row[1:], self.x, strict=True):
+            if factor:
+                made = [m + factor * n if n else m for m, n in zip(made, numerators, strict=True)]
+        return tuple(made)
+
+    def t_at(self, p: np.ndarray) -> np.ndarray:
+        """t (n,) at p (n,)."""
+        return p if self.t is None else np.full_like(p, self.t)
 
 
 def solution_spaces(equations: Equations, rows: Iterable[Row]) -> list[SolutionSpace]:
@@ -145,7 +148,7 @@ def solution_spaces(equations: Equations, rows: Iterable[Row]) -> list[SolutionS
         shown = [rounded([p])[0] for p in others]
         values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
         return [space for t in values for space in _at_one_t(equations, rows, t)]
-    found = [_over_t(equations, pivots, below)]
+    found = [_space(equations, None, pivots, below)]
     for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
         found += [s for s in _at_one_t(equations, rows, t) if len(s.free) > len(found[0].free)]
     return found
@@ -182,14 +185,15 @@ def _without(row: Row, pivot: Row, j: int, last: Polynomial) -> Row:
     return tuple([(pivot[j] * a - row[j] * b) // last for a, b in zip(row, pivot, strict=True)])
 
 
-def _over_t(equations: Equations, pivots: dict[int, Row], below: Polynomial) -> SolutionSpace:
+def _space(equations: Equations, t: float | None, pivots: Mapping[int, Row], below: Polynomial) -> SolutionSpace:
+    """The points where below x_j + pivots[j][0] + Σ pivots[j][n] x_n = 0, n the numbers without a pivot."""
     columns = range(1, len(equations.numbers) + 1)
     free = tuple([j for j in columns if j not in pivots])
     alone = {j: (ZERO, *(below if n == j else ZERO for n in free)) for j in free}
     rows = [alone[j] if j in alone else tuple([-1 * pivots[j][n] for n in (0, *free)]) for j in columns]
     tidied = _lowered(tuple(shortened((below, *(p for row in rows for p in row)))))
     width = len(free) + 1
-    return SolutionSpace(equations, None, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0])
+    return SolutionSpace(equations, t, free, tuple(tidied[1 + i * width :][:width] for i in range(len(rows))), tidied[0])
 
 
 def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionSpace]:
@@ -197,25 +201,17 @@ def _at_one_t(equations: Equations, rows: list[Row], t: float) -> list[SolutionS
     k = len(equations.numbers)
     polynomials = [rounded(row) for row in rows]
     sizes = [max(size_at(p, t) for p in row) or 1.0 for row in polynomials]
-    waiting = [[at(p, t) / size for p in row] for row, size in zip(polynomials, sizes, strict=True)]
-    solved: dict[int, list[float]] = {}
+    waiting = [np.array([at(p, t) / size for p in row]) for row, size in zip(polynomials, sizes, strict=True)]
+    solved: dict[int, np.ndarray] = {}
     while waiting:
         size, i, j = max(((abs(r[j]), i, j) for i, r in enumerate(waiting) for j in range(1, k + 1)), default=(0.0, 0, 0))
         if size <= SINGULAR:
             break
-        row = waiting.pop(i)
-        pivot = [v / row[j] for v in row]
-        waiting = [[a - r[j] * b for a, b in zip(r, pivot, strict=True)] for r in waiting]
-        solved = {n: [a - r[j] * b for a, b in zip(r, pivot, strict=True)] for n, r in solved.items()}
-        solved[j] = pivot
-    return [] if any(abs(r[0]) > VANISHING for r in waiting) else [_of_numbers(equations, t, solved)]
-
-
-def _of_numbers(equations: Equations, t: float, solved: dict[int, list[float]]) -> SolutionSpace:
-    """x_j = -solved[j][0] - solved[j][free] y."""
-    columns = range(1, len(equations.numbers) + 1)
-    free = tuple([j for j in columns if j not in solved])
-    alone = {j: (0.0, *[float(n == j) for n in free]) for j in free}
-    numbers = [alone[j] if j in alone else tuple([-solved[j][n] for n in (0, *free)]) for j in columns]
-    x = tuple([tuple([Polynomial([whole(c)]) for c in row]) for row in numbers])
-    return SolutionSpace(equations, t, free, x, Polynomial([UNIT]))
+        pivot = waiting.pop(i)
+        pivot = pivot / pivot[j]
+        waiting = [r - r[j] * pivot for r in waiting]
+        solved = {**{n: r - r[j] * pivot for n, r in solved.items()}, j: pivot}
+    if any(abs(r[0]) > VANISHING for r in waiting):
+        return []
+    exact = {j: tuple([Polynomial([whole(c)]) for c in row.tolist()]) for j, row in solved.items()}
+    return [_space(equations, t, exact, Polynomial([UNIT]))]

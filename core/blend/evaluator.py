@@ -21,7 +21,6 @@ STEPS = 100
 SHORTEST = 0.01  # part of a step
 MET = 1e-11  # how well a constraint is met: share of its size ...
 EPS = 16 * 2.0**-53  # ... or as well as the rounding of the numbers lets it
-ROUNDED = 4 * 2.0**-53  # a share missed by rounding alone
 ALONE = 1e-11  # directions in which constraints grow that differ by less are the same
 ROUNDING = 1e-13  # a height of constant velocity that misses 0 by less is 0
 Place = tuple[float, tuple[float, ...]]
@@ -72,7 +71,7 @@ class Evaluator:
             return np.take_along_axis(rows, np.argmax(rows[:, :1], axis=0)[None], axis=0)[0]
         above, below = ratio(constraint.name, self.family)
         value = self.form(above, forms)
-        return _quotient(value, self.form(below, forms)) if below else value
+        return quotient(value, self.form(below, forms)) if below else value
 
     def values(self, constraint: Constraint, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """The same alone (n,) at t (n,) and x (numbers, n)."""
@@ -87,15 +86,15 @@ class Evaluator:
         """factor S²/h of the i-th of the curves that may have the largest acceleration."""
         row = self.family.accelerations[i]
         speed = self.form(row.speed, forms)
-        return row.factor * _quotient(_product(speed, speed), self.form(row.height, forms))
+        return row.factor * quotient(product(speed, speed), self.form(row.height, forms))
 
     def height_and_span(self, curve: tuple[str, str, str], forms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Of one of ``curves``: span = c h/S, of a single one what the rise leaves."""
         name, height, speed = curve
         h = self.form(height, forms)
         if speed:
-            return h, SPEEDS[name] * _quotient(h, self.form(speed, forms))
-        span = -_quotient(self.form("up", forms), self.form("W", forms))
+            return h, SPEEDS[name] * quotient(h, self.form(speed, forms))
+        span = -quotient(self.form("up", forms), self.form("W", forms))
         span[0] += 1.0
         return h, span
 
@@ -121,24 +120,17 @@ class Evaluator:
 
     # -- constraints --------------------------------------------------------------------------------------
 
+    def at(self, names: Sequence[str], place: Place) -> list[float]:
+        """Forms at one point."""
+        z = column(place)
+        forms = self.equations.evaluated(z[0], z[1:])
+        return [float(forms[self.equations.place[name], 0, 0]) for name in names]
+
     def is_feasible(self, place: Place, least: float = 0.0) -> bool:
         """Whether every height is above 0, or above a share of the stroke; of constant velocity not below 0, but for
         rounding."""
-        positive, constant = self.family.positive, self.family.constant
-        terms = self.equations.terms((*positive, *constant), *place)
-        for row in terms[: len(positive)]:
-            if not sum(row) > max(least, EPS * sum(map(abs, row))):
-                return False
-        return all(sum(row) >= -ROUNDING for row in terms[len(positive) :])
-
-    def meets(self, constraints: Sequence[Constraint], place: Place) -> bool:
-        """Whether all constraints are linear and met but for rounding; needs no derivatives."""
-        if not all(c.linear for c in constraints):
-            return False
-        names = [name for c in constraints for name in ratio(c.name, self.family)]
-        values = iter(self.equations.at(names, *place))
-        rows = zip(constraints, values, values, strict=True)
-        return all(abs(above - c.value * below) < ROUNDED * c.size * abs(below) for c, above, below in rows)
+        above, above_or_zero = (self.at(names, place) for names in (self.family.positive, self.family.constant))
+        return all(h > max(least, EPS) for h in above) and all(h >= -ROUNDING for h in above_or_zero)
 
     def solved(self, constraints: Sequence[Constraint], place: Place) -> tuple[Place, bool]:
         """The point nearby that meets all constraints, and whether it does."""
@@ -183,7 +175,7 @@ class Evaluator:
         """By how much constraints are missed at points (1 + numbers, n), as a share of their size (n, constraints), and how
         that grows with a share of each number (n, constraints, 1 + numbers)."""
         forms = self.forms(z[0], z[1:], slopes=True)
-        rows = np.array([(self.setting(c, forms) - _only(c.value, forms)) / c.size for c in constraints])
+        rows = np.array([(self.setting(c, forms) - constant(c.value, forms)) / c.size for c in constraints])
         return rows[:, 0].T, (rows[:, 1:] * np.abs(z)).transpose(2, 0, 1)
 
 
@@ -192,19 +184,28 @@ def column(place: Place) -> np.ndarray:
     return np.array([[place[0]], *([v] for v in place[1])])
 
 
-def _only(value: float, forms: np.ndarray) -> np.ndarray:
-    """A constant as a quantity: its derivatives are 0."""
-    return np.array([[value], *[[0.0]] * (forms.shape[1] - 1)])
+def constant(value: float, forms: np.ndarray) -> np.ndarray:
+    """A constant as a quantity (rows, 1) beside forms: its derivatives are 0."""
+    return value * np.eye(forms.shape[1], 1)
 
 
-def _product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of two quantities, with its derivatives."""
     made = a * b[0] + b * a[0]
     made[0] = a[0] * b[0]
     return made
 
 
-def _quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def quotient(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """a/b of two quantities, with its derivatives."""
     value = a[0] / b[0]
     made = (a - value * b) / b[0]
     made[0] = value
+    return made
+
+
+def logarithm(quantity: np.ndarray) -> np.ndarray:
+    """Of a quantity, with its derivatives."""
+    made = quantity / quantity[0]
+    made[0] = np.log(quantity[0])
     return made

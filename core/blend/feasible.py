@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.curve import SAME
 from core.blend.evaluator import ROUNDING, Evaluator, Place
 from core.blend.family import Family, Task
+from core.blend.region import SAME
 from core.blend.request import (
     POINT,
     SETTINGS,

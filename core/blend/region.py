@@ -1,5 +1,6 @@
-"""All points that meet linear constraints and leave more than one number free: with t given they are a polytope, whose
-corners run along curves. A setting that is linear, or a quotient of such, takes its extremes on these."""
+"""All points that meet linear constraints. Where one number is free they lie on curves, along which every setting is a
+quotient of polynomials. Where more are free, with t given they are a polytope, whose corners run along such curves: a
+setting that is linear, or a quotient of such, takes its extremes on these."""
 
 from __future__ import annotations
 
@@ -8,17 +9,185 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import inf
+from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.curve import SAME, Curve, Extreme, Stretch, between
-from core.blend.equations import Row, solution_spaces
-from core.blend.evaluator import Evaluator
-from core.blend.request import Constraint, Range, merged, tied
+from core.blend.equations import Parametrised, SolutionSpace, solution_spaces
+from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
+from core.blend.family import Family
+from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
+from core.blend.request import Constraint, Range, equations_of, merged, ratio, tied
 
+OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
+SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them
 NEAR = 1e-6  # a height of a face, as a share of the stroke, that is above 0
 SAMPLES = 24  # values of t of a sample of points
 MIXES = 24  # points for each of these
+_SHARP = 1e-4  # an extreme that moves by more of its value has become another one
+_ENDLESS = 1e6  # times the stroke: a height beside a pole
+_EDGE = 1e-7  # how far beside a place where 0/0 stands a quotient is taken, as a share of the stretch
+
+Quotient = tuple[Polynomial, Polynomial]
+Stretch = tuple[float, float]
+"""A feasible part of a curve, from low to high of its number."""
+
+
+class Extreme(NamedTuple):
+    """A value that a setting takes at p, or only approaches."""
+
+    value: float
+    p: float
+    open: bool
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points along one number p, 0 < p < top.
+
+    closed  heights that are 0 all along are let pass, though they must be above 0
+    """
+
+    family: Family
+    points: Parametrised
+    closed: bool = False
+
+    @classmethod
+    def of(cls, family: Family, spaces: Iterable[SolutionSpace], closed: bool = False) -> list[Curve]:
+        """Those of the solution spaces that have one free number."""
+        return [cls(family, space.along(), closed) for space in spaces if space.freedom == 1]
+
+    def form(self, name: str) -> Polynomial:
+        """A form, or 1 for an empty name, as a polynomial of p; all times the same one."""
+        return self.points.form(name)[0]
+
+    @cached_property
+    def heights(self) -> dict[str, Polynomial]:
+        return {name: self.form(name) for name in (*self.family.positive, *self.family.constant)}
+
+    @cached_property
+    def under(self) -> Polynomial:
+        """What all forms are divided by."""
+        return self.form("")
+
+    @cached_property
+    def _rounded(self) -> dict[str, Floats]:
+        """The heights, and what they are divided by under an empty name."""
+        rows = {**self.heights, "": self.under}
+        return dict(zip(rows, rounded(rows.values()), strict=True))
+
+    @cached_property
+    def _places(self) -> list[Floats]:
+        return rounded([*(row[0] for row in self.points.x), self.points.below])
+
+    def place(self, p: float) -> Place:
+        """t and the x there."""
+        *numerators, below = self._places
+        return (p if self.points.t is None else self.points.t), tuple(quotient_at(n, below, p) for n in numerators)
+
+    def places(self, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same at many p (n,): t (n,) and x (numbers, n)."""
+        with np.errstate(all="ignore"):
+            rows = polynomials_at(self._places, p)
+            return self.points.t_at(p), rows[:-1] / rows[-1]
+
+    # -- where it is feasible -----------------------------------------------------------------------------
+
+    @cached_property
+    def stretches(self) -> list[Stretch]:
+        """Where every height is what it must be: cut at the roots of all of them, each part tried in its middle."""
+        top = self.points.top
+        cuts = sorted({p for polynomial in (*self.heights.values(), self.under) for p in roots(polynomial, 0.0, top)})
+        found: list[Stretch] = []
+        for low, high in pairwise([0.0, *(p for p in cuts if 0.0 < p < top), top]):
+            if not self.is_feasible(between(low, high)):
+                continue
+            if found and found[-1][1] == low and self._continues(low):
+                low = found.pop()[0]
+            found.append((low, high))
+        return found
+
+    def is_feasible(self, p: float) -> bool:
+        """Whether every height is what it must be."""
+        if not all(-ROUNDING <= self.height(n, p) < _ENDLESS for n in self.family.constant):
+            return False
+        positive = [n for n in self.family.positive if self.heights[n] or not self.closed]
+        return all(0.0 < self.height(n, p) < _ENDLESS and not vanishes(self._rounded[n], p, EPS) for n in positive)
+
+    def height(self, name: str, p: float) -> float:
+        """A height, as a share of the stroke of the rise."""
+        return quotient_at(self._rounded[name], self._rounded[""], p)
+
+    def _continues(self, p: float) -> bool:
+        """Whether a cut between two feasible parts is none: a height of constant velocity touches 0, or 0/0 stands."""
+        return vanishes(self._rounded[""], p, SAME) or self.is_feasible(p)
+
+    def is_open(self, p: float) -> bool:
+        """Whether an end of a stretch can only be approached."""
+        return p in (0.0, self.points.top) or any(self.height(n, p) <= OPEN for n in self.family.positive)
+
+    # -- settings -----------------------------------------------------------------------------------------
+
+    def quotients(self, name: str) -> list[Quotient]:
+        """A setting as a quotient; the acceleration as the greatest of several, each factor S²/h."""
+        if name != "acceleration":
+            above, below = ratio(name, self.family)
+            return [(self.form(above), self.form(below))]
+        found = []
+        for row in self.family.accelerations:
+            speed = self.form(row.speed)
+            found.append((whole(row.factor) * (speed * speed), UNIT * (self.heights[row.height] * self.under)))
+        return found
+
+    def where(self, constraint: Constraint) -> list[float]:
+        """All p at which a setting may have its value, feasible or not; of an acceleration those of every curve."""
+        value, quotients = whole(constraint.value), self.quotients(constraint.name)
+        return [p for above, below in quotients for p in roots(UNIT * above - value * below, 0.0, self.points.top)]
+
+    def extremes(self, name: str, stretch: Stretch) -> list[Extreme]:
+        """What a setting may have as its least and its greatest value on a stretch."""
+        quotients, inside = self.quotients(name), between(*stretch)
+        shut = self.closed and not all(self.heights[n] for n in self.family.positive)
+        open_ = {p: self.is_open(p) for p in stretch}
+        places = [stretch[0], *sorted(set(_turns(quotients, stretch))), inside, stretch[1]]
+        if any(not below for _, below in quotients):  # the acceleration of a height that is 0 all along
+            return [Extreme(inf, p, True) for p in places]
+        pairs = [rounded(q) for q in quotients]
+        return [
+            Extreme(max(_value(above, below, p, inside) for above, below in pairs), p, open_.get(p, shut)) for p in places
+        ]
+
+
+def polynomials_at(rows: Sequence[Floats], p: np.ndarray) -> np.ndarray:
+    """Polynomials at many p (n,): (polynomials, n)."""
+    return np.array([np.polyval(row[::-1], p) if row else np.zeros_like(p) for row in rows])
+
+
+def _turns(quotients: Sequence[Quotient], stretch: Stretch) -> Iterable[float]:
+    """Where a quotient has an extreme, or two are equal."""
+    for above, below in quotients:
+        slope = above.derivative() * below - above * below.derivative()
+        yield from roots(slope, *stretch)
+    for (a, b), (c, d) in combinations(quotients, 2):
+        yield from roots(a * d - c * b, *stretch)
+
+
+def _value(above: Floats, below: Floats, p: float, inside: float) -> float:
+    if 0.0 < p < inf and vanishes(below, p, 1e-13):
+        if not vanishes(above, p, SAME):
+            return inf
+        p += _EDGE * (inside - p)
+    return quotient_at(above, below, p)
+
+
+def between(low: float, high: float) -> float:
+    """A number inside."""
+    if high == inf:
+        return 2.0 * low if low > 0.0 else 1.0
+    return 0.5 * (low + high)
+
+
+# -- where more numbers are free --------------------------------------------------------------------------
 
 Pieces = list[tuple[Curve, Stretch]]
 
@@ -34,48 +203,48 @@ class Part:
     def at(self, t: float) -> np.ndarray:
         """The corners at one t (corners, numbers)."""
         if self.low == self.high:
-            return np.array([c.place(p)[1] for c, s in self.corners for p in (s.low, s.high)])
-        return np.array([c.place(t)[1] for c, s in self.corners if s.low <= t <= s.high])
+            return np.array([c.place(p)[1] for c, stretch in self.corners for p in stretch])
+        return np.array([c.place(t)[1] for c, (low, high) in self.corners if low <= t <= high])
 
 
 class Region:
-    """The feasible points of a family that meet equations."""
+    """The feasible points of a family that meet linear constraints."""
 
-    def __init__(self, evaluator: Evaluator, rows: Sequence[Row]) -> None:
-        self._evaluator, self._rows = evaluator, list(rows)
+    def __init__(self, evaluator: Evaluator, constraints: Sequence[Constraint]) -> None:
+        self._evaluator, self._constraints = evaluator, tuple(constraints)
+        self._rows = equations_of(constraints, evaluator.family, evaluator.equations)
 
     @cached_property
     def parts(self) -> list[Part]:
         """Where there is room for every height that must be above 0."""
         pieces = [(curve, stretch) for curve in self._edges() for stretch in curve.stretches]
-        return [*self._along_t([(c, s) for c, s in pieces if c.t is None]), *self._at_one_t(pieces)]
+        free = [(c, s) for c, s in pieces if c.points.t is None]
+        return [*self._along_t(free), *self._at_one_t([(c, s) for c, s in pieces if c.points.t is not None])]
 
     def _edges(self) -> Iterable[Curve]:
         """Curves on which as many heights are 0 as numbers are free, but one."""
         family, equations = self._evaluator.family, self._evaluator.equations
         missing = family.freedom - 1 - len(self._rows)
         for names in combinations((*family.positive, *family.constant), missing):
-            spaces = solution_spaces(equations, [*self._rows, *(equations.exact(n) for n in names)])
-            yield from (Curve.of(family, s, closed=True) for s in spaces if s.freedom == 1)
+            spaces = solution_spaces(equations, [*self._rows, *(equations.exact[n] for n in names)])
+            yield from Curve.of(family, spaces, closed=True)
 
     def _along_t(self, pieces: Pieces) -> Iterable[Part]:
-        cuts = sorted({end for _, s in pieces for end in (s.low, s.high)})
-        runs: list[tuple[float, float]] = []
-        for low, high in pairwise(cuts):
+        runs: list[Stretch] = []
+        for low, high in pairwise(sorted({end for _, stretch in pieces for end in stretch})):
             middle = between(low, high)
-            corners = [c.place(middle)[1] for c, s in pieces if s.low < middle < s.high]
+            corners = [c.place(middle)[1] for c, s in pieces if s[0] < middle < s[1]]
             if corners and self._is_feasible(middle, corners):
                 runs = [*runs[:-1], (runs[-1][0], high)] if runs and runs[-1][1] == low else [*runs, (low, high)]
         for low, high in runs:
-            inside = [(c, Stretch(max(s.low, low), min(s.high, high))) for c, s in pieces]
-            yield Part([(c, s) for c, s in inside if s.low < s.high], low, high)
+            inside = [(c, (max(s[0], low), min(s[1], high))) for c, s in pieces]
+            yield Part([(c, s) for c, s in inside if s[0] < s[1]], low, high)
 
     def _at_one_t(self, pieces: Pieces) -> Iterable[Part]:
-        pinned = [(c, s) for c, s in pieces if c.t is not None]
-        while pinned:
-            t = pinned[0][0].t or 0.0
-            here = [(c, s) for c, s in pinned if abs((c.t or 0.0) - t) <= 1e-9 * t]
-            pinned = [piece for piece in pinned if piece not in here]
+        while pieces:
+            t = pieces[0][0].points.t or 0.0
+            here = [(c, s) for c, s in pieces if abs((c.points.t or 0.0) - t) <= 1e-9 * t]
+            pieces = [piece for piece in pieces if piece not in here]
             part = Part(here, t, t)
             if self._is_feasible(t, part.at(t)):
                 yield part
@@ -87,13 +256,14 @@ class Region:
     # -- what a setting may be ----------------------------------------------------------------------------
 
     def ranges(self, name: str) -> list[Range]:
-        """Of a linear setting; of an acceleration only the upper end counts."""
+        """Of a linear setting, or, where one number is free, of an acceleration."""
         return merged(self._range(name, part) for part in self.parts)
 
     def _range(self, name: str, part: Part) -> Range:
-        found = [(c, e) for c, s in part.corners for e in c.extremes(name, s)]
-        low, high = min(e.value for _, e in found), max(e.value for _, e in found)
-        return Range(low, high, *(self._is_open(name, part, found, value) for value in (low, high)))
+        found = [(c, e) for c, stretch in part.corners for e in c.extremes(name, stretch)]
+        ends = min(found, key=lambda row: row[1].value), max(found, key=lambda row: row[1].value)
+        low, high = (self._sharpened(name, *end) for end in ends)
+        return Range(low, high, *(self._is_open(name, part, found, end.value) for _, end in ends))
 
     def _is_open(self, name: str, part: Part, found: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
         """Whether a setting has an extreme value only where a height is 0 that must be above: on one corner, or on the face
@@ -101,13 +271,23 @@ class Region:
         there = [(c, e) for c, e in found if tied(1.0 + e.value, 1.0 + value)]
         if not all(e.open for _, e in there) or value == inf:
             return value == inf
-        for t in {c.place(e.p)[0] for c, e in there if 0.0 < e.p < c.top}:
+        for t in {c.place(e.p)[0] for c, e in there if 0.0 < e.p < c.points.top}:
             corners = part.at(t)
             values = self._evaluator.values(Constraint(name, value), np.full(len(corners), t), corners.T)
             face = corners[np.abs(values - value) <= SAME * max(1.0, abs(value))]
             if len(face) and self._is_feasible(t, face, NEAR):
                 return False
         return True
+
+    def _sharpened(self, name: str, curve: Curve, end: Extreme) -> float:
+        """An extreme as exact as the constraints themselves, not only as the curve's number: Newton's method on these, and
+        on the heights that are 0 there."""
+        if not 0.0 < end.p < curve.points.top or not 0.0 < end.value < inf:
+            return end.value
+        zero = [Constraint(n, 0.0) for n in curve.heights if abs(curve.height(n, end.p)) <= OPEN]
+        place, met = self._evaluator.solved([*self._constraints, *zero], curve.place(end.p))
+        value = self._evaluator.value_at(Constraint(name, end.value), place)
+        return value if met and abs(value - end.value) <= _SHARP * end.value else end.value
 
     # -- points of it -------------------------------------------------------------------------------------
 

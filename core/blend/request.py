@@ -81,7 +81,7 @@ def equations_of(constraints: Iterable[Constraint], family: Family, equations: E
     found = []
     for constraint in constraints:
         if constraint.linear:
-            above, below = (equations.exact(name) for name in ratio(constraint.name, family))
+            above, below = (equations.exact[name] for name in ratio(constraint.name, family))
             value = whole(constraint.value)
             found.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
     return found

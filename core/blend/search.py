@@ -11,9 +11,9 @@ from math import log
 
 import numpy as np
 
-from core.blend.evaluator import Evaluator, Place
+from core.blend.evaluator import Evaluator, Place, logarithm
 from core.blend.region import MIXES, Region
-from core.blend.request import Constraint, equations_of
+from core.blend.request import Constraint
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """A value and its derivatives (rows, n) from all forms of the family at n points."""
@@ -165,13 +165,6 @@ def _room(evaluator: Evaluator, i: int, acceleration: float) -> Quantity:
     return room
 
 
-def logarithm(quantity: np.ndarray) -> np.ndarray:
-    """Of a quantity with its derivatives."""
-    found = quantity / quantity[0]
-    found[0] = np.log(quantity[0])
-    return found
-
-
 def log_accelerations(evaluator: Evaluator) -> list[Quantity]:
     """Logarithms of the largest accelerations of the curves."""
 
@@ -184,7 +177,7 @@ def log_accelerations(evaluator: Evaluator) -> list[Quantity]:
 def sample(evaluator: Evaluator, constraints: Sequence[Constraint]) -> np.ndarray:
     """Points (1 + numbers, n) that meet the linear constraints, and near some of them those that meet all; the others are
     nan."""
-    z = Region(evaluator, equations_of(constraints, evaluator.family, evaluator.equations)).sample()
+    z = Region(evaluator, [c for c in constraints if c.linear]).sample()
     if all(c.linear for c in constraints):
         return z
     z, met = evaluator.solved_at_all(constraints, z)

@@ -11,11 +11,10 @@ from math import inf
 
 import numpy as np
 
-from core.blend.curve import OPEN, Curve, Extreme
 from core.blend.equations import Row, solution_spaces
-from core.blend.evaluator import Evaluator, Place, column
+from core.blend.evaluator import Evaluator, Place, column, logarithm
 from core.blend.family import Family, Solution, Task
-from core.blend.region import Region
+from core.blend.region import OPEN, Curve, Region
 from core.blend.request import (
     HEIGHTS,
     POINT,
@@ -26,10 +25,9 @@ from core.blend.request import (
     equations_of,
     in_units,
     merged,
-    tied,
     unit_of,
 )
-from core.blend.search import Quantity, least, log_accelerations, logarithm, sample
+from core.blend.search import Quantity, least, log_accelerations, sample
 from core.blend.sequences import CONSTANT, ELEMENTS, MOTION_TYPES, CurveSequence, sequences
 from core.blend.tracks import Track, acceleration_tracks
 from core.design import Named, Segment
@@ -43,7 +41,6 @@ _MIRRORED_SETTING = {
 }  # fmt: skip
 _CURVES = {name: Named(name.lower()) for name in ELEMENTS}
 ROUNDING = 1e-13  # a share of the span; a constant velocity as short is none
-_SHARP = 1e-4  # an extreme that moves by more of its value has become another one
 _ENDLESS = 1e6  # a speed or an acceleration of so many strokes per span has no upper end
 _ALIKE = 1e-9
 
@@ -65,8 +62,7 @@ class Problem:
 
     def _curves(self, constraints: Sequence[Constraint]) -> list[Curve]:
         """The points that meet linear constraints where these leave one number free."""
-        spaces = solution_spaces(self.evaluator.equations, self._rows(constraints))
-        return [Curve.of(self.family, s) for s in spaces if s.freedom == 1]
+        return Curve.of(self.family, solution_spaces(self.evaluator.equations, self._rows(constraints)))
 
     # -- solutions ----------------------------------------------------------------------------------------
 
@@ -79,7 +75,7 @@ class Problem:
 
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""
-        heights = self.evaluator.equations.at(self.family.heights, *place) if self.family.heights else ()
+        heights = self.evaluator.at(self.family.heights, place) if self.family.heights else ()
         return self.family.solution(self.task, place[0], heights, self._given)
 
     def _places(self) -> list[Place]:
@@ -88,8 +84,7 @@ class Problem:
             return [(1.0, ())]
         found: list[Place] = []
         for start in self._candidates():
-            met = self.evaluator.meets(self.constraints, start)
-            place, met = (start, True) if met else self.evaluator.solved(self.constraints, start)
+            place, met = self.evaluator.solved(self.constraints, start)
             if (
                 met
                 and self.evaluator.is_feasible(place)
@@ -144,38 +139,14 @@ class Problem:
         if missing < 1:
             return []
         nonlinear = [c.name for c in others if not c.linear]
-        if POINT in nonlinear or (missing > 1 and (nonlinear or not mine.linear)):
-            found = self._searched(mine, others)
-        elif missing > 1:
-            found = Region(self.evaluator, self._rows(others)).ranges(mine.name)
-        elif nonlinear or mine.name == POINT:
+        if not nonlinear and (mine.linear or (missing == 1 and mine.name != POINT)):
+            found = Region(self.evaluator, others).ranges(mine.name)
+        elif missing == 1 and POINT not in nonlinear:
             values = partial(self.evaluator.values, mine)
             found = [r for track in self._tracks(others) for r in track.ranges(values)]
         else:
-            found = [r for curve in self._curves(others) for r in self._along(curve, mine, others)]
+            found = self._searched(mine, others)
         return merged(r.times(unit_of(mine.name, self.task)) for r in found)
-
-    def _along(self, curve: Curve, mine: Constraint, others: Sequence[Constraint]) -> Iterator[Range]:
-        """What a setting may be on a curve, stretch by stretch."""
-        for stretch in curve.stretches:
-            found = curve.extremes(mine.name, stretch)
-            low, high = min(found, key=lambda e: e.value), max(found, key=lambda e: e.value)
-            yield Range(
-                self._sharpened(mine, others, curve, low),
-                self._sharpened(mine, others, curve, high),
-                all(e.open for e in found if tied(e.value, low.value)),
-                all(e.open for e in found if tied(e.value, high.value)),
-            )
-
-    def _sharpened(self, mine: Constraint, others: Sequence[Constraint], curve: Curve, end: Extreme) -> float:
-        """An extreme as exact as the constraints themselves, not only as the curve's number: Newton's method on these, and
-        on the heights that are 0 there."""
-        if not 0.0 < end.p < curve.top or not 0.0 < end.value < inf:
-            return end.value
-        gone = [Constraint(n, 0.0) for n in curve.heights if abs(curve.height(n, end.p)) <= OPEN]
-        place, met = self.evaluator.solved([*others, *gone], curve.place(end.p))
-        value = self.evaluator.value_at(mine, place) if others or gone else end.value
-        return value if met and abs(value - end.value) <= _SHARP * end.value else end.value
 
     def _searched(self, mine: Constraint, others: Sequence[Constraint]) -> list[Range]:
         """What a setting may be at the least and at the most, by search."""
@@ -189,7 +160,7 @@ class Problem:
 
     def _is_open(self, place: Place) -> bool:
         """Whether a height is 0 there, but for the search, that must be above."""
-        return min(self.evaluator.equations.at(self.family.positive, *place)) <= OPEN
+        return min(self.evaluator.at(self.family.positive, place)) <= OPEN
 
     def _goals(self, mine: Constraint, sign: float) -> list[Quantity]:
         """What is least where a setting is least, or greatest; of an acceleration, which may be of any size, logarithms."""

@@ -12,11 +12,11 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from core.blend.curve import Curve, Stretch, at_t, form_row, polynomials_at
-from core.blend.equations import Equations, Row, SolutionSpace, solution_spaces
+from core.blend.equations import Parametrised, Row, SolutionSpace, solution_spaces
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import PeakAcceleration
-from core.blend.polynomials import ZERO, Floats, Polynomial, roots, rounded, whole
+from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
+from core.blend.region import Curve, Stretch, polynomials_at
 from core.blend.request import Range
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -49,10 +49,10 @@ class Track:
     @classmethod
     def along(cls, curve: Curve, stretch: Stretch) -> Track:
         """A feasible part of a curve; a number without end is counted as z = p/(1 + p)."""
-        open_ = curve.is_open(stretch.low), curve.is_open(stretch.high)
-        if curve.top < inf:
-            return cls(curve.places, stretch.low, stretch.high, *open_)
-        low, high = (1.0 if p == inf else p / (1.0 + p) for p in (stretch.low, stretch.high))
+        open_ = (curve.is_open(p) for p in stretch)
+        if curve.points.top < inf:
+            return cls(curve.places, *stretch, *open_)
+        low, high = map(_bounded, stretch)
         return cls(lambda z: curve.places(z / (1.0 - z)), low, high, *open_)
 
     def where(self, function: Function, value: float) -> Iterator[Place]:
@@ -75,6 +75,11 @@ class Track:
             low, high = float(values.min()), float(values.max())
             near = 1e-9 * max(abs(low), abs(high))
             yield Range(low, high, bool(open_[values <= low + near].all()), bool(open_[values >= high - near].all()))
+
+
+def _bounded(p: float) -> float:
+    """p/(1 + p)."""
+    return 1.0 if p == inf else p / (1.0 + p)
 
 
 # -- Chebyshev series -------------------------------------------------------------------------------------
@@ -111,53 +116,14 @@ def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: fl
 
 # -- where an acceleration is prescribed ------------------------------------------------------------------
 
-
-@dataclass(frozen=True)
-class Sheet:
-    """Points over two numbers p, 0 < p < top, and y: x_j = (x[j-1][0](p) + x[j-1][1](p) y)/below(p).
-
-    t  its value; None where p is t
-    """
-
-    equations: Equations
-    t: float | None
-    x: tuple[tuple[Polynomial, Polynomial], ...]
-    below: Polynomial
-    top: float
-
-    @classmethod
-    def of(cls, space: SolutionSpace, first: int) -> Sheet:
-        """A solution space of two free numbers; where t is pinned, p is its first or its second."""
-        rows, top = space.leading(first)
-        return cls(space.equations, space.t, tuple((r[0], r[1]) for r in rows), space.below, top)
-
-    def over(self, row: Row) -> tuple[Polynomial, Polynomial]:
-        """A row by 1, x1, ... as polynomials in p by 1 and y; all rows times the same one."""
-        made = [row[0] * self.below, ZERO]
-        for p, numerators in zip(row[1:], self.x, strict=True):
-            made = [m + p * n for m, n in zip(made, numerators, strict=True)]
-        return made[0], made[1]
-
-    def form(self, name: str) -> tuple[Polynomial, Polynomial]:
-        """The same of a form."""
-        return self.over(form_row(self.equations, name, self.t))
-
-    def quadratic(self, row: PeakAcceleration, value: float) -> tuple[Polynomial, Polynomial, Polynomial]:
-        """factor S² - value h = 0 by y², y and 1."""
-        (s0, s1), (h0, h1), (under, _) = (self.form(name) for name in (row.speed, row.height, ""))
-        factor, share = whole(row.factor), whole(value)
-        return (
-            factor * (s1 * s1),
-            2 * factor * (s0 * s1) - share * (h1 * under),
-            factor * (s0 * s0) - share * (h0 * under),
-        )
+Quadratic = tuple[Polynomial, Polynomial, Polynomial]
 
 
 @dataclass(frozen=True)
 class Arc:
     """One root y of a quadratic between two values of p; z runs from 0 to 1, smooth even where the two roots meet."""
 
-    t: float | None
+    points: Parametrised
     x: list[Floats]
     quadratic: list[Floats]
     root: int
@@ -166,14 +132,14 @@ class Arc:
 
     def places(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """t (n,) and x (numbers, n)."""
-        a, b = (1.0 if v == inf else v / (1.0 + v) for v in (self.low, self.high))
+        a, b = _bounded(self.low), _bounded(self.high)
         share = a + (b - a) * np.sin(0.5 * pi * z) ** 2
         with np.errstate(all="ignore"):
             p = share / (1.0 - share)
             *rows, below = polynomials_at(self.x, p)
             y = self._y(*polynomials_at(self.quadratic, p))
             x = (np.array(rows[::2]) + np.array(rows[1::2]) * y) / below
-        return (p if self.t is None else np.full_like(p, self.t)), x
+        return self.points.t_at(p), x
 
     def _y(self, a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
         """A root of a y² + b y + c = 0; the one there is where a is 0 all along."""
@@ -196,36 +162,46 @@ def acceleration_tracks(evaluator: Evaluator, rows: Sequence[Row], acceleration:
 
 def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float) -> Iterator[Arc]:
     for first in range(len(space.free)):  # y may be a number on which the acceleration does not depend
-        sheet = Sheet.of(space, first)
-        a, b, c = sheet.quadratic(row, value)
+        points = space.along(first)
+        a, b, c = _quadratic(points, row, value)
         if a or b:
             break
-    cuts = {*roots(b * b - 4 * (a * c)), *roots(a), *([] if a else roots(b)), *_kinks(evaluator, sheet, (a, b, c))}
-    x, quadratic = rounded([*(p for r in sheet.x for p in r), sheet.below]), rounded([a, b, c])
-    for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < sheet.top), sheet.top]):
+    cuts = {*roots(b * b - 4 * (a * c)), *roots(a), *([] if a else roots(b)), *_kinks(evaluator, points, (a, b, c))}
+    x, quadratic = rounded([*(p for r in points.x for p in r), points.below]), rounded([a, b, c])
+    for low, high in pairwise([0.0, *sorted(p for p in cuts if 0.0 < p < points.top), points.top]):
         for root in (1, -1) if a else (1,):
-            arc = Arc(sheet.t, x, quadratic, root, low, high)
+            arc = Arc(points, x, quadratic, root, low, high)
             if _is_met(evaluator, arc, row, value):
                 yield arc
 
 
-def _kinks(
-    evaluator: Evaluator, sheet: Sheet, quadratic: tuple[Polynomial, Polynomial, Polynomial]
-) -> Iterator[float]:
+def _quadratic(points: Parametrised, row: PeakAcceleration, value: float) -> Quadratic:
+    """factor S² - value h = 0 by y², y and 1."""
+    (s0, s1), (h0, h1), (under, _) = (points.form(name) for name in (row.speed, row.height, ""))
+    factor, share = whole(row.factor), whole(value)
+    return (
+        factor * (s1 * s1),
+        2 * factor * (s0 * s1) - share * (h1 * under),
+        factor * (s0 * s0) - share * (h0 * under),
+    )
+
+
+def _kinks(evaluator: Evaluator, points: Parametrised, quadratic: Quadratic) -> Iterator[float]:
     """Values of p where two curves have the same acceleration, or a constant velocity ends: k0 + k1 y = 0 there."""
     a, b, c = quadratic
-    rows = [sheet.over(_equal(sheet, one, two)) for one, two in combinations(evaluator.family.accelerations, 2)]
-    for k0, k1 in (*rows, *(sheet.form(name) for name in evaluator.family.constant)):
+    rows = [_equal(points, one, two) for one, two in combinations(evaluator.family.accelerations, 2)]
+    for k0, k1 in (*rows, *(points.form(name) for name in evaluator.family.constant)):
         yield from roots(a * k0 * k0 - b * k0 * k1 + c * k1 * k1 if k1 else k0)
 
 
-def _equal(sheet: Sheet, one: PeakAcceleration, two: PeakAcceleration) -> Row:
+def _equal(points: Parametrised, one: PeakAcceleration, two: PeakAcceleration) -> Row:
     """Where two curves have the same acceleration, factor S²/h with R = t W: linear in the heights."""
-    a, b = (form_row(sheet.equations, row.height, None) for row in (one, two))
-    if (one.speed, two.speed) == ("W", "R"):
-        a = tuple([p.shifted(2) for p in a])
-    row = tuple([whole(two.factor) * p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
-    return row if sheet.t is None else at_t(row, sheet.t)
+    a, b = points.form(one.height), points.form(two.height)
+    shift, square = (2, 1.0) if points.t is None else (0, points.t**2)
+    if one.speed == two.speed:
+        shift, square = 0, 1.0
+    a = tuple([whole(two.factor * square) * p.shifted(shift) for p in a])
+    return tuple([p - whole(one.factor) * q for p, q in zip(a, b, strict=True)])
 
 
 def _is_met(evaluator: Evaluator, arc: Arc, row: PeakAcceleration, value: float) -> bool:
