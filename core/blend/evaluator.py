@@ -73,6 +73,10 @@ class Evaluator:
         value = self.form(above, forms)
         return quotient(value, self.form(below, forms)) if below else value
 
+    def missed(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
+        """By how much a constraint is missed, as a share of its size."""
+        return (self.setting(constraint, forms) - constant(constraint.value, forms)) / constraint.size
+
     def values(self, constraint: Constraint, t: np.ndarray, x: np.ndarray) -> np.ndarray:
         """The same alone (n,) at t (n,) and x (numbers, n)."""
         return self.setting(constraint, self.forms(t, x))[0]
@@ -148,7 +152,7 @@ class Evaluator:
         with np.errstate(all="ignore"):
             for _ in range(STEPS):
                 trial = (best * (1.0 - part * step))[:, going]
-                miss, slopes = self._missed(constraints, trial)
+                miss, slopes = self._slopes(constraints, trial)
                 worst = (np.abs(miss) / (MET + EPS * np.abs(slopes).sum(axis=2))).max(axis=1)
                 better = np.isfinite(slopes).all(axis=(1, 2)) & (trial[0] > 0.0)
                 better &= worst < (1.0 - 0.5 * part[going]) * least[going]
@@ -165,17 +169,17 @@ class Evaluator:
         """Whether no other points that meet the constraints lie beside points (1 + numbers, n), as many constraints as free
         numbers (n,)."""
         with np.errstate(all="ignore"):
-            slopes = self._missed(constraints, z)[1]
+            slopes = self._slopes(constraints, z)[1]
             slopes = slopes / np.linalg.norm(slopes, axis=2, keepdims=True)
         known = np.isfinite(slopes).all(axis=(1, 2))
         found = np.linalg.svd(np.where(known[:, None, None], slopes, 0.0), compute_uv=False)[:, -1]
         return known & (found > ALONE)
 
-    def _missed(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _slopes(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how much constraints are missed at points (1 + numbers, n), as a share of their size (n, constraints), and how
         that grows with a share of each number (n, constraints, 1 + numbers)."""
         forms = self.forms(z[0], z[1:], slopes=True)
-        rows = np.array([(self.setting(c, forms) - constant(c.value, forms)) / c.size for c in constraints])
+        rows = np.array([self.missed(c, forms) for c in constraints])
         return rows[:, 0].T, (rows[:, 1:] * np.abs(z)).transpose(2, 0, 1)
 
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.evaluator import ROUNDING, Evaluator, Place
+from core.blend.evaluator import ROUNDING, Evaluator
 from core.blend.family import Family, Task
-from core.blend.region import SAME
+from core.blend.region import MIXES, SAME, Region
 from core.blend.request import (
     POINT,
     SETTINGS,
@@ -30,7 +30,6 @@ from core.blend.sequences import sequences
 from core.blend.solver import Candidate, candidates
 from core.numerics.cancellation import checkpoint
 
-_DRAWN, _KEPT = 4000, 8  # points of which so many feasible ones are kept
 _ZERO = 1e-9  # a direction shorter than this is none
 
 
@@ -134,31 +133,12 @@ def _rank(request: Request, candidate: Candidate, constraints: Sequence[Constrai
 def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndarray:
     """In which direction a setting grows, at some points (points, free numbers): of length 1, or 0."""
     evaluator = Evaluator(family, Task(1.0, strokes, 1.0))
-    t, *x = np.array([(t, *x) for t, x in _points(family, strokes)]).T
-    found = evaluator.setting(
-        Constraint(name, 1.0, at), evaluator.forms(t, np.array(x).reshape(-1, t.size), slopes=True)
-    )
-    slopes = (found[1:] * np.abs([t, *x])).T
+    z = Region(evaluator, ()).sample()[:, :: 3 * MIXES]
+    found = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(z[0], z[1:], slopes=True))
+    slopes = (found[1:] * z).T
     sizes = np.linalg.norm(slopes, axis=1, keepdims=True)
     grows = sizes > _ZERO * np.abs(found[0])[:, None]
     return np.where(grows, slopes / np.where(grows, sizes, 1.0), 0.0)
-
-
-@lru_cache(maxsize=256)
-def _points(family: Family, strokes: float) -> list[Place]:
-    """Some feasible points, always the same."""
-    evaluator = Evaluator(family, Task(1.0, strokes, 1.0))
-    chance = np.random.default_rng(1995)
-    t = chance.random(_DRAWN)
-    t = np.sqrt(strokes) * t / (1.0 - t) if evaluator.equations.top == np.inf else t
-    x = chance.random((len(evaluator.equations.numbers), _DRAWN)) * np.array(evaluator.equations.tops)[:, None]
-    found: list[Place] = []
-    for place in zip(t.tolist(), map(tuple, x.T.tolist()), strict=True):
-        if evaluator.is_feasible(place):
-            found.append(place)
-            if len(found) == _KEPT:
-                break
-    return found
 
 
 # -- why a request is refused -----------------------------------------------------------------------------

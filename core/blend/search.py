@@ -4,20 +4,19 @@ that several numbers, an acceleration or points to pass leave."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import log
 
 import numpy as np
 
-from core.blend.evaluator import Evaluator, Place, logarithm
+from core.blend.evaluator import Evaluator, Place, constant, logarithm
 from core.blend.region import MIXES, Region
 from core.blend.request import Constraint
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """A value and its derivatives (rows, n) from all forms of the family at n points."""
-Rows = tuple[np.ndarray, np.ndarray]
 
 STARTS = 3  # of the sample so many points are refined
 RESTARTS = 4
@@ -43,7 +42,7 @@ class Subproblem:
         from scipy.optimize import minimize
 
         z = np.log(np.maximum([start[0], *start[1]], LEAST))
-        top = self._greatest_goal(z)
+        top = self.greatest_goal(z)
         if not np.isfinite(top):
             return None
         rows = lru_cache(1)(lambda y: self._rows(np.frombuffer(y)))  # values and derivatives are read one after the other
@@ -62,7 +61,7 @@ class Subproblem:
         )
         z = found.x[:-1]
         above, equal = self._rows(np.append(z, 0.0))
-        reached = self._greatest_goal(z)
+        reached = self.greatest_goal(z)
         if not (np.isfinite(reached) and (above[len(self.goals) :, 0] >= -KEPT).all() and (np.abs(equal[:, 0]) <= MET).all()):
             return None
         t, *x = np.exp(z)
@@ -75,32 +74,35 @@ class Subproblem:
         forms[:, 1:, 0] *= place
         return forms
 
-    def _greatest_goal(self, z: np.ndarray) -> float:
+    def greatest_goal(self, z: np.ndarray) -> float:
+        """At log t, log x1, ..."""
         forms = self._forms(z)
         with np.errstate(all="ignore"):
             return max(float(goal(forms)[0, 0]) for goal in self.goals)
 
-    def _rows(self, y: np.ndarray) -> Rows:
+    def _rows(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What must not be below 0: the room between goals and the last of y, heights, limits; and what must be 0. Each a
         row with its derivatives by y behind the value."""
-        family, forms = self.evaluator.family, self._forms(y[:-1])
-        floor = np.zeros(forms.shape[1])
-        floor[0] = LEAST
+        evaluator, forms = self.evaluator, self._forms(y[:-1])
         with np.errstate(all="ignore"):
-            above = [-goal(forms)[:, 0] for goal in self.goals]
-            above += [self.evaluator.form(name, forms)[:, 0] - floor for name in family.positive]
-            above += [self.evaluator.form(name, forms)[:, 0] for name in family.constant]
-            above += [limit(forms)[:, 0] for limit in self.limits]
-            equal = [quantity(forms)[:, 0] for quantity in self.zero]
-        found = np.zeros((len(above), y.size + 1)), np.zeros((len(equal), y.size + 1))
-        for made, rows in zip(found, (above, equal), strict=True):
-            if rows:
-                made[:, :-1] = rows
+            above = [-goal(forms) for goal in self.goals]
+            above += [evaluator.form(name, forms) - constant(LEAST, forms) for name in evaluator.family.positive]
+            above += [evaluator.form(name, forms) for name in evaluator.family.constant]
+            above += [limit(forms) for limit in self.limits]
+            found = _stacked(above, y.size + 1), _stacked([quantity(forms) for quantity in self.zero], y.size + 1)
         found[0][: len(self.goals), 0] += y[-1]
         found[0][: len(self.goals), -1] = 1.0
         for made in found:
             made[~np.isfinite(made).all(axis=1)] = [-_OUTSIDE, *[0.0] * y.size]
         return found
+
+
+def _stacked(quantities: Sequence[np.ndarray], size: int) -> np.ndarray:
+    """Quantities at one point, a row (size,) each, filled up with 0."""
+    rows = np.zeros((len(quantities), size))
+    for row, quantity in zip(rows, quantities, strict=True):
+        row[:-1] = quantity[:, 0]
+    return rows
 
 
 def least(
@@ -111,67 +113,48 @@ def least(
 ) -> tuple[float, Place] | None:
     """The least of the greatest goal over the points that meet the constraints and keep the limits from falling below 0, and
     its place; None where no start leads to a feasible point."""
-    subproblems = list(_subproblems(evaluator, constraints, tuple(goals), tuple(limits)))
+    subproblems = _subproblems(evaluator, constraints, tuple(goals), tuple(limits))
     best: tuple[float, Place] | None = None
     for start in _starts(evaluator, constraints, goals, limits):
         for subproblem in subproblems:
             found = subproblem.descended(start)
             for _ in range(RESTARTS):
-                if found is None or not _is_less(found[0], best):
+                if found is None or (best is not None and best[0] - found[0] <= 1e-13 * abs(best[0])):
                     break
                 best = found
                 found = subproblem.descended(best[1])
     if best is None:
         return None
     place, met = evaluator.solved(constraints, best[1])
-    return (subproblems[0]._greatest_goal(np.log(np.maximum([place[0], *place[1]], LEAST))), place) if met else best
-
-
-def _is_less(value: float, best: tuple[float, Place] | None) -> bool:
-    return best is None or best[0] - value > 1e-13 * abs(best[0])
+    return (subproblems[0].greatest_goal(np.log(np.maximum([place[0], *place[1]], LEAST))), place) if met else best
 
 
 def _subproblems(
     evaluator: Evaluator, constraints: Sequence[Constraint], goals: tuple[Quantity, ...], limits: tuple[Quantity, ...]
-) -> Iterator[Subproblem]:
+) -> list[Subproblem]:
     """One, or where an acceleration is prescribed one for each of the curves that may have it."""
     given = [c for c in constraints if c.name == "acceleration"]
-    zero = tuple(_missed(evaluator, c) for c in constraints if c not in given)
+    zero = tuple(partial(evaluator.missed, c) for c in constraints if c not in given)
     if not given:
-        yield Subproblem(evaluator, goals, limits, zero)
-        return
-    room = [_room(evaluator, i, given[0].value) for i in range(len(evaluator.family.accelerations))]
-    for reached in room:
-        yield Subproblem(evaluator, goals, (*limits, *(r for r in room if r is not reached)), (*zero, reached))
+        return [Subproblem(evaluator, goals, limits, zero)]
+    room = [partial(_room, quantity, given[0].value) for quantity in log_accelerations(evaluator)]
+    return [
+        Subproblem(evaluator, goals, (*limits, *(r for r in room if r is not reached)), (*zero, reached)) for reached in room
+    ]
 
 
-def _missed(evaluator: Evaluator, constraint: Constraint) -> Quantity:
-    def missed(forms: np.ndarray) -> np.ndarray:
-        found = evaluator.setting(constraint, forms).copy()
-        found[0] -= constraint.value
-        return found / constraint.size
-
-    return missed
-
-
-def _room(evaluator: Evaluator, i: int, acceleration: float) -> Quantity:
+def _room(log_acceleration: Quantity, value: float, forms: np.ndarray) -> np.ndarray:
     """How far a curve stays below an acceleration: the logarithm of their ratio."""
-
-    def room(forms: np.ndarray) -> np.ndarray:
-        found = -logarithm(evaluator.acceleration(i, forms))
-        found[0] += log(acceleration)
-        return found
-
-    return room
+    return constant(log(value), forms) - log_acceleration(forms)
 
 
 def log_accelerations(evaluator: Evaluator) -> list[Quantity]:
     """Logarithms of the largest accelerations of the curves."""
+    return [partial(_log_acceleration, evaluator, i) for i in range(len(evaluator.family.accelerations))]
 
-    def quantity(i: int) -> Quantity:
-        return lambda forms: logarithm(evaluator.acceleration(i, forms))
 
-    return [quantity(i) for i in range(len(evaluator.family.accelerations))]
+def _log_acceleration(evaluator: Evaluator, i: int, forms: np.ndarray) -> np.ndarray:
+    return logarithm(evaluator.acceleration(i, forms))
 
 
 def sample(evaluator: Evaluator, constraints: Sequence[Constraint]) -> np.ndarray:
