@@ -14,7 +14,7 @@ from core.measured import (
     DELIMITERS,
     QUANTITIES,
     TIME_UNITS,
-    Wish,
+    ColumnChoice,
     fit,
     into_design,
     layout,
@@ -66,7 +66,7 @@ def run(words: argparse.Namespace, painter: Painter | None) -> int:
     design = load(words.into) if words.into is not None else None
     unit = "mm" if design is None else require_motion(design).unit
     speed = words.speed if words.speed is not None or design is None else design.speed_rpm
-    wish = Wish(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
+    wish = ColumnChoice(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
     sheet = read_sheet(read_bytes(words.table), words.table.name, words.delimiter, words.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
     found = fit(table, words.error, words.lowest, words.keep_all)

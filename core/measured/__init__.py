@@ -1,6 +1,6 @@
 """Motions from measured tables: reading them, finding their wrong rows, fitting them within their measuring error."""
 
-from core.measured.columns import NOTHING_SAID, Layout, Wish, layout
+from core.measured.columns import ALL_DETECTED, ColumnChoice, Layout, layout
 from core.measured.fitting import Contradiction, Fit, FitError, fit, guess_error, into_design
 from core.measured.outliers import Outliers, outliers
 from core.measured.sheet import DECIMALS, DELIMITERS, RowFault, Sheet, TableError, read_sheet
@@ -8,12 +8,13 @@ from core.measured.table import Table, read_table
 from core.measured.units import ANGLE_UNITS, QUANTITIES, TIME_UNITS, value_units
 
 __all__ = [
+    "ALL_DETECTED",
     "ANGLE_UNITS",
     "DECIMALS",
     "DELIMITERS",
-    "NOTHING_SAID",
     "QUANTITIES",
     "TIME_UNITS",
+    "ColumnChoice",
     "Contradiction",
     "Fit",
     "FitError",
@@ -23,7 +24,6 @@ __all__ = [
     "Sheet",
     "Table",
     "TableError",
-    "Wish",
     "fit",
     "guess_error",
     "into_design",

@@ -1,10 +1,10 @@
-"""Which columns of a sheet are meant and in which units: what the user says, else the header, else a stated guess."""
+"""Which columns of a sheet are meant and in which units: what the user chooses, else the header, else a stated guess."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NoReturn, cast
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NoReturn
 
 from core.measured.sheet import RowFault, Sheet, TableError, number
 from core.measured.units import (
@@ -23,8 +23,8 @@ from core.measured.units import (
 
 
 @dataclass(frozen=True)
-class Wish:
-    """What the user says of a table; empty or None = detected.
+class ColumnChoice:
+    """What the user says of a table; empty = detected.
 
     column, angle_column   a column's name, or its number from 1
     angle_unit             key of ``ANGLE_UNITS`` or ``TIME_UNITS``
@@ -60,44 +60,19 @@ class Layout:
         return QUANTITIES.index(self.quantity)
 
 
-NOTHING_SAID = Wish()
+ALL_DETECTED = ColumnChoice()
 
 
-def layout(sheet: Sheet, wish: Wish = NOTHING_SAID, motion_unit: str = "mm", speed_rpm: float | None = None) -> Layout:
-    """What the columns mean: what is wished, else what the header says, else a guess that is stated.
+def layout(
+    sheet: Sheet, choice: ColumnChoice = ALL_DETECTED, motion_unit: str = "mm", speed_rpm: float | None = None
+) -> Layout:
+    """What the columns mean: what is chosen, else what the header says, else a guess that is stated.
 
     motion_unit  of the motion to be made, mm or deg; speed_rpm: of the shaft, None where there is none
 
     Raises TableError where there is no such column or the unit does not belong to the motion.
     """
-    told = [meaning(name) for name in sheet.names]
-    guesses: list[str] = []
-    angle = _angle_column(sheet, told, wish, guesses)
-    value = _value_column(sheet, told, wish, angle, guesses)
-    quantity = wish.quantity or (told[value].quantity if told[value].quantity in QUANTITIES else "")
-    wished_unit = value_unit(wish.value_unit, motion_unit) if wish.value_unit else None
-    if not quantity:
-        quantity = QUANTITIES[wished_unit.order if wished_unit else 0]
-        if wished_unit is None:
-            guesses.append(f"{column_name(sheet, value)} is taken for the {quantity}")
-    if wish.angle_unit and wish.angle_unit not in (*ANGLE_UNITS, *TIME_UNITS):
-        _refuse(
-            sheet, f"unit {wish.angle_unit!r} is none of an angle; allowed: {', '.join((*ANGLE_UNITS, *TIME_UNITS))}"
-        )
-    angle_unit = wish.angle_unit or _angle_unit(sheet, told[angle], angle, guesses)
-    unit = _value_unit(sheet, told[value], wish, value, quantity, motion_unit, speed_rpm, guesses)
-    if speed_rpm is None and (unit.per == "s" or angle_unit in TIME_UNITS):
-        what = (
-            f"{column_name(sheet, angle)} is a time" if angle_unit in TIME_UNITS else f"{unit.name} is counted by time"
-        )
-        _refuse(sheet, f"{what}; the shaft's speed is wanted to turn it into cam angles")
-    if angle_unit in TIME_UNITS:
-        guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {speed_rpm:g} rpm")
-    return Layout(angle, value, angle_unit, unit, quantity, tuple(guesses))
-
-
-def _refuse(sheet: Sheet, text: str) -> NoReturn:
-    raise TableError(sheet.name, [RowFault(0, text)])
+    return _Detection(sheet, choice, motion_unit, speed_rpm).layout()
 
 
 def column_name(sheet: Sheet, index: int) -> str:
@@ -105,95 +80,124 @@ def column_name(sheet: Sheet, index: int) -> str:
     return f"column {index + 1} ({name})" if name else f"column {index + 1}"
 
 
-def _wished(sheet: Sheet, wish: str) -> int:
-    """The column of this number or name, or the only one whose name begins so."""
-    if wish.isdecimal() and 1 <= int(wish) <= sheet.columns:
-        return int(wish) - 1
-    names = [name.casefold().strip() for name in sheet.names]
-    word = wish.casefold().strip()
-    found = [i for i, name in enumerate(names) if name == word] or [
-        i for i, name in enumerate(names) if word and name.startswith(word)
-    ]
-    if len(found) != 1:
-        there = ", ".join(f"{i + 1} {name}".strip() for i, name in enumerate(sheet.names))
-        _refuse(sheet, f"column {wish!r}: {'several' if found else 'none'} of that name; there are: {there}")
-    return found[0]
+@dataclass
+class _Detection:
+    """One layout in the making: headings are what the names above the columns say."""
 
+    sheet: Sheet
+    choice: ColumnChoice
+    motion_unit: str
+    speed_rpm: float | None
+    guesses: list[str] = field(default_factory=list)
 
-def _angle_column(sheet: Sheet, told: Sequence[Meaning], wish: Wish, guesses: list[str]) -> int:
-    if wish.angle_column:
-        return _wished(sheet, wish.angle_column)
-    taken = _wished(sheet, wish.column) if wish.column else -1
-    free = [i for i in range(sheet.columns) if i != taken]
-    for fits in (
-        lambda m: m.quantity == ANGLE,
-        lambda m: m.quantity == TIME,
-        lambda m: not m.quantity and (m.unit in ANGLE_UNITS or m.unit in TIME_UNITS),
-    ):
-        found = next((i for i in free if fits(told[i])), None)
-        if found is not None:
-            return found
-    if not free:
-        _refuse(sheet, "only one column of numbers; a column of angles or times is wanted beside it")
-    guesses.append(f"{column_name(sheet, free[0])} is taken for the cam angle")
-    return free[0]
+    def __post_init__(self) -> None:
+        self.headings = [meaning(name) for name in self.sheet.names]
 
+    def layout(self) -> Layout:
+        choice, wanted = self.choice, self.choice.angle_unit
+        angle = self._angle_column()
+        value = self._value_column(angle)
+        quantity = self._quantity(value)
+        if wanted and wanted not in (*ANGLE_UNITS, *TIME_UNITS):
+            self._refuse(f"unit {wanted!r} is none of an angle; allowed: {', '.join((*ANGLE_UNITS, *TIME_UNITS))}")
+        angle_unit = choice.angle_unit or self._angle_unit(angle)
+        unit = self._value_unit(value, quantity)
+        timed = angle_unit in TIME_UNITS
+        if self.speed_rpm is None and (unit.per == "s" or timed):
+            what = f"{self._name(angle)} is a time" if timed else f"{unit.name} is counted by time"
+            self._refuse(f"{what}; the shaft's speed is wanted to turn it into cam angles")
+        if timed:
+            self.guesses.append(f"time 0 is taken for cam angle 0, and the shaft turns at {self.speed_rpm:g} rpm")
+        return Layout(angle, value, angle_unit, unit, quantity, tuple(self.guesses))
 
-def _value_column(sheet: Sheet, told: Sequence[Meaning], wish: Wish, angle: int, guesses: list[str]) -> int:
-    if wish.column:
-        found = _wished(sheet, wish.column)
-        if found == angle:
-            _refuse(sheet, f"{column_name(sheet, found)} cannot be angle and value at once; name another")
-        return found
-    others = [i for i in range(sheet.columns) if i != angle]
-    for quantity in (wish.quantity,) if wish.quantity else QUANTITIES:
-        for i in others:
-            if told[i].quantity == quantity:
-                return i
-    if not others:
-        _refuse(sheet, "only one column of numbers; a column of values is wanted beside the angles")
-    if len(others) > 1 or wish.quantity:
-        guesses.append(f"{column_name(sheet, others[0])} is taken for the values")
-    return others[0]
+    def _refuse(self, text: str) -> NoReturn:
+        raise TableError(self.sheet.name, [RowFault(0, text)])
 
+    def _name(self, column: int) -> str:
+        return column_name(self.sheet, column)
 
-def _angle_unit(sheet: Sheet, told: Meaning, column: int, guesses: list[str]) -> str:
-    if told.unit in ANGLE_UNITS or told.unit in TIME_UNITS:
-        return told.unit
-    if told.quantity == TIME:
-        guesses.append("the time is taken for seconds")
-        return "s"
-    found = [number(row.cells[column], sheet.decimal) for row in sheet.rows if len(row.cells) > column]
-    known = sorted(value for value in found if value is not None)
-    reach = known[-1] - known[0] if known else 0.0
-    unit = "turns" if reach <= 1.01 else "rad" if reach <= 6.35 else "deg"
-    guesses.append(
-        f"angles from {known[0]:g} to {known[-1]:g} are taken for {unit}" if known else "angles are taken for deg"
-    )
-    return unit
+    def _chosen(self, text: str) -> int:
+        """The column of this number or name, or the only one whose name begins so."""
+        if text.isdecimal() and 1 <= int(text) <= self.sheet.columns:
+            return int(text) - 1
+        names, word = [name.casefold().strip() for name in self.sheet.names], text.casefold().strip()
+        found = [i for i, name in enumerate(names) if name == word] or [
+            i for i, name in enumerate(names) if word and name.startswith(word)
+        ]
+        if len(found) != 1:
+            there = ", ".join(f"{i + 1} {name}".strip() for i, name in enumerate(self.sheet.names))
+            self._refuse(f"column {text!r}: {'several' if found else 'none'} of that name; there are: {there}")
+        return found[0]
 
+    def _angle_column(self) -> int:
+        if self.choice.angle_column:
+            return self._chosen(self.choice.angle_column)
+        taken = self._chosen(self.choice.column) if self.choice.column else -1
+        free = [i for i in range(self.sheet.columns) if i != taken]
+        fitting: tuple[Callable[[Meaning], bool], ...] = (
+            lambda m: m.quantity == ANGLE,
+            lambda m: m.quantity == TIME,
+            lambda m: not m.quantity and (m.unit in ANGLE_UNITS or m.unit in TIME_UNITS),
+        )
+        found = [i for fits in fitting for i in free if fits(self.headings[i])]
+        if not free:
+            self._refuse("only one column of numbers; a column of angles or times is wanted beside it")
+        if not found:
+            self.guesses.append(f"{self._name(free[0])} is taken for the cam angle")
+        return (found or free)[0]
 
-def _value_unit(
-    sheet: Sheet,
-    told: Meaning,
-    wish: Wish,
-    column: int,
-    quantity: str,
-    motion_unit: str,
-    speed_rpm: float | None,
-    guesses: list[str],
-) -> ValueUnit:
-    allowed = value_units(quantity, motion_unit)
-    kind = "slides: lengths are wanted" if motion_unit == "mm" else "swings: angles are wanted"
-    name = wish.value_unit or told.unit
-    if name in allowed:
-        return cast(ValueUnit, value_unit(name, motion_unit))
-    if wish.value_unit:
-        _refuse(sheet, f"unit {name!r} is none of a {quantity} here; allowed: {', '.join(allowed)}")
-    other = next((m for m in BASES if m != motion_unit), "")
-    if value_unit(name, other) is not None:
-        _refuse(sheet, f"{column_name(sheet, column)} is measured in {name}, but the follower {kind}")
-    per = ("", "/s" if speed_rpm is not None else "/deg", "/s2" if speed_rpm is not None else "/deg2")
-    base = motion_unit + per[QUANTITIES.index(quantity)]
-    guesses.append(f"the {quantity} is taken for {base}")
-    return cast(ValueUnit, value_unit(base, motion_unit))
+    def _value_column(self, angle: int) -> int:
+        choice = self.choice
+        if choice.column:
+            chosen = self._chosen(choice.column)
+            if chosen == angle:
+                self._refuse(f"{self._name(chosen)} cannot be angle and value at once; name another")
+            return chosen
+        others = [i for i in range(self.sheet.columns) if i != angle]
+        if not others:
+            self._refuse("only one column of numbers; a column of values is wanted beside the angles")
+        quantities = (choice.quantity,) if choice.quantity else QUANTITIES
+        found = [i for quantity in quantities for i in others if self.headings[i].quantity == quantity]
+        if not found and (len(others) > 1 or choice.quantity):
+            self.guesses.append(f"{self._name(others[0])} is taken for the values")
+        return (found or others)[0]
+
+    def _quantity(self, column: int) -> str:
+        stated = self.choice.quantity or self.headings[column].quantity
+        if stated in QUANTITIES:
+            return stated
+        unit = value_unit(self.choice.value_unit, self.motion_unit) if self.choice.value_unit else None
+        quantity = QUANTITIES[unit.order if unit else 0]
+        if unit is None:
+            self.guesses.append(f"{self._name(column)} is taken for the {quantity}")
+        return quantity
+
+    def _angle_unit(self, column: int) -> str:
+        heading, sheet = self.headings[column], self.sheet
+        if heading.unit in ANGLE_UNITS or heading.unit in TIME_UNITS:
+            return heading.unit
+        if heading.quantity == TIME:
+            self.guesses.append("the time is taken for seconds")
+            return "s"
+        found = [number(row.cells[column], sheet.decimal) for row in sheet.rows if len(row.cells) > column]
+        known = sorted(value for value in found if value is not None) or [0.0]
+        reach = known[-1] - known[0]
+        unit = "turns" if reach <= 1.01 else "rad" if reach <= 6.35 else "deg"
+        self.guesses.append(f"angles from {known[0]:g} to {known[-1]:g} are taken for {unit}")
+        return unit
+
+    def _value_unit(self, column: int, quantity: str) -> ValueUnit:
+        motion_unit, name = self.motion_unit, self.choice.value_unit or self.headings[column].unit
+        allowed = value_units(quantity, motion_unit)
+        if name not in allowed:
+            if self.choice.value_unit:
+                self._refuse(f"unit {name!r} is none of a {quantity} here; allowed: {', '.join(allowed)}")
+            if any(value_unit(name, other) is not None for other in BASES if other != motion_unit):
+                kind = "slides: lengths are wanted" if motion_unit == "mm" else "swings: angles are wanted"
+                self._refuse(f"{self._name(column)} is measured in {name}, but the follower {kind}")
+            per = "deg" if self.speed_rpm is None else "s"
+            name = motion_unit + ("", f"/{per}", f"/{per}2")[QUANTITIES.index(quantity)]
+            self.guesses.append(f"the {quantity} is taken for {name}")
+        unit = value_unit(name, motion_unit)
+        assert unit is not None  # it is one of those allowed
+        return unit

@@ -9,7 +9,17 @@ from types import MappingProxyType
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
 
-from core.measured import ANGLE_UNITS, DECIMALS, DELIMITERS, QUANTITIES, TIME_UNITS, Layout, Sheet, Wish, value_units
+from core.measured import (
+    ANGLE_UNITS,
+    DECIMALS,
+    DELIMITERS,
+    QUANTITIES,
+    TIME_UNITS,
+    ColumnChoice,
+    Layout,
+    Sheet,
+    value_units,
+)
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.measured.request import Asked, symbol
 
@@ -60,7 +70,7 @@ class ReadingForm(QWidget):
     def asked(self, rest: Asked) -> Asked:
         """The rest of what is asked with what was corrected here."""
         said = self._said
-        wish = Wish(
+        wish = ColumnChoice(
             **{name: said.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
         )
         return replace(rest, delimiter=said.get("delimiter", ""), decimal=said.get("decimal", ""), wish=wish)

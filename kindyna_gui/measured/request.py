@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass, replace
 
 from core.measured import (
-    NOTHING_SAID,
+    ALL_DETECTED,
+    ColumnChoice,
     Contradiction,
     Fit,
     FitError,
@@ -15,7 +16,6 @@ from core.measured import (
     Sheet,
     Table,
     TableError,
-    Wish,
     fit,
     layout,
     read_sheet,
@@ -32,7 +32,7 @@ class Asked:
 
     delimiter: str = ""
     decimal: str = ""
-    wish: Wish = NOTHING_SAID
+    wish: ColumnChoice = ALL_DETECTED
     error: float | None = None
     lowest: float | None = None
     keep_all: bool = False
@@ -60,7 +60,7 @@ class Reader:
     def __init__(self, name: str, data: bytes, motion_unit: str, speed_rpm: float) -> None:
         self.name, self._data = name, data
         self._unit, self._speed = motion_unit, speed_rpm
-        self._key: tuple[str, str, Wish] | None = None
+        self._key: tuple[str, str, ColumnChoice] | None = None
         self._answer = Answer()
         self._table: Table | None = None
 
@@ -80,7 +80,7 @@ class Reader:
         except FitError as error:
             return replace(self._answer, faults=(RowFault(0, str(error)),), refused=True)
 
-    def _read(self, delimiter: str, decimal: str, wish: Wish) -> Answer:
+    def _read(self, delimiter: str, decimal: str, wish: ColumnChoice) -> Answer:
         answer = Answer()
         try:
             sheet = read_sheet(self._data, self.name, delimiter or None, decimal or None)

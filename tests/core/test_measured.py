@@ -17,13 +17,13 @@ from core.__main__ import main
 from core.design import Design, Motion, Named, Segment, Spline
 from core.errors import DesignError
 from core.measured import (
-    NOTHING_SAID,
+    ALL_DETECTED,
+    ColumnChoice,
     Fit,
     FitError,
     Outliers,
     Table,
     TableError,
-    Wish,
     fit,
     guess_error,
     into_design,
@@ -56,7 +56,7 @@ HEADERS = ("displacement [mm]", "velocity [mm/deg]", "acceleration [mm/deg2]")
 
 
 def taken(
-    text: str | bytes, wish: Wish = NOTHING_SAID, unit: str = "mm", speed: float | None = SPEED, **how: str
+    text: str | bytes, wish: ColumnChoice = ALL_DETECTED, unit: str = "mm", speed: float | None = SPEED, **how: str
 ) -> Table:
     """The table in a file of this content."""
     sheet = read_sheet(text if isinstance(text, bytes) else text.encode(), "t.csv", **how)
@@ -171,7 +171,7 @@ def test_delimiter_header_columns_and_units_are_detected(case: str) -> None:
     wanted = DETECTED[case]
     text = wanted.text.replace("\n", "\r\n") if case == "our own" else wanted.text
     sheet = read_sheet(text.encode(wanted.codec), "t.csv")
-    how = layout(sheet, NOTHING_SAID, wanted.motion_unit, SPEED)
+    how = layout(sheet, ALL_DETECTED, wanted.motion_unit, SPEED)
     assert (sheet.delimiter, sheet.decimal, sheet.header) == (wanted.delimiter, wanted.decimal, wanted.header)
     assert sheet.encoding == wanted.encoding
     assert (how.angle_unit, how.unit.name, how.quantity) == (wanted.angle_unit, wanted.unit, wanted.quantity)
@@ -198,11 +198,11 @@ def test_what_is_said_of_a_table_counts_more_than_its_header() -> None:
         f"{i},{a},{v},{v}\n" for i, (a, v) in enumerate(zip(ANGLES, VALUES, strict=True))
     )
     for column in ("v [mm/s]", "V", "4"):
-        read = taken(text, Wish(column=column))
+        read = taken(text, ColumnChoice(column=column))
         assert (read.layout.value_column, read.layout.quantity, read.unit) == (3, "velocity", "mm/s")
-    assert taken(text, Wish(quantity="velocity")).layout.value_column == 3
+    assert taken(text, ColumnChoice(quantity="velocity")).layout.value_column == 3
     read = taken(
-        text, Wish(angle_column="angle", angle_unit="rad", column="x", value_unit="in/deg2", quantity="acceleration")
+        text, ColumnChoice(angle_column="angle", angle_unit="rad", column="x", value_unit="in/deg2", quantity="acceleration")
     )
     assert (read.layout.angle_column, read.layout.order, read.unit) == (1, 2, "in/deg2")
     assert read.angles == pytest.approx(np.mod(np.rad2deg(ANGLES), 360.0))
@@ -226,7 +226,7 @@ def test_every_unit_is_worth_what_its_name_says(motion_unit: str) -> None:
     per = {"deg": 1.0, "rad": 180 / math.pi, "s": 6.0 * SPEED}
     for order, quantity in enumerate(("displacement", "velocity", "acceleration")):
         for name in value_units(quantity, motion_unit):
-            read = taken(rows(","), Wish(value_unit=name, quantity=quantity), motion_unit)
+            read = taken(rows(","), ColumnChoice(value_unit=name, quantity=quantity), motion_unit)
             length, _, by = name.removesuffix("2").partition("/")
             size = 9806.65 if name == "g" else base[length]
             each = 1.0 if order == 0 else per["s" if name == "g" else by] ** order
@@ -297,12 +297,12 @@ def test_what_is_no_table_is_refused_in_one_line(text: str | bytes, words: str) 
 
 @pytest.mark.parametrize(
     ("wish", "words"),
-    [(Wish(column="torque"), "column 'torque': none of that name; there are: 1 angle [deg], 2 lift [mm]"),
-     (Wish(column="3"), "none of that name"), (Wish(column="1", angle_column="1"), "angle and value at once"),
-     (Wish(value_unit="mm/s"), "unit 'mm/s' is none of a displacement here; allowed: mm, cm, m, um, in"),
-     (Wish(angle_unit="gon"), "unit 'gon' is none of an angle; allowed: deg, rad, turns, s, ms")],
+    [(ColumnChoice(column="torque"), "column 'torque': none of that name; there are: 1 angle [deg], 2 lift [mm]"),
+     (ColumnChoice(column="3"), "none of that name"), (ColumnChoice(column="1", angle_column="1"), "angle and value at once"),
+     (ColumnChoice(value_unit="mm/s"), "unit 'mm/s' is none of a displacement here; allowed: mm, cm, m, um, in"),
+     (ColumnChoice(angle_unit="gon"), "unit 'gon' is none of an angle; allowed: deg, rad, turns, s, ms")],
 )  # fmt: skip
-def test_a_wish_that_cannot_be_met_names_what_there_is(wish: Wish, words: str) -> None:
+def test_a_wish_that_cannot_be_met_names_what_there_is(wish: ColumnChoice, words: str) -> None:
     with pytest.raises(TableError) as caught:
         taken(GOOD, wish)
     assert words in str(caught.value)
@@ -480,7 +480,7 @@ def test_our_own_table_reads_back_to_the_motion() -> None:
         jerk = moved(fine, 3, motion)
         bound = 1.0 / math.sqrt(2.0) * math.sqrt(0.125 * float(jerk @ jerk))
         for column in ("displacement", "velocity", "acceleration"):
-            table = taken(text, Wish(column=column), speed=design.shaft.speed_rpm)
+            table = taken(text, ColumnChoice(column=column), speed=design.shaft.speed_rpm)
             assert table.layout.guesses == ()
             lowest = float(moved(fine, 0, motion).min())
             found = fit(table, 0.0, lowest)
