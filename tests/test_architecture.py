@@ -29,42 +29,26 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "core.study.quantities.names_of",
         "core.output.report.report",
         "core.output.summary.summary",
-        "kindyna_gui.labels.heading_of",
         "kindyna_gui.forms.parameters_view.kind_label",
     ),
-    "the table of centres and its constructions are written and shown for links that are drawn one by one": (
+    "centres, their constructions and velocities go by the numbers of links, which only listed links have": (
         "core.output.centres.centres_data",
         "core.output.centres.snapshot",
         "core.output.position.position",
         "kindyna_gui.linkage.centres_view.CentresView.follow",
         "kindyna_gui.linkage.centres_view.CentresView.refresh",
-        "kindyna_gui.linkage.circle_view.CircleView._plan",
         "kindyna_gui.linkage.circle_view.CircleView.refresh",
         "kindyna_gui.linkage.polygon_view.PolygonView.follow",
         "kindyna_gui.linkage.polygon_view.PolygonView.refresh",
-        "kindyna_gui.linkage.mechanism_view.MechanismView.refresh",
-    ),
-    "a menu or a group of the gallery belongs to one kind: the layouts of a cam slider, the links of a linkage": (
-        "kindyna_gui.linkage.menus._linkage",
-        "kindyna_gui.window.gallery.presets",
-        "kindyna_gui.window.submenus.fill_layouts",
-    ),
-    "a linkage has as many plots as it has links, and names them after these": (
-        "kindyna_gui.graph.graph_view.GraphView.refresh",
-        "kindyna_gui.graph.linkage_plots.lacking",
-        "kindyna_gui.graph.linkage_plots.quantities_for",
-        "kindyna_gui.graph.plots_view.PlotView._missing",
-        "kindyna_gui.graph.plots_view.PlotView.refresh",
-        "kindyna_gui.pictures.files._plots.picture",
-        "kindyna_gui.window.titles.title_of",
-    ),
-    "not yet asked by what the design has": (
-        "core.blend.apply._lowest",
         "kindyna_gui.pictures.drawing.layers.layers_of",
         "kindyna_gui.pictures.drawing.places.Reading.__init__",
-        "kindyna_gui.selftest._edit_and_undo",
-        "kindyna_gui.shown_kinds.is_linkage",
+        "kindyna_gui.requirements.lists_links",
+        "kindyna_gui.requirements.require_links",
         "kindyna_gui.window.main_window.MainWindow._front_dock",
+    ),
+    "a menu or a group of the gallery belongs to one kind: the links of a linkage": (
+        "kindyna_gui.linkage.menus._linkage",
+        "kindyna_gui.window.gallery.presets",
     ),
 }
 """Reason: the functions that may ask what kind of design they have."""
@@ -90,7 +74,7 @@ def asks_kind(node: ast.AST) -> bool:
     match node:
         case ast.Attribute(attr="is_linkage", ctx=ast.Load()):
             return True
-        case ast.Call(func=ast.Name(id="is_linkage")):
+        case ast.Call(func=ast.Name(id="is_linkage" | "lists_links" | "require_links")):
             return True
         case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, kind]):
             return bool(names_in(kind) & KINDS)

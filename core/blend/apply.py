@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from core.blend.request import Blended
-from core.design import Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
+from core.design import Cam, Design, Motion, Segment, join_levels, mirrored, require_motion, with_motion
 from core.design.edits import back_at_start, balance, is_dwell
 from core.design.motions import with_marks_of, without_marks
 from core.design.rules import CLOSING
@@ -78,8 +78,8 @@ def _turn(design: Design, runs: Sequence[tuple[float, Sequence[Segment]]], after
 
 
 def _lowest(design: Design) -> float:
-    """Where a motion over the whole turn has its lowest level: a cam's on the base circle, that of a link where it was."""
-    return 0.0 if not design.drive.is_linkage else min(join_levels(require_motion(design)))
+    """Where a motion over the whole turn has its lowest level: on a base circle that is typed, else where it was."""
+    return 0.0 if isinstance(design.drive.cam, Cam) else min(join_levels(require_motion(design)))
 
 
 def _there_and_back(design: Design, blended: Blended) -> Design:
