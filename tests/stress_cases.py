@@ -90,7 +90,7 @@ class Case:
     axis: str
     values: tuple[float, ...]
     look: Callable[[float], Sample]
-    few: int = 6
+    few: int = 4
     part: float = 0.05
 
     @property

@@ -42,7 +42,7 @@ def drawn(case: Case) -> Motion:
     return free_motion(name, random.Random(seed), **numbers)
 
 
-@settings(max_examples=250)
+@settings(max_examples=125)
 @given(cases(), st.randoms(use_true_random=False))
 def test_what_is_feasible_is_solved(case: Case, pick: random.Random) -> None:
     """Of a motion made from free heights, as many settings as it takes give it back, or a gentler one that has them too:
@@ -60,7 +60,7 @@ def test_what_is_feasible_is_solved(case: Case, pick: random.Random) -> None:
     assert got.acceleration <= made.acceleration * (1.0 + 1e-9)
 
 
-@settings(max_examples=80)
+@settings(max_examples=40)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.05, 0.95), min_size=1, max_size=2))
 def test_points_are_passed(case: Case, pick: random.Random, shares: list[float]) -> None:
     """One or two beside other settings, an acceleration among them at times; refused only where many motions pass, or two
@@ -108,7 +108,7 @@ def check_ends(wish: Request, name: str, ranges: list[Range]) -> None:
             assert not solves(wish, name, found.high + step), (name, found)
 
 
-@settings(max_examples=70)
+@settings(max_examples=35)
 @given(cases(), st.randoms(use_true_random=False), st.floats(0.02, 50.0))
 def test_ranges_are_those_of_a_scan_from_outside(case: Case, pick: random.Random, factor: float) -> None:
     """All settings but one from a feasible motion. The motions that have them are followed by Newton's method from there
@@ -150,7 +150,7 @@ def test_ranges_are_those_of_a_scan_from_outside(case: Case, pick: random.Random
         assert text.endswith(f" {unit.get(last, 'mm')}")
 
 
-@settings(max_examples=120)
+@settings(max_examples=60)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.01, 30.0), min_size=4, max_size=4))
 def test_nonsense_is_always_refused_with_a_range(case: Case, pick: random.Random, factors: list[float]) -> None:
     """Every setting off by a factor of its own: solved rightly, or refused in one line whose range is kept by all that
@@ -202,7 +202,7 @@ def new_settings(wish: Request) -> list[str]:
 # -- one setting after the other --------------------------------------------------------------------------
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(cases(), st.integers(0, 2**32))
 def test_whatever_is_typed_within_the_ranges_shown_is_blended(case: Case, order: int) -> None:
     """Settings in any order, each anywhere in the range that those before it leave, close to its ends too: none is ever
@@ -228,7 +228,7 @@ def test_whatever_is_typed_within_the_ranges_shown_is_blended(case: Case, order:
     check_motion(got, case)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(cases(), st.randoms(use_true_random=False))
 def test_no_motion_lies_outside_the_range_of_what_is_still_to_come(case: Case, pick: random.Random) -> None:
     """Motions drawn freely, and those that have what is set, keep to every range."""

@@ -73,7 +73,7 @@ def test_profile_pressure_angle_and_curvatures_follow_from_the_pitch_curve(name:
     check_shape({**DESIGNS, **TURNED}[name], theta)
 
 
-@settings(max_examples=25)
+@settings(max_examples=13)
 @given(buildable(), ANGLES)
 def test_any_cam_follows_from_its_pitch_curve(design: Design, theta: float) -> None:
     check_shape(design, theta)
@@ -165,7 +165,7 @@ def test_cam_and_follower_move_alike_at_their_instant_centre(name: str) -> None:
         check_centre({**DESIGNS, **TURNED}[name], float(theta))
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(buildable(), ANGLES)
 def test_any_instant_centre_has_one_velocity(design: Design, theta: float) -> None:
     check_centre(design, theta)
@@ -244,7 +244,7 @@ def test_the_cam_of_a_mirrored_design_is_the_mirror_image(name: str) -> None:
     check_mirror({**DESIGNS, **TURNED}[name])
 
 
-@settings(max_examples=25)
+@settings(max_examples=13)
 @given(buildable())
 def test_any_mirrored_cam_is_the_mirror_image(design: Design) -> None:
     check_mirror(design)
@@ -407,7 +407,7 @@ def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
     assert caught.value.cam_angles == ((pytest.approx(225.0), pytest.approx(225.0)),)
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(buildable())
 @example(LIFT)
 @example(PUSHER)

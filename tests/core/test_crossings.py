@@ -22,7 +22,7 @@ def found(quantity, program: Program = ONE) -> Angles:
     return crossings(quantity, angles, quantity(angles))
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.floats(0.05, 6.2), st.floats(0.1, 9.0), st.floats(-1.0, 1.0))
 def test_a_root_is_found_to_the_last_bits_whatever_the_slopes_on_its_sides(place: float, steeper: float, bend: float) -> None:
     """Slope 1 on the left, another on the right, and a bend: as a guide's force with friction has them."""

@@ -102,7 +102,7 @@ def test_every_reaction_is_that_of_bodies_cut_free(name: str, theta: float) -> N
     check_forces(ALL[name], theta)
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(buildable(), ANGLES)
 def test_every_reaction_of_any_mechanism_is_that_of_bodies_cut_free(design: Design, theta: float) -> None:
     jam = float(Study(design).at_theta(np.array([theta])).dynamics.guide.jam[0])
@@ -130,7 +130,7 @@ def test_the_torque_is_what_the_energy_asks_for(name: str) -> None:
 STILL = with_drive(with_follower(PUSHER, direction_deg=33.0), motion=levels(3.0, (360.0, 3.0, "dwell")))
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(buildable())
 @example(STILL)
 @example(with_drive(LIFT, motion=levels(3.0, (100.0, 3.0, "dwell"), (260.0, 3.0, "dwell"))))
@@ -318,7 +318,7 @@ def test_friction_adds_on_the_rise_and_helps_on_the_return(friction: float, rota
     assert study.dynamics.guide.friction == pytest.approx(-way * friction * contact * np.sin(psi), abs=128 * EPS * contact.max())
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(buildable())
 def test_friction_never_gives_power_and_rests_in_a_dwell(design: Design) -> None:
     study = Study(design, 180)
@@ -473,7 +473,7 @@ def test_a_design_without_loads_says_so_and_has_no_forces() -> None:
 # -- mirrors ----------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=25)
+@settings(max_examples=13)
 @given(buildable())
 def test_any_mirrored_design_has_the_forces_of_the_mirror_image(design: Design) -> None:
     one, other = Study(design, 24), Study(mirrored(design), 24)

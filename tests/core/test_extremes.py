@@ -60,7 +60,7 @@ def _by_newton(cosines: list[float], sines: list[float], sign: float) -> float:
 SHARE = st.integers(-1000, 1000).map(lambda n: n / 1000)
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.lists(st.tuples(SHARE, SHARE), min_size=1, max_size=6), st.sampled_from(list(PROGRAMS)))
 def test_the_extremes_of_any_sum_of_waves_are_the_highest_and_the_lowest(waves: list[tuple[float, float]], name: str) -> None:
     cosines, sines = [w[0] for w in waves], [w[1] for w in waves]
@@ -245,7 +245,7 @@ def test_the_largest_velocity_of_a_segment_is_the_root_of_the_acceleration(lette
     assert side.theta == pytest.approx(float(root), abs=1e-8)
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(buildable())
 def test_no_sample_of_any_quantity_passes_its_extremes(design: object) -> None:
     """1,000 cam angles of every quantity of every stage; and each extreme is a value the quantity has."""

@@ -88,7 +88,7 @@ def test_points_angles_and_three_derivatives_follow_from_the_circles(name: str, 
     check_everything(DESIGNS[name], theta)
 
 
-@settings(max_examples=25)
+@settings(max_examples=13)
 @given(buildable(), ANGLES)
 def test_any_mechanism_follows_from_the_circles(design: Design, theta: float) -> None:
     check_everything(design, theta)
@@ -177,7 +177,7 @@ def test_a_mirrored_design_moves_like_its_mirror_image(name: str) -> None:
     check_mirror(DESIGNS[name])
 
 
-@settings(max_examples=25)
+@settings(max_examples=13)
 @given(buildable())
 def test_any_mirrored_design_moves_like_its_mirror_image(design: Design) -> None:
     check_mirror(design)
@@ -208,7 +208,7 @@ def test_a_design_turned_as_a_whole_moves_as_before(letter: str, angle: float) -
 # -- closure ----------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(cam_sliders())
 @example(LIFT)
 def test_the_loop_is_closed_and_stays_on_one_branch(design: Design) -> None:
@@ -482,7 +482,7 @@ def test_a_rod_too_short_for_the_guide_is_named_with_its_least_length() -> None:
 # -- the translating follower -----------------------------------------------------------------------------
 
 
-@settings(max_examples=40)
+@settings(max_examples=20)
 @given(pushers(), ANGLES)
 def test_a_translating_follower_stands_on_its_guide_at_its_distance(design: Design, theta: float) -> None:
     """The reference point is offset from the cam centre across the guide, and reach away from it where y = 0."""

@@ -94,7 +94,7 @@ def check_against_multipliers(design: Design, kinematics: Kinematics, q: float, 
     assert abs(forces.driver[0] * 1e3 - found[row]) <= bound * scale
 
 
-@settings(max_examples=60, derandomize=True, database=None)
+@settings(max_examples=30, derandomize=True, database=None)
 @given(assemblies(), st.integers(0, 1000))
 def test_every_reaction_is_a_multiplier_of_the_loop_equations(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn
@@ -111,7 +111,7 @@ def test_a_groups_reactions_too(design: Design) -> None:
         check_against_multipliers(design, unit_speed_kinematics(design.drive.mechanism, np.array([q]), course), float(q), 1e-9)
 
 
-@settings(max_examples=25, derandomize=True, database=None)
+@settings(max_examples=13, derandomize=True, database=None)
 @given(assemblies(most=3), st.integers(0, 1000))
 def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> None:
     design, q = drawn

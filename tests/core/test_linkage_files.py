@@ -127,7 +127,7 @@ def linkages(draw: st.DrawFn) -> Design:
     return replace(design, assumed=tuple(draw(st.lists(st.sampled_from(known), unique=True, max_size=4))))
 
 
-@settings(max_examples=60, derandomize=True, database=None)
+@settings(max_examples=30, derandomize=True, database=None)
 @given(linkages().filter(lambda d: not faults(d)))
 def test_a_linkage_comes_back_from_its_file_to_the_last_bit(design: Design) -> None:
     text = project.dumps(design)
@@ -294,7 +294,7 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     assert "linkage.links[4].points" in told_faults or "linkage" in told_faults
 
 
-@settings(max_examples=200, derandomize=True, database=None)
+@settings(max_examples=100, derandomize=True, database=None)
 @given(st.data())
 def test_any_damage_is_told(data: st.DataObject) -> None:
     table = copy.deepcopy(TABLES[data.draw(st.sampled_from(NAMES))])

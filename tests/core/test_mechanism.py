@@ -284,7 +284,7 @@ def test_a_gap_between_samples_is_found() -> None:
 
 
 @pytest.mark.parametrize("side", [1, -1])
-@settings(max_examples=30, derandomize=True, database=None)
+@settings(max_examples=15, derandomize=True, database=None)
 @given(st.floats(20.0, 200.0), st.floats(20.0, 200.0), st.floats(20.0, 200.0), st.floats(20.0, 200.0))
 def test_a_four_bar_turns_where_grashof_says_so(
     side: int, ground: float, crank: float, coupler: float, rocker: float

@@ -228,7 +228,7 @@ LATE = levels(0.0, (123.456789, 0.0, "cycloidal"), (1e-5, 1.0, "cycloidal"), (23
 @example(SMALLEST, 0.0)
 @example(Motion(1e8, SMALLEST.segments), 0.0)
 @example(LATE, 0.0)
-@settings(max_examples=60)
+@settings(max_examples=30)
 def test_rounding_is_never_told_as_a_jump(motion: Motion, power: float) -> None:
     """Laws that come to rest join dwells and one another, at any size, without a finding."""
     calm = tuple(s if s.curve.law != "simple-harmonic" else Segment(s.span_deg, s.rise, Named("3-4-5")) for s in motion.segments)

@@ -305,7 +305,7 @@ def _jump(study: Study, piece: int) -> float:
     return float(after - before)
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(buildable(), st.floats(-3.0, 3.0))
 def test_without_flywheel_the_motor_gives_the_cams_torque_and_with_a_huge_one_the_mean(design: Design, power: float) -> None:
     design = with_loads(design, friction=0.0)

@@ -153,7 +153,7 @@ def test_points_side_by_side_are_the_points_alone() -> None:
 
 
 @given(st.floats(0.3, 5.6), st.floats(1e-3, 0.5), st.sampled_from([0.0, 0.02]))
-@settings(max_examples=15)
+@settings(max_examples=8)
 def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -> None:
     """By finite differences of what it tells, away from the joins."""
     gone = history(coefficients(KIM), eta, q, damping, 1.0)
@@ -195,7 +195,7 @@ def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: 
 
 
 @given(st.sampled_from(sorted(HARD)), st.floats(0.4, 5.0), st.floats(1e-4, 0.4))
-@settings(max_examples=20)
+@settings(max_examples=10)
 def test_without_damping_a_turn_keeps_areas(name: str, eta: float, q: float) -> None:
     integrator = Integrator(coefficients(HARD[name]), eta, q)
     change = integrator.run(integrator.resting(), 0.0, 1.0, change=True).change

@@ -18,10 +18,8 @@ from kindyna_gui.background import Worker
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import example
-from kindyna_gui.window.docks import RIGHT, VIEWS
 from kindyna_gui.window.main_window import open_window
 
-PLOTS = tuple(name for name, row in VIEWS.items() if row.area == RIGHT)
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",
     "This plugin does not support raise()",
@@ -70,14 +68,19 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
     users: list[User] = []
     before = set(QApplication.topLevelWidgets())
 
-    def open(path: Path | None = None, size: tuple[int, int] | None = (1280, 800), plots: bool = True) -> User:
-        """size None: what the settings ask for; plots False: without them, where a test has no eyes for them."""
+    def open(path: Path | None = None, size: tuple[int, int] | None = (1280, 800), whole: bool = False) -> User:
+        """With the drawing alone, other views coming when they are asked for (``User.see``): the quicker way.
+
+        whole   in the layout that a user finds at first
+        size    None: in the layout and the size that the settings ask for
+        """
         window = open_window(app, path)
         users.append(User(window, monkeypatch))
         if size is not None:
             window.resize(*size)
-        for name in () if plots else PLOTS:
-            window.docks[name].hide()
+        if not whole and size is not None:
+            for dock in window.docks.values():
+                dock.hide()
         window.show()
         window.activateWindow()
         assert QTest.qWaitForWindowActive(window)
@@ -109,14 +112,20 @@ def still_computing() -> str:
 
 @pytest.fixture
 def user(open_user: Open) -> User:
-    """A user at a window that shows the lift example."""
+    """A user at a window that shows the lift example, its drawing alone."""
     return open_user()
+
+
+@pytest.fixture
+def whole(open_user: Open) -> User:
+    """A user at a window that shows the lift example in the layout that it has at first."""
+    return open_user(whole=True)
 
 
 @pytest.fixture
 def six_bar(open_user: Open) -> User:
     """A user at the lecture's six-bar, its crank at 45 degrees."""
-    user: User = open_user(example("lecture_six_bar"), plots=False)
+    user: User = open_user(example("lecture_six_bar"))
     user.turn(45.0)
     return user
 

@@ -323,7 +323,7 @@ def check_picker(motion: Motion) -> None:
 
 def test_the_card_picker_is_designed_with_the_mouse_alone(open_user: Open) -> None:
     """Nothing but clicks, from a new design to the undo step."""
-    user: User = open_user(plots=False)
+    user: User = open_user()
     user.choose("File", "New", "Translating follower")
     view = user.motion()
     for row in (1, 2, 0):  # nothing but a dwell
@@ -804,7 +804,7 @@ def test_the_motion_as_it_is_stands_dashed_behind(ask: Ask) -> None:
 
 def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     """The linkage of the lift does not reach three metres."""
-    user: User = open_user(plots=False)
+    user: User = open_user()
     before = user.design
     user.window.designing.blend()
     dialog = user.window.findChild(BlendDialog)

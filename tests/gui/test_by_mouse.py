@@ -133,7 +133,7 @@ def saved(user: User, path: Path, monkeypatch: pytest.MonkeyPatch, mouse: Mouse)
 
 
 def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    user = open_user(size=(1440, 900))
+    user = open_user(size=(1440, 900), whole=True)
     mouse = Mouse(user)
     mouse.menu("File", "New", "Cam-driven slider")
     # the dock beside the drawing is made wider, for a steady hand

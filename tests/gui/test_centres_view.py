@@ -82,7 +82,7 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
     ("name", "count"), [("four_bar", 6), ("slider_crank", 6), ("rear_suspension", 6), ("lecture_six_bar", 15)]
 )
 def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: Open) -> None:
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     view = user.drawing()
     user.action("View", "Layers of the drawing", "Instant centres of all links").trigger()
     user.turn(40.0)
@@ -101,7 +101,7 @@ def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: 
 
 
 def test_a_centre_at_infinity_is_an_arrow_at_the_edge(open_user: Open) -> None:
-    user = open_user(example("slider_crank"), plots=False)
+    user = open_user(example("slider_crank"))
     view = user.drawing()
     view.show_layer("centres", True)
     user.turn(40.0)
@@ -133,7 +133,7 @@ def test_kennedys_lines_run_through_the_three_centres(six_bar: User) -> None:
 
 
 def test_layers_of_linkages_go_on_and_off(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     view = user.drawing()
     assert "Cam" not in user.entries("View", "Layers of the drawing")
     for text, key in (("Coupler curves", "coupler.C"), ("Velocities", "velocities.link3.C")):
@@ -173,7 +173,7 @@ def test_the_circle_diagram_finds_one_centre_after_the_other(six_bar: User) -> N
 
 
 def test_the_first_wanted_centre_of_the_four_bar_is_told_as_the_lecture_does(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     view = circle(user)
     view.next.click()
     assert view.text.text() == "13 lies on the lines 12\u201323 (links 1, 2, 3) and 14\u201334 (links 1, 3, 4): where they cross."

@@ -51,7 +51,7 @@ def by_moving_away(path: Path) -> None:
 
 
 def test_overwrite_only_when_chosen(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     theirs = by_another(mine)
     box = user.clicks("Cancel")
@@ -67,7 +67,7 @@ def test_overwrite_only_when_chosen(open_user: Open, mine: Path) -> None:
 
 
 def test_what_differs_is_listed(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     by_another(mine)
     seen: list[str] = []
@@ -80,7 +80,7 @@ def test_what_differs_is_listed(open_user: Open, mine: Path) -> None:
 
 
 def test_save_as_leaves_the_other_file_alone(open_user: Open, mine: Path, tmp_path: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     theirs = by_another(mine)
     user.clicks("Save as...")
@@ -93,7 +93,7 @@ def test_save_as_leaves_the_other_file_alone(open_user: Open, mine: Path, tmp_pa
 
 
 def test_reload_can_be_undone(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     own = user.design
     by_another(mine)
@@ -110,7 +110,7 @@ def test_reload_can_be_undone(open_user: Open, mine: Path) -> None:
 
 
 def test_leaving_with_save_asks_too(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("cam.base_radius_mm", "410")
     theirs = by_another(mine)
     user.clicks("Save", "Cancel")
@@ -121,7 +121,7 @@ def test_leaving_with_save_asks_too(open_user: Open, mine: Path) -> None:
 
 @pytest.mark.parametrize("change", [in_place, by_a_new_file, by_moving_away])
 def test_a_change_is_noticed_and_reloaded(open_user: Open, mine: Path, change: Change) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     for rod in (812.5, 845.0):
         assert user.window.disk.isHidden()
         if rod == 812.5:
@@ -140,7 +140,7 @@ def test_a_change_is_noticed_and_reloaded(open_user: Open, mine: Path, change: C
 
 
 def test_touched_or_saved_here_is_no_change(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     mine.touch()
     user.enter("cam.base_radius_mm", "410")
     user.choose("File", "Save")
@@ -150,7 +150,7 @@ def test_touched_or_saved_here_is_no_change(open_user: Open, mine: Path) -> None
 
 
 def test_changed_and_changed_back(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     text = mine.read_text()
     by_another(mine)
     wait_for(user.window.disk.isVisible)
@@ -159,7 +159,7 @@ def test_changed_and_changed_back(open_user: Open, mine: Path) -> None:
 
 
 def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     mine.unlink()
     wait_for(user.window.disk.isVisible)
     assert user.window.disk.text() == "file is gone"
@@ -171,7 +171,7 @@ def test_a_file_that_is_gone_is_written_again(open_user: Open, mine: Path) -> No
 
 
 def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     before = user.design
     mine.write_text("nonsense")
     wait_for(user.window.disk.isVisible)

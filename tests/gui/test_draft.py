@@ -276,7 +276,7 @@ def rise_alone(user: User) -> None:
 
 @pytest.fixture
 def user(open_user: Open) -> User:
-    return open_user(plots=False)
+    return open_user()
 
 
 def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
@@ -389,7 +389,7 @@ def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
 
 
 def test_a_linkage_has_drafts_too(open_user: Open) -> None:
-    user = open_user(example("four_bar_coupler_cam"), plots=False)
+    user = open_user(example("four_bar_coupler_cam"))
     before, spans = user.design, column(user, SPAN)
     user.enter_cell(1, SPAN, "300")
     assert user.design == before

@@ -23,7 +23,7 @@ def place(user: User, point: str) -> complex:
 @pytest.fixture
 def user(open_user: Open) -> User:
     """At the lift, without docks for which no test here has eyes."""
-    made = open_user(plots=False)
+    made = open_user()
     for name in ("findings", "motion", "parameters"):
         made.window.docks[name].hide()
     settle()
@@ -61,7 +61,7 @@ def test_the_fields_follow_a_joint_that_is_drawn(user: User) -> None:
 
 
 def test_the_roller_of_a_translating_follower_is_drawn_aside(open_user: Open) -> None:
-    user = open_user(example("kim_1990"), plots=False)
+    user = open_user(example("kim_1990"))
     assert not user.design.drive.is_linkage
     view = user.drawing()
     start = place(user, "roller")

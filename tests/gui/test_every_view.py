@@ -14,7 +14,7 @@ KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
 
 @pytest.mark.parametrize("name", VIEWS)
 def test_a_view_follows_from_kind_to_kind(open_user: Open, name: str, tmp_path: Path) -> None:
-    user = open_user(plots=False)
+    user = open_user()
     for kind in (*KINDS, KINDS[0]):
         user.session.put(load(example(kind)), f"Take {kind}")
         user.session.end_gesture()

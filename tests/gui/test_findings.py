@@ -24,7 +24,7 @@ from kindyna_gui.window.findings_view import FindingsView
 @pytest.fixture
 def user(open_user: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user(plots=False)
+    return open_user()
 
 
 def findings(user: User) -> FindingsView:
@@ -302,7 +302,7 @@ def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:
 
 
 def test_units_are_written_as_everywhere_in_the_window(open_user: Open) -> None:
-    user = open_user(example("kim_1990"), plots=False)
+    user = open_user(example("kim_1990"))
     table = findings(user).table
     texts = [str(table.rows.index(row, 0).data()) for row in range(table.rows.rowCount())]
     assert "Acceleration jumps by -18 mm/rad² at a join: infinite jerk" in texts

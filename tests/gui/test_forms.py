@@ -25,7 +25,7 @@ LIFT = load(example("transfer_lift"))
 @pytest.fixture
 def user(open_user: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user(plots=False)
+    return open_user()
 
 
 def follower(user: User) -> CamSlider:

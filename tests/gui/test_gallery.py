@@ -57,7 +57,7 @@ def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
 
 def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every layout and every linkage, from the lift; nothing is to be saved on either side."""
-    user = open_user(plots=False)
+    user = open_user()
     for name in ("findings", "motion", "parameters"):
         user.window.docks[name].hide()
     before, window = user.design, user.window
@@ -82,7 +82,7 @@ def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_u
 def test_a_file_comes_back_with_its_name(open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "own.toml"
     path.write_bytes(example("four_bar").read_bytes())
-    user = open_user(path, plots=False)
+    user = open_user(path)
     choice = next(c for c in gallery.presets() if c.name == "Watt six bar")
     monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent: choice)
     user.choose("Compo", "Choose a mechanism...")
@@ -139,7 +139,7 @@ def answering(kind: type, act: Callable[[Any], None]) -> Iterator[None]:
 def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: Open, tmp_path: Path) -> None:
     """Choose, edit a length, let a link follow a motion, put the roller on the coupler, edit the motion, turn, export: the
     profile in the file is the core's to the byte. All by mouse, menus and keys."""
-    user = open_user(plots=False)
+    user = open_user()
     for name in ("findings", "centres"):
         user.window.docks[name].hide()
 

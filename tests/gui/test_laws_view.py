@@ -295,7 +295,7 @@ def test_a_law_that_does_not_fit_is_refused_with_the_reason(laws: LawsView) -> N
 
 
 def test_the_law_table_is_a_page_and_follows_the_motion_table(open_user: Open) -> None:
-    user: User = open_user(plots=False)
+    user: User = open_user()
     user.choose("Make", "Law table")
     view = user.window.view("laws")
     assert isinstance(view, LawsView)

@@ -21,7 +21,7 @@ FIGURES = {"Four bar": 6, "Slider crank": 6, "Lecture six bar": 15, "Rear suspen
 
 def opened(open_user: Open, name: str) -> User:
     """With its tables beside it."""
-    user: User = open_user(example(name.lower().replace(" ", "_")), plots=False)
+    user: User = open_user(example(name.lower().replace(" ", "_")))
     user.choose("Compo", "Instant centres")
     view = centres(user)
     wait_for(lambda: view.up_to_date and view.on_screen())
@@ -82,7 +82,7 @@ def off_line(a: complex, b: complex, c: complex) -> float:
 
 def test_page_11_stands_on_the_screen(open_user: Open) -> None:
     """20.07, 16.39 cm; 6.64, 20.57, 20.57 rpm; 22.39 cm/s, signs being the print's arrows."""
-    user = open_user(plots=False)
+    user = open_user()
     user.choose("File", "Examples", "Lecture six bar")
     user.choose("Compo", "Instant centres")
     wait_for(lambda: centres(user).up_to_date and centres(user).on_screen())
@@ -177,7 +177,7 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
 @pytest.mark.parametrize(("name", "steps"), [("Four bar", 2), ("Slider crank", 2), ("Lecture six bar", 8), ("Rear suspension", 2)])
 def test_the_circle_diagram_is_played_to_its_end(name: str, steps: int, open_user: Open) -> None:
     """After the last step every line is solid but the one just found; in the drawing all centres are there."""
-    user = open_user(example(name.lower().replace(" ", "_")), plots=False)
+    user = open_user(example(name.lower().replace(" ", "_")))
     user.choose("Compo", "Circle diagram")
     view = user.window.view("circle")
     assert isinstance(view, CircleView)

@@ -26,7 +26,7 @@ COUPLER = load(example("four_bar_coupler_cam"))
 @pytest.fixture
 def user(open_user: Open) -> User:
     """At the four-bar with the roller on its coupler, without plots."""
-    return open_user(example("four_bar_coupler_cam"), plots=False)
+    return open_user(example("four_bar_coupler_cam"))
 
 
 def profile(user: User) -> np.ndarray:
@@ -179,7 +179,7 @@ def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeyp
 
 def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
     """Every entry of the menu Make that needs one; the law table is there for any design."""
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     motion = user.window.show_view("motion")
     wait_for(lambda: motion.up_to_date)
     assert "Compo > Driver" in motion._trouble.text()
@@ -213,7 +213,7 @@ def stands(user: User) -> dict[str, complex]:
 
 
 def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     user.window.player.set_theta(1.0)
     before, crank = stands(user), user.design
     assert user.entries("Compo", "Driver") == [
@@ -253,7 +253,7 @@ def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(open_user: Open
 
 
 def test_the_roller_asks_for_a_motion_first(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     assert user.entries("Compo", "Cam roller") == ["No cam", "A on link 2", "B on link 3", "C on link 3"]
     action = user.action("Compo", "Cam roller", "C on link 3")
     assert not action.isEnabled()
@@ -271,7 +271,7 @@ Step = Callable[[User], None]
     ],
 )
 def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, open_user: Open) -> None:
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     user.window.player.set_theta(1.0)
     user.choose("Compo", "Driver", driver)
     user.choose("Compo", "Cam roller", roller)
@@ -293,13 +293,13 @@ def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, rolle
 
 
 def test_menus_of_linkages_are_not_there_for_a_cam(open_user: Open) -> None:
-    user = open_user(plots=False)
+    user = open_user()
     assert not {"Driver", "Cam roller"} & set(user.entries("Compo"))
 
 
 def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> None:
     """The stroke that was shown for the design before is out of sight; Make > Stroke does not choose it."""
-    user = open_user(example("four_bar_coupler_cam"), plots=False)
+    user = open_user(example("four_bar_coupler_cam"))
     box = user.number("motion.stroke_deg")
     user.window.documents.open_example(example("lecture_six_bar"))
     settle()

@@ -39,7 +39,7 @@ def place(user: User, point: str) -> complex:
 @pytest.mark.parametrize("name", LINKAGES)
 def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     """Each link is drawn where the core has it, at every tenth of a turn."""
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     view = user.drawing()
     assert not view.in_trouble
     for step in range(10):
@@ -56,7 +56,7 @@ def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
 
 
 def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> None:
-    user = open_user(example("inverted_slider_crank"), plots=False)
+    user = open_user(example("inverted_slider_crank"))
     user.turn(70.0)
     block = user.drawing().scene.item("block.3")
     at = block.mapToScene(block.boundingRect().center())
@@ -86,7 +86,7 @@ def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path
     path = tmp_path / "rocker.toml"
     text = example("four_bar").read_text(encoding="utf-8").replace("A = [30.0, 0.0]", "A = [95.0, 0.0]")
     path.write_text(text, encoding="utf-8")
-    user = open_user(path, plots=False)
+    user = open_user(path)
     user.window.docks["centres"].hide()
     player = user.window.player
     (low, high), *_ = player.ranges
@@ -132,7 +132,7 @@ def test_a_length_that_cannot_be_is_refused_beside_its_field(open_user: Open) ->
 
 
 def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     above = place(user, "B").imag
     editor = user.field("linkage.branch.B").editor
     editor.setCurrentIndex(editor.findData(-1))  # type: ignore[union-attr]
@@ -176,7 +176,7 @@ def test_empty_plots_name_the_angle_too(open_user: Open) -> None:
 
 def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
     """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
-    user = open_user(example("four_bar"))
+    user = open_user(example("four_bar"), whole=True)
     docks = ("displacement", "velocity", "acceleration", "pressure_angle", "torque", "contact_force")
     wanted = {
         "four_bar": ("Angle", "Angular velocity", "Angular accel.", "Transmission angle", "Driver torque", "Joint forces"),
@@ -211,7 +211,7 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
 def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
     name: str, point: str, way: complex, open_user: Open
 ) -> None:
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     view = user.drawing()
     user.turn(60.0)
     before, start = user.design, place(user, point)
@@ -224,7 +224,7 @@ def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
 
 
 def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     user.turn(90.0)
     user.drag(place(user, "A"), place(user, "A") + 6.0 + 10.0j)
     assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
@@ -235,7 +235,7 @@ def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
 
 def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> None:
     """The ground pivot goes as far as the links, which keep their lengths, can be put together; beyond it is refused."""
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     view = user.drawing()
     view.canvas.zoom(0.3, QPointF(200.0, 200.0))
     refused: list[object] = []
@@ -291,7 +291,7 @@ def test_cams_and_linkages_follow_each_other(user: User) -> None:
 
 def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
     """At every angle the number of a link that turns fully stands clear of the link's own pins and of its bar."""
-    user = open_user(example("four_bar"), plots=False, size=(1280, 720))
+    user = open_user(example("four_bar"), size=(1280, 720))
     view = user.drawing()
     tag, scale = view.scene.item("label.link2"), view.canvas.scale_now
     for step in range(24):
@@ -311,7 +311,7 @@ def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
 
 
 def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(open_user: Open) -> None:
-    user = open_user(example("four_bar"), plots=False)
+    user = open_user(example("four_bar"))
     user.session.edit("linkage.links[1].points.A.x_mm", 90.0, "A long crank")
     user.session.end_gesture()
     settle()
@@ -350,7 +350,7 @@ def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported
 
 
 def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(open_user: Open) -> None:
-    user = open_user(example("watt_six_bar"), plots=False)
+    user = open_user(example("watt_six_bar"))
     user.choose("Stability", "Give it a shaft")
     view = user.see("flywheel")
     labels = [row.cells[0] for row in view.table.rows.rows]  # type: ignore[attr-defined]

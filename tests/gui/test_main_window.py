@@ -70,26 +70,26 @@ def test_a_dock_behind_another_computes_nothing(user: User) -> None:
     wait_for(lambda: evaluations["dynamics"] > before["dynamics"])
 
 
-def test_views_are_made_when_they_are_first_seen(user: User) -> None:
-    made = {name for name in VIEWS if user.window.view(name) is not None}
+def test_views_are_made_when_they_are_first_seen(whole: User) -> None:
+    made = {name for name in VIEWS if whole.window.view(name) is not None}
     assert made == {
         "mechanism", "parameters", "motion", "displacement", "pressure_angle", "torque", "findings"
     }  # fmt: skip
 
 
-def test_no_other_window_flashes_up(user: User) -> None:
+def test_no_other_window_flashes_up(whole: User) -> None:
     """A widget that is shown before it has its place is a window for a moment."""
     seen: list[str] = []
 
     def watch(window: object) -> None:
-        if window is not None and window is not user.window.windowHandle():
+        if window is not None and window is not whole.window.windowHandle():
             seen.append(str(window))
 
     QApplication.instance().focusWindowChanged.connect(watch)  # type: ignore[union-attr]
     for name in VIEWS:
-        user.window.show_view(name)
+        whole.window.show_view(name)
         settle()
-    user.choose("File", "Examples", "Card picker")
+    whole.choose("File", "Examples", "Card picker")
     QApplication.instance().focusWindowChanged.disconnect(watch)  # type: ignore[union-attr]
     assert seen == []
 
@@ -345,11 +345,11 @@ def shown(window: MainWindow) -> set[str]:
     return {name for name, dock in window.docks.items() if not dock.isHidden()}
 
 
-def test_the_layout_is_kept_and_can_be_reset(open_user: Open, user: User) -> None:
-    first = shown(user.window)
-    user.window.docks["motion"].close()
-    user.window.show_view("certificate")
-    user.window.close()
+def test_the_layout_is_kept_and_can_be_reset(open_user: Open, whole: User) -> None:
+    first = shown(whole.window)
+    whole.window.docks["motion"].close()
+    whole.window.show_view("certificate")
+    whole.window.close()
     again = open_user(size=None)
     assert shown(again.window) == first - {"motion"}
     wait_for(lambda: again.window.view("certificate") is not None)
@@ -372,7 +372,7 @@ def test_a_layout_of_another_version_is_forgotten(open_user: Open, user: User) -
 
 @pytest.mark.parametrize("size", [(1440, 900), (1280, 720)])
 def test_the_first_layout_has_room_for_everything(open_user: Open, size: tuple[int, int]) -> None:
-    window: MainWindow = open_user(size=size).window
+    window: MainWindow = open_user(size=size, whole=True).window
     assert window.size().toTuple() == size
     least = {"parameters": (300, 250), "motion": (300, 200), "displacement": (300, 150), "pressure_angle": (300, 150),
              "torque": (300, 150), "findings": (400, 80)}  # fmt: skip
@@ -388,12 +388,12 @@ def test_the_first_layout_has_room_for_everything(open_user: Open, size: tuple[i
         assert view.minimumSizeHint().width() <= window.docks[name].width(), f"{name} is clipped"
 
 
-def test_tabs_need_no_titles(user: User) -> None:
-    bare = {name for name, dock in user.window.docks.items() if dock.titleBarWidget() is not None}
-    assert bare == set(user.window.docks) - {"parameters", "motion", "centres", "circle", "polygon", "camshaft_speed"}
+def test_tabs_need_no_titles(whole: User) -> None:
+    bare = {name for name, dock in whole.window.docks.items() if dock.titleBarWidget() is not None}
+    assert bare == set(whole.window.docks) - {"parameters", "motion", "centres", "circle", "polygon", "camshaft_speed"}
     for name in ("velocity", "acceleration", "jerk"):
-        user.window.docks[name].hide()
-    wait_for(lambda: user.window.docks["displacement"].titleBarWidget() is None)
+        whole.window.docks[name].hide()
+    wait_for(lambda: whole.window.docks["displacement"].titleBarWidget() is None)
 
 
 def test_the_look_does_not_follow_a_dark_desktop(app: QApplication, open_user: Open) -> None:

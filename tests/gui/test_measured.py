@@ -33,7 +33,7 @@ def table(header: str = HEADER, values: np.ndarray = LIFT, mark: str = ",") -> s
 @pytest.fixture
 def lift(open_user: Callable[..., User]) -> User:
     """A user at the lift example, without plots."""
-    return open_user(plots=False)
+    return open_user()
 
 
 @pytest.fixture

@@ -152,11 +152,11 @@ def test_layouts_are_there_where_the_follower_has_any(user: User) -> None:
     assert "Layout" not in user.entries("Compo")
 
 
-def test_docks_are_shown_and_hidden(user: User) -> None:
-    dock = user.window.docks["motion"]
-    user.choose("View", "Docks", "Motion")
+def test_docks_are_shown_and_hidden(whole: User) -> None:
+    dock = whole.window.docks["motion"]
+    whole.choose("View", "Docks", "Motion")
     assert dock.isHidden()
-    user.choose("View", "Docks", "Motion")
+    whole.choose("View", "Docks", "Motion")
     assert not dock.isHidden()
 
 
@@ -168,13 +168,13 @@ def test_layers_are_those_of_the_drawing(user: User) -> None:
     assert user.entries("View", "Layers of the drawing") == texts
 
 
-def test_pictures_on_screen_can_be_exported(user: User) -> None:
-    assert user.entries("Graph", "Export picture") == [
+def test_pictures_on_screen_can_be_exported(whole: User) -> None:
+    assert whole.entries("Graph", "Export picture") == [
         "Mechanism...", "Displacement...", "Pressure angle...", "Torque..."
     ]  # fmt: skip
-    user.choose("Kine", "Velocity")
-    wait_for(lambda: "Velocity..." in user.entries("Graph", "Export picture"))
-    assert "Displacement..." not in user.entries("Graph", "Export picture")
+    whole.choose("Kine", "Velocity")
+    wait_for(lambda: "Velocity..." in whole.entries("Graph", "Export picture"))
+    assert "Displacement..." not in whole.entries("Graph", "Export picture")
 
 
 def test_a_layout_that_cannot_be_built_is_told(user: User) -> None:

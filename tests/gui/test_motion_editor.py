@@ -36,7 +36,7 @@ NONE, SHIFT, CTRL, ALT = (
 @pytest.fixture
 def user(open_user: Open) -> User:
     """Without plots, for which no test here has eyes, and without its mechanism's limits of reach."""
-    made = open_user(plots=False)
+    made = open_user()
     made.session.stages_on_screen = tuple
     return made
 
@@ -299,7 +299,7 @@ def test_another_edit_in_the_middle_of_a_pull_ends_it(user: User) -> None:
 
 def test_what_cannot_be_is_told_and_the_last_good_motion_stays(open_user: Open) -> None:
     """With the mechanism in sight its reach is a limit."""
-    user = open_user(plots=False)
+    user = open_user()
     hand = take_line(user, 180.0, 0.0)
     hand.move(0.0, -20.0)
     good = user.design
@@ -316,22 +316,22 @@ def test_what_cannot_be_is_told_and_the_last_good_motion_stays(open_user: Open) 
     assert len(user.steps) == 1
 
 
-def test_the_range_grows_with_a_pull_and_fits_afterwards(user: User) -> None:
+def test_the_range_grows_with_a_pull_and_fits_afterwards(whole: User) -> None:
     """What the hand draws at stays under it: a pixel is as many mm at the end of the pull as at its start."""
-    paper = diagram(user)
+    paper = diagram(whole)
     step, low = paper.scale_now().unit, paper.scale_now().low
-    hand = take_line(user, 180.0, 0.0)
+    hand = take_line(whole, 180.0, 0.0)
     hand.move_pixels(0.0, 60.0)
-    level = 150.0 + rises(user)[1]
+    level = 150.0 + rises(whole)[1]
     assert level == pytest.approx(-60.0 / step, abs=2.0)
     assert paper.scale_now().low < low
     hand.move_pixels(0.0, -60.0)
-    assert rises(user) == rises_of_lift()
+    assert rises(whole) == rises_of_lift()
     hand.move_pixels(0.0, -40.0)
     assert paper.scale_now().low == pytest.approx(low)
     hand.release()
     paper.setFocus()
-    user.press(Qt.Key.Key_Escape)  # without the motion before
+    whole.press(Qt.Key.Key_Escape)  # without the motion before
     assert paper.scale_now().low > 0.0
 
 

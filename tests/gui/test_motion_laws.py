@@ -33,7 +33,7 @@ EDITING = QAbstractItemView.State.EditingState
 @pytest.fixture
 def user(open_user: Open) -> User:
     """Without plots, for which no test here has eyes, and without its mechanism's limits of reach."""
-    made = open_user(plots=False)
+    made = open_user()
     made.session.stages_on_screen = tuple
     return made
 
@@ -391,7 +391,7 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
 
 def test_points_on_top_of_one_another_are_refused(open_user: Open) -> None:
     """There is no curve through them; with the motion in sight that is told, and nothing changes."""
-    user = open_user(plots=False)
+    user = open_user()
     user.session.edit("motion.segments[1].law", "spline", "x")
     user.window.player.step(55.0)
     points(user).add()

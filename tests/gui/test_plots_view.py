@@ -284,15 +284,15 @@ def test_a_file_that_cannot_be_written_is_told(
 # -- in the window ----------------------------------------------------------------------------------------
 
 
-def test_one_angle_for_all(user: User) -> None:
-    view = user.window.view("pressure_angle")
+def test_one_angle_for_all(whole: User) -> None:
+    view = whole.window.view("pressure_angle")
     assert isinstance(view, PlotView)
     QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view, 300.0))
     settle()
-    theta = user.window.player.theta
+    theta = whole.window.player.theta
     assert degrees(theta) == pytest.approx(300.0, abs=1.0)
     for name in ("displacement", "torque"):
-        other = user.window.view(name)
+        other = whole.window.view(name)
         assert isinstance(other, PlotView)
         assert other.plot.angle == theta
 
@@ -316,15 +316,15 @@ def test_a_plot_behind_another_draws_nothing(user: User, monkeypatch: pytest.Mon
     assert ("jerk",) in drawn
 
 
-def test_what_was_written_is_told_in_the_status_line(user: User, tmp_path: Path) -> None:
-    view = user.window.view("displacement")
+def test_what_was_written_is_told_in_the_status_line(whole: User, tmp_path: Path) -> None:
+    view = whole.window.view("displacement")
     assert isinstance(view, PlotView)
-    user.picks("table_to_save", tmp_path / "d.csv")
+    whole.picks("table_to_save", tmp_path / "d.csv")
     act(view, "Export numbers...")
-    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'd.csv'}"
+    assert whole.window.status.currentMessage() == f"Wrote {tmp_path / 'd.csv'}"
 
 
-def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(user: User) -> None:
+def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(whole: User) -> None:
     painted: list[str] = []
 
     class Watch(QObject):
@@ -334,15 +334,15 @@ def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(user
             return False
 
     watch = Watch()
-    user.number("follower.rod_mm")
+    whole.number("follower.rod_mm")
     for name in ("displacement", "pressure_angle", "torque"):
-        view = user.window.view(name)
+        view = whole.window.view(name)
         assert isinstance(view, PlotView)
         view.plot.viewport().setObjectName(name)
         view.plot.viewport().installEventFilter(watch)
     settle()
     painted.clear()
-    assert user.session.edit("follower.rod_mm", 850.0, "a")
+    assert whole.session.edit("follower.rod_mm", 850.0, "a")
     settle()
     assert sorted(painted) == ["pressure_angle", "torque"]
 

@@ -29,6 +29,11 @@ PLOTS = {name: row for name, row in VIEWS.items() if row.picture and name not in
 ALL = ("motion", "linkage", "cam", "dynamics")
 
 
+@pytest.fixture
+def user(whole: User) -> User:
+    return whole
+
+
 def closure(read: tuple[str, ...]) -> set[str]:
     """Stages with all that they need."""
     return {need for stage in read for need in NEEDS[stage]}
@@ -54,7 +59,7 @@ def empty(user: User) -> GraphView:
 @pytest.fixture
 def alone(open_user: Open) -> User:
     """A window whose status line counts nothing by itself, so that what is seen is the view's own doing."""
-    user = open_user(plots=False)
+    user = open_user()
     empty(user)
     user.window.session.stages_on_screen = tuple
     return user

@@ -1,5 +1,6 @@
 """Parts of the window that are made anew: nothing of the former ones is left behind in Python, nor obeys any longer."""
 
+import pytest
 import shiboken6
 from PySide6.QtCore import QCoreApplication, QEvent, QObject, Qt, Signal
 from PySide6.QtTest import QTest
@@ -8,6 +9,11 @@ from window_user import Alone, User, settle, wait_for
 
 from kindyna_gui.places import example, examples
 from kindyna_gui.rebuilt import Rebuilt
+
+
+@pytest.fixture
+def user(whole: User) -> User:
+    return whole
 
 
 def item_wrappers() -> list[tuple[QLayoutItem, QWidget]]:

@@ -44,6 +44,11 @@ SAVE: tuple[Event, ...] = (("key", (Qt.Key.Key_S, CONTROL)),)
 UNDO: tuple[Event, ...] = (("key", (Qt.Key.Key_Z, CONTROL)),)
 
 
+@pytest.fixture
+def user(whole: User) -> User:
+    return whole
+
+
 class Replay:
     """Plays events on a window, as Qt would get them from mouse and keyboard."""
 

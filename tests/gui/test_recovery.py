@@ -59,7 +59,7 @@ def offer(user: User) -> None:
 
 
 def test_unsaved_work_is_on_the_disk_until_it_is_saved(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     assert not recovery_folder().exists(), "nothing is unsaved"
     user.enter("follower.rod_mm", "850")
     wait_for(lambda: bool(kept()))
@@ -76,7 +76,7 @@ def test_unsaved_work_is_on_the_disk_until_it_is_saved(open_user: Open, mine: Pa
 
 
 def test_a_clean_close_leaves_nothing(open_user: Open, mine: Path) -> None:
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("follower.rod_mm", "850")
     wait_for(lambda: bool(kept()))
     user.clicks("Cancel")
@@ -89,7 +89,7 @@ def test_a_clean_close_leaves_nothing(open_user: Open, mine: Path) -> None:
 
 def test_recover(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     left = left_behind(Unsaved(dumps(LONGER), mine, None, 1.7e9))
-    user: User = open_user(plots=False)
+    user: User = open_user()
     seen: list[tuple[str, ...]] = []
     title = user.clicks("Recover", before=lambda box: seen.extend(rows(box.findChild(QTableWidget))))
     offer(user)
@@ -108,7 +108,7 @@ def test_recover(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
 
 def test_later_discard_and_the_file_as_it_is(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     left = left_behind(Unsaved(dumps(LONGER), mine))
-    user: User = open_user(plots=False)
+    user: User = open_user()
     user.clicks("Later")
     offer(user)
     assert left.exists()
@@ -128,7 +128,7 @@ def test_later_discard_and_the_file_as_it_is(open_user: Open, mine: Path, left_b
 def test_several_the_latest_first(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     old = left_behind(Unsaved(dumps(LONGER), mine, None, 1.0e9))
     new = left_behind(Unsaved(dumps(edited(LIFT, "name", "Untitled work")), None, None, 1.7e9))
-    user: User = open_user(plots=False)
+    user: User = open_user()
     titles: list[str] = []
 
     def note(box: QListWidget) -> None:
@@ -144,7 +144,7 @@ def test_several_the_latest_first(open_user: Open, mine: Path, left_behind: Left
 
 
 def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behind: LeftBehind) -> None:
-    user: User = open_user(plots=False)
+    user: User = open_user()
     user.enter_cell(1, 3, "300")
     draft = user.session.draft
     assert draft is not None, "the motion does not make a turn"
@@ -166,16 +166,16 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
 
 def test_what_the_file_holds_already_is_not_offered(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     left_behind(Unsaved(dumps(LIFT), mine))
-    user: User = open_user(plots=False)
+    user: User = open_user()
     offer(user)
     assert kept() == []
 
 
 def test_of_another_window_nothing_is_offered(open_user: Open, mine: Path) -> None:
-    first: User = open_user(mine, plots=False)
+    first: User = open_user(mine)
     first.enter("follower.rod_mm", "850")
     wait_for(lambda: bool(kept()))
-    second: User = open_user(mine, plots=False)
+    second: User = open_user(mine)
     offer(second)
     assert second.design == LIFT
     assert load(kept()[0]) == LONGER
@@ -183,7 +183,7 @@ def test_of_another_window_nothing_is_offered(open_user: Open, mine: Path) -> No
 
 def test_damaged_work_is_kept_until_it_is_discarded(open_user: Open, left_behind: LeftBehind) -> None:
     left = left_behind(Unsaved("nonsense", None))
-    user: User = open_user(plots=False)
+    user: User = open_user()
     user.clicks("Recover")
     offer(user)
     assert user.faults[0][0] == "This work cannot be recovered."
@@ -194,7 +194,7 @@ def test_damaged_work_is_kept_until_it_is_discarded(open_user: Open, left_behind
 def test_where_nothing_can_be_written(open_user: Open, mine: Path) -> None:
     recovery_folder().parent.mkdir(parents=True, exist_ok=True)
     recovery_folder().write_text("a file where the folder should be")
-    user: User = open_user(mine, plots=False)
+    user: User = open_user(mine)
     user.enter("follower.rod_mm", "850")
     wait_for(lambda: user.window.status.currentMessage().startswith("Unsaved work would be lost"))
     recovery_folder().unlink()

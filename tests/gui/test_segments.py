@@ -24,7 +24,7 @@ EDITING = QAbstractItemView.State.EditingState
 @pytest.fixture
 def user(open_user: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user(plots=False)
+    return open_user()
 
 
 def motion(user: User) -> Motion:

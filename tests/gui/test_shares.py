@@ -21,7 +21,7 @@ def resize(user: User, width: int, height: int) -> None:
 
 @pytest.fixture
 def user(open_user: Open) -> User:
-    made = open_user(size=(1440, 900))
+    made = open_user(size=(1440, 900), whole=True)
     for _ in range(3):
         settle()
     return made

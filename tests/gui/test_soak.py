@@ -19,6 +19,11 @@ WARM = 40  # frames until caches are filled
 EDIT_EVERY = 25  # frames
 
 
+@pytest.fixture
+def user(whole: User) -> User:
+    return whole
+
+
 def memory() -> int:
     """Resident memory of this process [bytes]; 0 where the system does not tell."""
     status = Path("/proc/self/statm")

@@ -20,7 +20,7 @@ from kindyna_gui.stability.stability_view import StabilityView
 def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     """The window with Kim1990's cam, whose shaft is followed through few turns only: how many is no matter of the window."""
     monkeypatch.setattr(Stability, "turns", TURNS)
-    return open_user(KIM, size=(1440, 900), plots=False)
+    return open_user(KIM, size=(1440, 900))
 
 
 def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:

@@ -21,7 +21,7 @@ from kindyna_gui.stability.texts import verdict_table, waiting_text
 def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     """The window with Kim1990's cam, whose shaft is followed through few turns only: how many is no matter of the window."""
     monkeypatch.setattr(Stability, "turns", TURNS)
-    return open_user(KIM, size=(1440, 900), plots=False)
+    return open_user(KIM, size=(1440, 900))
 
 
 def test_the_mouse_reads_tongue_and_growth_at_once(kim: User) -> None:

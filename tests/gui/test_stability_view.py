@@ -26,7 +26,7 @@ from kindyna_gui.stability.stability_view import COARSE, FINE, StabilityView
 def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
     """The window with Kim1990's cam, whose shaft is followed through few turns only: how many is no matter of the window."""
     monkeypatch.setattr(Stability, "turns", TURNS)
-    return open_user(KIM, size=(1440, 900), plots=False)
+    return open_user(KIM, size=(1440, 900))
 
 
 def test_a_coarse_chart_stands_at_once_and_the_fine_one_follows(kim: User) -> None:
@@ -92,7 +92,7 @@ def test_the_machines_point_is_drawn_to_the_shaft_it_would_need(kim: User) -> No
 
 
 def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None:
-    user = open_user(size=(1440, 900), plots=False)
+    user = open_user(size=(1440, 900))
     lift = user.design
     user.choose("Stability", "Chart")
     view = user.window.view("stability")

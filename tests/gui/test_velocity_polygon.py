@@ -54,7 +54,7 @@ def test_the_six_bars_polygon_is_the_lectures(six_bar: User) -> None:
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "inverted_slider_crank", "rear_suspension", "stephenson_six_bar"])
 def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open) -> None:
     """Absolute ones from the pole; each difference leads from one end to another; all of it on the sheet."""
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     sheet = polygon(user).sheet
     for degrees in (20.0, 140.0, 250.0):
         study = user.turn(degrees)
@@ -75,7 +75,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
 
 
 def test_a_sliding_blocks_difference_lies_along_its_arm(open_user: Open) -> None:
-    user = open_user(example("inverted_slider_crank"), plots=False)
+    user = open_user(example("inverted_slider_crank"))
     sheet = polygon(user).sheet
     study = user.turn(70.0)
     vector = sheet.vectors()["V_A3A4"][1]
@@ -102,7 +102,7 @@ def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(six_bar: User, 
 
 
 def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> None:
-    user = open_user(example("four_bar_coupler_cam"), plots=False)
+    user = open_user(example("four_bar_coupler_cam"))
     sheet = polygon(user).sheet
     user.turn(10.0)
     assert sheet.still
@@ -162,7 +162,7 @@ def test_ratios_are_read_off_the_drawing_link_by_link(six_bar: User) -> None:
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "watt_six_bar", "inverted_slider_crank", "lecture_six_bar"])
 def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None:
     """Parallel to the line of the three centres, from abreast of one to abreast of the other; and they move."""
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     view = user.drawing()
     view.show_layer("ratios", True)
     tried = 0
@@ -213,7 +213,7 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
 
 
 def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
-    user = open_user(example("stephenson_six_bar"), plots=False)
+    user = open_user(example("stephenson_six_bar"))
     view = user.drawing()
     for layer in ("centres", "chain"):
         view.show_layer(layer, True)
@@ -237,7 +237,7 @@ def test_arrows_at_the_edge_stand_off_the_list(open_user: Open) -> None:
 
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "lecture_six_bar", "rear_suspension", "watt_six_bar"])
 def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_user: Open) -> None:
-    user = open_user(example(name), plots=False)
+    user = open_user(example(name))
     view = user.drawing()
     view.show_layer("centres", True)
     covered = seen = 0
