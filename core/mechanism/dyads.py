@@ -22,6 +22,7 @@ from core.mechanism.loop_closure import (
     centripetal,
     leg,
     line_of,
+    loop,
     pin_of,
     placed,
     turned_like,
@@ -71,9 +72,7 @@ class Closed:
 def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area K/4.
 
-    With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D. With c =
-    α'², β'² in the second order, 3α'α'', 3β'β'' in the third: (A × B) α = -B·d + (A·B) c_α - L_b² c_β,
-    (A × B) β = -A·d + L_a² c_α - (A·B) c_β.
+    With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D.
     """
     outer_a, inner, outer_b = joints
     a, b = pin_of(bodies, outer_a.first), pin_of(bodies, outer_b.first)
@@ -88,34 +87,20 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         product_of_brackets = np.where(by_rounding, 0.0, product_of_brackets)
     area = np.sqrt(product_of_brackets)
     k = side * area
-    ends = np.empty((2, square.size), dtype=complex)
-    to_b, to_a = ends
+    to_a, to_b = np.empty(square.size, dtype=complex), np.empty(square.size, dtype=complex)
     sum_and_difference = (la + lb) * (la - lb)
-    np.subtract(sum_and_difference, square, out=to_b.real)
-    np.add(sum_and_difference, square, out=to_a.real)
-    ends.imag = k
-    ends *= d[0] * (-0.5 / square)
-    between = 0.5 * (la * la + lb * lb - square)  # A · B
-    inverse = -2.0 / k  # of -A × B
+    to_b.real, to_a.real = sum_and_difference - square, sum_and_difference + square
+    to_b.imag = to_a.imag = k
+    scale = d[0] * (-0.5 / square)
+    to_b *= scale
+    to_a *= scale
 
-    def follow(order: int, turns: Chain) -> np.ndarray:
-        known = np.empty((2, square.size))
-        for row, end in zip(known, ends, strict=True):
-            np.multiply(end.real, d[order].real, out=row)
-            row += end.imag * d[order].imag
-        if order > 1:
-            w = turns[1]
-            alpha, beta = w * w if order == 2 else 3.0 * w * turns[2]
-            known[0] -= alpha * between
-            known[0] += (lb * lb) * beta
-            known[1] -= (la * la) * alpha
-            known[1] += beta * between
-        known *= inverse
-        if order == 3:
-            known += w * w * w
-        return known
+    def known(order: int, turns: Chain) -> np.ndarray:
+        if order == 1:
+            return -d[1]
+        return centripetal(to_b, turns.part(1), order) - centripetal(to_a, turns.part(0), order) - d[order]
 
-    turns = Chain(follow)
+    turns = loop(1j * to_a, -1j * to_b, -0.5 * k, known)
 
     def alone(row: int, to: np.ndarray, rod: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
         def heading() -> np.ndarray:
@@ -148,20 +133,18 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     to_joint = np.empty(c.shape, dtype=complex)
     to_joint.real, to_joint.imag = c, away
     to_joint *= t[0]
-    inverse = 1.0 / c
 
     def start() -> np.ndarray:
         return np.asarray(c - dot(path[0], t[0]))
 
-    def follow(order: int, both: Chain) -> np.ndarray:
-        known = path[order] if t.constant else path[order] + earlier(both.part(1, start), t, order)
-        known = known - centripetal(to_joint, both.part(0), order)
-        return np.array([-cross(known, t[0]) * inverse, -dot(known, to_joint) * inverse])
+    def known(order: int, both: Chain) -> np.ndarray:
+        moved = path[order] if t.constant else path[order] + earlier(both.part(1, start), t, order)
+        return moved - centripetal(to_joint, both.part(0), order)
 
     def heading() -> np.ndarray:
         return to_joint * (1.0 / rod)
 
-    both = Chain(follow)
+    both = loop(1j * to_joint, -t[0], c, known)
     angle, slide = both.part(0, angle_of(heading)), both.part(1, start)
     joint = sum_of(rail, product(slide, t))
     poses = (
@@ -188,16 +171,15 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     along = np.empty(r.size, dtype=complex)
     along.real, along.imag = s, -offset
     along *= d[0] / square
-    inverse = 1.0 / s
 
-    def follow(order: int, both: Chain) -> np.ndarray:
+    def known(order: int, both: Chain) -> np.ndarray:
         turn, slide = both.part(0), both.part(1)
-        known = d[order] - centripetal(d[0], turn, order)
+        left = d[order] - centripetal(d[0], turn, order)
         for k in range(1, order):
-            known = known - BINOMIAL[order][k] * slide[k] * turned(along, turn, order - k)
-        return np.array([cross(along, known) * inverse, dot(d[0], known) * inverse])
+            left = left - BINOMIAL[order][k] * slide[k] * turned(along, turn, order - k)
+        return left
 
-    both = Chain(follow)
+    both = loop(1j * d[0], along, -s, known)
 
     def lying(own_line: complex) -> tuple[Callable[[], np.ndarray], Derivatives]:
         def heading() -> np.ndarray:

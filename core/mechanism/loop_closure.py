@@ -82,15 +82,30 @@ def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
     return factor * u
 
 
-def two_slides(rest: Derivatives, t1: Derivatives, t2: Derivatives) -> tuple[Derivatives, Derivatives]:
-    """s1, s2 with t1 s1 + t2 s2 = rest."""
-    inverse = 1.0 / cross(t1[0], t2[0])
+def loop(
+    c1: np.ndarray, c2: np.ndarray, determinant: np.ndarray, known: Callable[[int, Chain], np.ndarray]
+) -> Chain:
+    """The loop's two coordinates x1, x2 in each order of derivative, from c1 x1 + c2 x2 = D by Cramer's rule.
 
-    def follow(order: int, slides: Chain) -> np.ndarray:
-        known = rest[order]
-        if order:
-            known = known - earlier(slides.part(0), t1, order) - earlier(slides.part(1), t2, order)
-        return np.array(np.broadcast_arrays(cross(known, t2[0]) * inverse, cross(t1[0], known) * inverse))
+    c1, c2       (n,) complex columns; determinant (n,) c1 × c2, which its own geometry knows better than their product
+    known        order, chain -> D (n,): what is known of the loop in this order, the lower orders of x1 and x2 included
+    """
+    inverse = 1.0 / determinant
 
-    slides = Chain(follow)
+    def follow(order: int, x: Chain) -> np.ndarray:
+        right = known(order, x)
+        return np.array(np.broadcast_arrays(cross(right, c2) * inverse, cross(c1, right) * inverse))
+
+    return Chain(follow)
+
+
+def two_slides(whole: Derivatives, t1: Derivatives, t2: Derivatives) -> tuple[Derivatives, Derivatives]:
+    """s1, s2 with t1 s1 + t2 s2 = whole."""
+
+    def known(order: int, slides: Chain) -> np.ndarray:
+        if not order:
+            return whole[0]
+        return whole[order] - earlier(slides.part(0), t1, order) - earlier(slides.part(1), t2, order)
+
+    slides = loop(t1[0], t2[0], cross(t1[0], t2[0]), known)
     return slides.part(0), slides.part(1)
