@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import perm
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from core.numerics.vectors import unit
 
@@ -60,7 +60,7 @@ class Bridge:
     def lay(self, q: np.ndarray, there: np.ndarray, states: Mapping[int, State]) -> None:
         """Put the links' states at q (4, n) where ``there`` (n,) says so."""
         u = (q[0, there] - self.at) / self.half
-        by_q = [_derivative(self.power, u, order) / self.half**order for order in range(4)]
+        by_q = [polyval(u, polyder(self.power, order)).T / self.half**order for order in range(4)]
         _, v, a, j = q[:, there, None]
         rows = (
             by_q[0],
@@ -76,26 +76,11 @@ class Bridge:
             heading[there] = unit(angle[0, there])
 
 
-def _derivative(power: np.ndarray, u: np.ndarray, order: int) -> np.ndarray:
-    """The polynomials' derivative at u (n,) -> (n, 6), by Horner."""
-    value = np.zeros((u.size, power.shape[1]))
-    for k in range(power.shape[0] - 1, order - 1, -1):
-        value = value * u[:, None] + power[k] * perm(k, order)
-    return value
-
-
 def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
     """The bridge through states (2, 4, 6): at both ends x, y, angle of both links and three derivatives by q."""
-    rows, right = [], []
-    powers = np.arange(8)
-    for end, u in enumerate((-1.0, 1.0)):
-        for order in range(4):
-            falling = np.ones(8)
-            for k in range(order):
-                falling = falling * (powers - k)
-            rows.append(falling * np.where(powers >= order, u ** np.maximum(powers - order, 0.0), 0.0))
-            right.append(states[end, order] * half**order)
-    return Bridge(at, half, links, np.linalg.solve(np.array(rows), np.array(right)))
+    rows = [polyval(u, polyder(np.eye(8), order)) for u in (-1.0, 1.0) for order in range(4)]
+    right = (states * half ** np.arange(4.0)[:, None]).reshape(8, 6)
+    return Bridge(at, half, links, np.linalg.solve(np.array(rows), right))
 
 
 @dataclass

@@ -63,30 +63,23 @@ def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.
 def _dyad(
     step: Step, joints: tuple[Joint, ...], closed: Closed, poses: dict[int, Pose], found: dict[int, ErrorBound]
 ) -> None:
+    """A link that slides keeps its angle against what it slides on; along a known guide it goes by its coordinate."""
     a, b = step.links
     outer_a, inner, outer_b = joints
     c1, c2 = closed.columns
     det = np.abs(cross(c1, c2))
     at_a, at_b = (_at(outer.first, poses, found) for outer in (outer_a, outer_b))
-    turned = [0.0 if outer.revolute else found[outer.first.link].angle for outer in (outer_a, outer_b)]
-    miss = at_a + at_b + closed.reach * (2.0 + turned[0] + turned[1])
+    guide_a, guide_b = (found[outer.first.link].angle + 1.0 for outer in (outer_a, outer_b))
+    turned = sum(guide - 1.0 for guide, outer in ((guide_a, outer_a), (guide_b, outer_b)) if not outer.revolute)
+    miss = at_a + at_b + closed.reach * (2.0 + turned)
     x1, x2 = 2.0 + np.abs(c2) * miss / det, 2.0 + np.abs(c1) * miss / det
-    own_a, own_b = abs(outer_a.second.point), abs(outer_b.second.point)
-    if step.kind == "RRR":
-        found[a], found[b] = ErrorBound(at_a + own_a * x1, x1), ErrorBound(at_b + own_b * x2, x2)
-    elif step.kind == "RPR":
-        found[a], found[b] = ErrorBound(at_a + own_a * x1, x1), ErrorBound(at_b + own_b * x1, x1)
-    elif step.kind == "RRP":
-        along = found[outer_b.first.link].angle + 1.0
-        found[a], found[b] = (
-            ErrorBound(at_a + own_a * x1, x1),
-            ErrorBound(at_b + x2 + miss + abs(inner.second.point) * along, along),
-        )
-    else:  # slides only: angles are those of the known links
-        angle_b = found[outer_b.first.link].angle + 1.0
-        angle_a = angle_b if step.kind == "RPP" else found[outer_a.first.link].angle + 1.0
-        found[a] = ErrorBound(at_a + (x1 if step.kind == "PRP" else 0.0) + miss + own_a * angle_a, angle_a)
-        found[b] = ErrorBound(at_b + x2 + miss + own_b * angle_b, angle_b)
+    angle_b = (x2 if inner.revolute else x1) if outer_b.revolute else guide_b
+    angle_a = (x1 if inner.revolute else angle_b) if outer_a.revolute else guide_a
+    placed_a = outer_a.second if outer_a.revolute else inner.first
+    placed_b = inner.second if inner.revolute and not outer_b.revolute else outer_b.second
+    slid_a, slid_b = (0.0 if outer.revolute else x + miss for outer, x in ((outer_a, x1), (outer_b, x2)))
+    found[a] = ErrorBound(at_a + slid_a + abs(placed_a.point) * angle_a, angle_a)
+    found[b] = ErrorBound(at_b + slid_b + abs(placed_b.point) * angle_b, angle_b)
 
 
 def _group(

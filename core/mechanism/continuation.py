@@ -100,9 +100,8 @@ def _assembled(plan: Plan, index: int, group: Group, way: Way, q: float) -> np.n
     x, last = newton(group, many, _spread(group, known), steps=40)
     good = x[:, last <= NEAR]
     good[2::3] = np.remainder(good[2::3] + np.pi, 2.0 * np.pi) - np.pi
-    keep = _distinct(good)
-    keep = keep[:, _kept_sides(plan, group, {link: _repeated(p, keep.shape[1]) for link, p in known.items()}, keep)]
-    return keep[:, 0] if keep.size else None
+    good = good[:, _kept_sides(plan, group, {link: _repeated(p, good.shape[1]) for link, p in known.items()}, good)]
+    return good[:, np.lexsort(np.round(good[2::3], 6)[::-1])[0]] if good.size else None
 
 
 def _repeated(pose: Pose, n: int) -> Pose:
@@ -122,17 +121,6 @@ def _spread(group: Group, known: Bodies) -> np.ndarray:
     x[1::3] += centre.imag
     x[2::3] *= 0.5 * np.pi
     return x
-
-
-def _distinct(x: np.ndarray) -> np.ndarray:
-    """Each position once, ordered by the links' angles, lowest number first."""
-    if not x.shape[1]:
-        return x
-    rounded = np.round(x[2::3], 6)
-    order = np.lexsort(rounded[::-1])
-    x, rounded = x[:, order], rounded[:, order]
-    new = np.append(True, (np.abs(np.diff(rounded, axis=1)) > 2e-6).any(axis=0))
-    return x[:, new]
 
 
 def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.ndarray:

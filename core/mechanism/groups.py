@@ -43,9 +43,8 @@ def newton(group: Group, known: Bodies, start: np.ndarray, steps: int = STEPS) -
     x = start.copy()
     last = np.full(x.shape[1], np.inf)
     for _ in range(steps):
-        poses = _poses(group, _still(x))
-        miss = _miss(group, {**known, **poses})
-        change = _solve(_matrix(group, {**known, **poses}), -miss)
+        bodies = {**known, **_poses(group, _at_rest(x))}
+        change = _solve(_matrix(group, bodies), -_opening(group, bodies, 0))
         length = np.abs(change).max(axis=0)
         change *= np.minimum(1.0, 0.5 / np.maximum(length, 1e-300))  # half a radian, or half the size, at once
         x += change
@@ -57,12 +56,12 @@ def newton(group: Group, known: Bodies, start: np.ndarray, steps: int = STEPS) -
 
 def settled(group: Group, known: Bodies, x: np.ndarray) -> Settled:
     """Poses with three derivatives from coordinates that close (3m, n)."""
-    states = _still(x)
+    states = _at_rest(x)
     matrix = _matrix(group, {**known, **_poses(group, states)})
     lengths = np.sqrt((matrix * matrix).sum(axis=2)).prod(axis=1)
     determinant = np.linalg.det(matrix) / lengths
     for order in (1, 2, 3):
-        states[order] = _solve(matrix, -_closure(group, {**known, **_poses(group, states)}, order))
+        states[order] = _solve(matrix, -_opening(group, {**known, **_poses(group, states)}, order))
     return Settled(_poses(group, states), matrix, determinant)
 
 
@@ -74,7 +73,7 @@ def _poses(group: Group, states: np.ndarray) -> dict[int, Pose]:
     }
 
 
-def _still(x: np.ndarray) -> np.ndarray:
+def _at_rest(x: np.ndarray) -> np.ndarray:
     """Coordinates (3m, n) that do not change (4, 3m, n)."""
     return np.stack([x, *3 * [np.zeros_like(x)]])
 
@@ -87,33 +86,21 @@ def _solve(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
         return np.einsum("nij,jn->in", np.linalg.pinv(matrix), right)
 
 
-def _miss(group: Group, bodies: Bodies) -> np.ndarray:
-    """How far every pair is open (3m, n), lengths in units of the size."""
-    rows: list[np.ndarray] = []
-    for joint in group.joints:
-        a, b = bodies[joint.first.link], bodies[joint.second.link]
-        heading = a.unit
-        gap = b.derivative(joint.second.point, 0) - a.derivative(joint.first.point, 0)
-        if joint.revolute:
-            rows += [gap.real / group.size, gap.imag / group.size]
-        else:
-            turn = b.turn[0] - a.turn[0] + np.angle(joint.second.along / joint.first.along)
-            turn = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
-            rows += [turn, cross(joint.first.along * heading, gap) / group.size]
-    return np.array(np.broadcast_arrays(*rows))
-
-
-def _closure(group: Group, bodies: Bodies, order: int) -> np.ndarray:
-    """How far every pair opens in this order of derivative, 1 ... 3 (3m, n), by what is known of the rates so far."""
+def _opening(group: Group, bodies: Bodies, order: int) -> np.ndarray:
+    """How far every pair is open (3m, n), lengths in units of the size; or the derivative of this order, 1 ... 3, by what is
+    known of the rates so far."""
     rows: list[np.ndarray] = []
     for joint in group.joints:
         a, b = (line_of(bodies, held) for held in (joint.first, joint.second))
         gap = difference(b[0], a[0])
         if joint.revolute:
             rows += [gap[order].real / group.size, gap[order].imag / group.size]
-        else:
-            turn = bodies[joint.second.link].turn[order] - bodies[joint.first.link].turn[order]
-            rows += [turn, product(a[1], gap, cross)[order] / group.size]
+            continue
+        turn = bodies[joint.second.link].turn[order] - bodies[joint.first.link].turn[order]
+        if not order:
+            turn = turn + np.angle(joint.second.along / joint.first.along)
+            turn = np.remainder(turn + np.pi, 2.0 * np.pi) - np.pi
+        rows += [turn, product(a[1], gap, cross)[order] / group.size]
     return np.array(np.broadcast_arrays(*rows))
 
 
