@@ -1,4 +1,5 @@
-"""Lengths from places: a joint of a cam's follower is put where it is wanted at one cam angle, the typed values follow.
+"""Dimensions from places: a joint that can be drawn elsewhere is put where it is wanted at one cam angle, the typed values
+follow.
 
 What the motion says stays true: the cam angle, and how far the follower has gone there. So the base position is found
 backwards, from the place at this angle less the motion.
@@ -19,6 +20,7 @@ from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.base import LAYOUT_TABLE, Layout, base_position
+from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.triangle import area4_of
 
@@ -30,8 +32,8 @@ _ANGLE_DECIMALS = 2  # more of them for an angle in degrees than for a length in
 
 @dataclass(frozen=True)
 class Drag:
-    """One joint: what it is called, the field that is edited by it above all, and what follows from a place ``to`` [m]
-    in the position that ``kinematics`` shows (n = 1)."""
+    """One joint: its name for the reader, the path of the value that is edited by it above all, and what follows from a place
+    ``to`` [m] in the position that ``kinematics`` shows (n = 1)."""
 
     label: str
     field: str
@@ -141,6 +143,14 @@ def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     }
 
 
+def _point(name: str) -> Callable[[Design, Kinematics, complex], Changes]:
+    return lambda design, kinematics, to: point_changes(design, kinematics, name, to)
+
+
+def _of_linkage(design: Design) -> Mapping[str, Drag]:
+    return {name: Drag(f"joint {name}", path, _point(name)) for name, path in movable_points(design).items()}
+
+
 DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
     {
         Oscillating: {
@@ -159,16 +169,19 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 """Kind of follower -> the joints that can be drawn elsewhere, by the names of their points."""
 
 
-def drags_of(design: Design) -> Mapping[str, Drag]:
-    """The joints of a design that can be drawn elsewhere."""
-    return DRAGS[type(design.drive.mechanism)]
+def joints_of(design: Design) -> Mapping[str, Drag]:
+    """The joints of a design that can be drawn elsewhere, by the names of their points."""
+    return DRAGS.get(type(design.drive.mechanism)) or _of_linkage(design)
 
 
-def with_joint_at(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
+def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:
     """The design with a joint at ``to`` [m] in the position that ``kinematics`` shows (n = 1). Lengths are rounded to so many
-    decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError, NoAssembly."""
-    for path, value in drags_of(design)[name].changes(design, kinematics, to).items():
-        if not isinstance(value, str):
+    decimals [mm], angles to two more [deg]. It may have faults. Raises KeyError for a joint there is none of, NoAssembly where
+    nothing fits."""
+    for path, value in joints_of(design)[name].changes(design, kinematics, to).items():
+        if isinstance(value, tuple):
+            value = tuple(round(number, decimals) + 0.0 for number in value)
+        elif not isinstance(value, str):
             value = round(value, decimals + (_ANGLE_DECIMALS if split_unit(path)[1].symbol == "°" else 0)) + 0.0
         design = put(design, path, value)
     return design

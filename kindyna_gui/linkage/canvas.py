@@ -18,7 +18,7 @@ _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 
 def joints_now(scene: MechanismScene) -> dict[str, complex]:
     """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
-    from core.followers.joints import joints_of  # which takes longer to load than the picture to draw
+    from core.followers.dragging import joints_of  # which takes longer to load than the picture to draw
 
     reading = scene.reading
     if reading is None:

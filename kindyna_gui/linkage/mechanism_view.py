@@ -98,7 +98,7 @@ class MechanismView(View):
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
-        from core.followers.joints import joints_of, move_joint
+        from core.followers.dragging import joints_of, move_joint
 
         design, joint = self.session.design, joints_of(self.session.design)[name]
         kinematics = self.session.at(self.player.theta).linkage
@@ -111,7 +111,7 @@ class MechanismView(View):
             self.session.put(moved, f"Move {joint.label}", joint.field)
 
     def _drop_joint(self, name: str) -> None:
-        from core.followers.joints import joints_of
+        from core.followers.dragging import joints_of
 
         self.session.end_gesture()
         self.session.withdraw(joints_of(self.session.design)[name].field)

@@ -1,4 +1,4 @@
-"""core.followers.joints with core.mechanism.dragging and core.followers.dragging: a joint is put where it is wanted, and the
+"""core.followers.dragging with core.mechanism.dragging: a joint is put where it is wanted, and the
 typed lengths follow."""
 
 import cmath
@@ -17,8 +17,7 @@ from mechanisms import LIFT
 from core.design import LAYOUTS, CamSlider, Design, faults, put, with_drive
 from core.errors import NoAssembly
 from core.followers import base_position
-from core.followers.joints import joints_of, move_joint
-from core.mechanism.dragging import with_point_at
+from core.followers.dragging import joints_of, move_joint
 from core.mechanism.kinematics import Kinematics
 from core.project import load
 from core.study import Study
@@ -181,7 +180,7 @@ def test_a_joint_of_a_linkage_at_its_own_place_changes_nothing(name: str) -> Non
     for theta in (0.4, 2.0):
         kinematics = kinematics_at(design, theta)
         for point in joints_of(design):
-            same = with_point_at(design, kinematics, point, place(kinematics, point), 12)
+            same = move_joint(design, kinematics, point, place(kinematics, point), 12)
             assert numbers(same) == pytest.approx(numbers(design), rel=1e-13, abs=1e-9)
 
 
@@ -197,7 +196,7 @@ def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[Design, float
         if having & {1, design.drive.mechanism.driver.link} or having & {int(n) for n in sliding}:
             continue
         to = place(kinematics, point) + 1e-3 * complex(x, y)
-        moved = with_point_at(design, kinematics, point, to, 12)
+        moved = move_joint(design, kinematics, point, to, 12)
         after = kinematics_at(moved, q)
         size = Study(design).course.plan.size
         assert place(after, point) == pytest.approx(to, abs=1e-12 * size * max(1.0, float(kinematics.condition.max())))
@@ -211,7 +210,7 @@ def test_a_joint_of_any_linkage_lands_where_it_is_put(drawn: tuple[Design, float
 def test_a_point_of_the_frame_moves_alone() -> None:
     design = example("four_bar")
     kinematics = kinematics_at(design, 1.0)
-    moved = with_point_at(design, kinematics, "O4", 0.11 + 0.004j, 12)
+    moved = move_joint(design, kinematics, "O4", 0.11 + 0.004j, 12)
     changed = [a.number for a, b in zip(design.drive.mechanism.links, moved.drive.mechanism.links, strict=True) if a != b]
     assert changed == [1]
     assert moved.drive.mechanism.by_number[1].places["O4"] == pytest.approx(110.0 + 4.0j)
@@ -220,7 +219,7 @@ def test_a_point_of_the_frame_moves_alone() -> None:
 def test_a_point_of_the_crank_keeps_to_its_line() -> None:
     design = example("four_bar")
     kinematics = kinematics_at(design, math.pi / 2.0)
-    moved = with_point_at(design, kinematics, "A", 0.01 + 0.04j, 12)
+    moved = move_joint(design, kinematics, "A", 0.01 + 0.04j, 12)
     assert moved.drive.mechanism.by_number[2].places["A"] == pytest.approx(40.0, abs=1e-9)
     assert place(kinematics_at(moved, math.pi / 2.0), "A") == pytest.approx(0.04j, abs=1e-12)
 
@@ -228,7 +227,7 @@ def test_a_point_of_the_crank_keeps_to_its_line() -> None:
 def test_a_point_that_slides_keeps_to_its_guide() -> None:
     design = example("slider_crank")
     kinematics = kinematics_at(design, 1.0)
-    moved = with_point_at(design, kinematics, "B", place(kinematics, "B") + 0.01 + 0.02j, 12)
+    moved = move_joint(design, kinematics, "B", place(kinematics, "B") + 0.01 + 0.02j, 12)
     assert place(kinematics_at(moved, 1.0), "B") == pytest.approx(place(kinematics, "B") + 0.01, abs=1e-12)
     assert moved.drive.mechanism.sliders == design.drive.mechanism.sliders
 
@@ -236,7 +235,7 @@ def test_a_point_that_slides_keeps_to_its_guide() -> None:
 def test_what_is_no_joint_is_a_key_error() -> None:
     design = example("four_bar")
     with pytest.raises(KeyError):
-        with_point_at(design, kinematics_at(design, 0.0), "Z", 0j)
+        move_joint(design, kinematics_at(design, 0.0), "Z", 0j)
     with pytest.raises(KeyError):
         move_joint(LIFT, kinematics_at(LIFT, 0.0), "guide", 0j)
 
@@ -244,5 +243,3 @@ def test_what_is_no_joint_is_a_key_error() -> None:
 def test_a_driver_that_slides_stays_where_the_motion_puts_it() -> None:
     design = example("cam_slider_linkage")
     assert "S" not in joints_of(design)
-    kinematics = kinematics_at(design, 0.0)
-    assert with_point_at(design, kinematics, "S", 0j) is design

@@ -31,7 +31,6 @@ from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
 from core.mechanism import CrankProgram, body_name, course_of, linkage_kinematics, plan_of, unit_speed_kinematics
 from core.mechanism.conditioning import error_bounds
-from core.mechanism.dragging import other_side
 from core.mechanism.grashof import four_bar as four_bar_of
 from core.mechanism.kinematics import FRAME, Kinematics
 from core.mechanism.solving import at_driver
@@ -492,14 +491,3 @@ def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     assert kinematics.output == "link2"
     assert kinematics.ground == "O2"
     assert [dyad.kind for dyad in kinematics.dyads] == (["RRR"] if design == "four-bar" else ["RRP"])
-
-
-# -- dimensions from the drawing --------------------------------------------------------------------------
-
-
-def test_the_other_side_is_the_mirrored_dyad() -> None:
-    design = four_bar(100.0, 30.0, 90.0, 70.0)
-    assert other_side(design, "B").drive.mechanism.sides == {"B": -1}
-    assert other_side(other_side(design, "B"), "B") == design
-    bare = with_drive(design, mechanism=replace(design.drive.mechanism, branch=()))
-    assert other_side(bare, "B").drive.mechanism.sides == {"B": -1}

@@ -10,7 +10,7 @@ from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
 from core.design import faults
-from core.mechanism.dragging import with_point_at
+from core.followers.dragging import move_joint
 from core.output.export import files
 from core.project import load
 from core.study import Study
@@ -254,7 +254,7 @@ def test_only_what_meets_at_the_joint_changes() -> None:
     study = Study(design).at_theta(np.array([1.2]))
     bodies = study.linkage.bodies
     wanted = complex(bodies["link5"].point("D")[0, 0]) + 0.004 - 0.003j
-    moved = with_point_at(design, study.linkage, "D", wanted, 12)
+    moved = move_joint(design, study.linkage, "D", wanted, 12)
     after = Study(moved).at_theta(np.array([1.2])).linkage.bodies
     assert complex(after["link5"].point("D")[0, 0]) == pytest.approx(wanted, abs=1e-13)
     for body in ("link2", "link3", "link4"):
