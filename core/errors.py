@@ -1,4 +1,4 @@
-"""What can go wrong, said once: each error names the field or the cam angle, the value, the allowed range
+"""What can go wrong: each error names the field or the cam angle, the value, the allowed range
 and what to do. An exception means that no answer exists; limits that are merely exceeded are findings."""
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ class Fault:
     allowed: str = ""
 
     def __str__(self) -> str:
-        told = self.path if self.value is MISSING else f"{self.path} = {_shown(self.value)}"
-        text = f"{told}: {self.problem}" if told else self.problem
+        place = self.path if self.value is MISSING else f"{self.path} = {_shown(self.value)}"
+        text = f"{place}: {self.problem}" if place else self.problem
         return f"{text}; allowed: {self.allowed}" if self.allowed else text
 
 
@@ -112,9 +112,9 @@ def at_angles(error: NoAnswer, cam_angles: Sequence[tuple[float, float]]) -> NoA
 
 def angle_list(ranges: Sequence[tuple[float, float]], most: int = 4) -> str:
     """``35...76.5, 283.5...325 deg``: a short text for ranges of cam angles in degrees."""
-    told = [f"{a:.6g}" if a == b else f"{a:.6g}...{b:.6g}" for a, b in ranges[:most]]
-    rest = len(ranges) - most
-    return ", ".join(told) + (f" and {rest} more ranges" if rest > 0 else "") + " deg"
+    texts = [f"{a:.6g}" if a == b else f"{a:.6g}...{b:.6g}" for a, b in ranges[:most]]
+    more = len(ranges) - most
+    return ", ".join(texts) + (f" and {more} more ranges" if more > 0 else "") + " deg"
 
 
 def angle_ranges(theta: np.ndarray, bad: np.ndarray) -> list[tuple[float, float]]:

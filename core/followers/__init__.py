@@ -9,7 +9,6 @@ from typing import Any, NamedTuple, cast
 from core.design import CamSlider, Follower, Linkage, Oscillating, Translating, si
 from core.followers.base import LAYOUT_TABLE, BasePosition, Layout, base_position
 from core.followers.cam_slider import cam_slider
-from core.followers.limits import NEAR, findings
 from core.followers.oscillating import oscillating
 from core.followers.translating import translating
 from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
@@ -60,4 +59,4 @@ def _built(kind: Any, part: Any, needed: Any) -> Mechanism:
     return BUILDERS[kind].build(part, needed)
 
 
-__all__ = ["BUILDERS", "LAYOUT_TABLE", "NEAR", "BasePosition", "Layout", "base_position", "built", "findings"]
+__all__ = ["BUILDERS", "LAYOUT_TABLE", "BasePosition", "Layout", "base_position", "built"]

@@ -1,4 +1,4 @@
-"""Instant velocity centres: of all links, by the pairs, by velocities and by Kennedy's construction; what they tell."""
+"""Instant velocity centres: of all links, by the pairs, by velocities and by Kennedy's construction; velocity ratios by them."""
 
 from core.instant_centres.cam import cam_follower_centre
 from core.instant_centres.centre import Centres

@@ -1,4 +1,4 @@
-"""What the centres tell: velocity ratios with directed distances, mechanical advantage (Velocity, 6.4)."""
+"""Velocity ratios by instant centres: angular velocities with directed distances, mechanical advantage (Velocity, 6.4)."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def mechanical_advantage(table: CentreTable, output: str, driver: str) -> np.nda
 
 @dataclass(frozen=True, eq=False)
 class RatioArms:
-    """Two distances on one line that tell a velocity ratio: both bodies have one velocity at their common centre.
+    """Two distances on one line whose quotient is a velocity ratio: both bodies have one velocity at their common centre.
 
-    body, base             ω_body/ω_base is told
+    body, base             the ratio is ω_body/ω_base
     other, own, common     the keys of I_1base, I_1body and I_base,body
     base_arm               (n,) I_1base I_base,body [m], never negative
     body_arm               (n,) I_1body I_base,body [m], negative where it points the other way; infinite where the body
@@ -70,7 +70,7 @@ def _arm(common: Centres, held: Centres) -> np.ndarray:
     return np.asarray(common.point * held.weight - held.point * common.weight)
 
 
-# -- which ratios are told --------------------------------------------------------------------------------
+# -- which bodies are compared --------------------------------------------------------------------------------
 
 
 def to_driver(table: CentreTable, driver: str) -> tuple[tuple[str, str], ...]:

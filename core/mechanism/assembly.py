@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from core.design import CRANK, FRAME_LINK, Linkage, LinkageCam
+from core.design import CRANK, FRAME_LINK, Linkage
 from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
@@ -17,7 +17,7 @@ from core.mechanism.driver_ranges import Course, course_of, guided_course
 from core.mechanism.dyads import Closed
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Kinematics, Pair, Pose
 from core.mechanism.loop_closure import line_of
-from core.mechanism.mechanism import ROLLER, Mechanism, Reference, mechanism_of
+from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
 from core.mechanism.plan import Joint, Plan
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
@@ -84,19 +84,13 @@ def course_for(mechanism: Mechanism, low: float, high: float) -> Course:
     return guided_course(mechanism.plan, mechanism.start, float(ends.min()), float(ends.max()), mechanism.angles)
 
 
-def linkage_kinematics(linkage: Linkage, motion: MotionState, course: Course, cam: LinkageCam | None = None) -> Kinematics:
-    """Every link of a [linkage], and of a cam's roller, at the driver's positions motion.y (4, n). Raises NoPosition, naming
-    the driver angles, where links do not meet."""
-    return solve_mechanism(mechanism_of(linkage, None if cam is None else Reference(cam.link, cam.point)), motion, course)
-
-
 def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, course: Course) -> Kinematics:
     """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
     what needs directions only, such as instant centres, stands in a dwell of the motion too."""
     state = MotionState(
         Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions).all, np.ones(positions.size)
     )
-    return linkage_kinematics(linkage, state, course)
+    return solve_mechanism(mechanism_of(linkage), state, course)
 
 
 def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:

@@ -1,4 +1,4 @@
-"""How a linkage gets along its course: which side of a dyad holds where, over change points, and where Newton starts."""
+"""The branch that a linkage follows: which side of a dyad holds where, over change points, and where Newton starts."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate s
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """A group's way: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
+    """A group's path: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
 
     at: np.ndarray
     states: np.ndarray
@@ -84,9 +84,9 @@ def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -
 
 
 @dataclass
-class Way:
-    """What is known of the way so far, by step: tracks of groups; change points of dyads (rising, (m,)), the start of
-    the course from which sides count, and the bridges over them."""
+class Branch:
+    """Which of its assemblies a linkage is in, by step of its plan, as far as it has been solved: tracks of groups; change
+    points of dyads (rising, (m,)), the driver position from which their sides count, and the bridges over them."""
 
     start: float = 0.0
     tracks: dict[int, Track] = field(default_factory=dict)

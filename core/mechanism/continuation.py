@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from core.mechanism.change_points import Track, Way
+from core.mechanism.change_points import Branch, Track
 from core.mechanism.groups import NEAR, Group, Settled, newton, settled
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies
@@ -26,7 +26,7 @@ def merged(tracks: Sequence[Track]) -> Track:
     return Track(np.concatenate([t.at for t in tracks]), np.concatenate([t.states for t in tracks]))
 
 
-def follow(plan: Plan, index: int, way: Way, low: float, high: float) -> Track | None:
+def follow(plan: Plan, index: int, branch: Branch, low: float, high: float) -> Track | None:
     """The track of a group through low ... high, as far as it goes from its first assembly; None where there is none.
 
     The first assembly is searched at positions of the driver in turn; sides that are stated must be kept there.
@@ -35,19 +35,19 @@ def follow(plan: Plan, index: int, way: Way, low: float, high: float) -> Track |
     group = Group(step.links, joints, plan.size)
     first = None
     for q in np.linspace(low, high, TRIES + 1)[:-1]:
-        first = _assembled(plan, index, group, way, float(q))
+        first = _assembled(plan, index, group, branch, float(q))
         if first is not None:
             break
     if first is None:
         return None
-    forward = _walk(plan, index, group, way, float(q), first, high, (high - low) / STEPS)
-    backward = _walk(plan, index, group, way, float(q), first, low, -(high - low) / STEPS)
+    forward = _walk(plan, index, group, branch, float(q), first, high, (high - low) / STEPS)
+    backward = _walk(plan, index, group, branch, float(q), first, low, -(high - low) / STEPS)
     nodes = [*backward[:0:-1], *forward]
     return Track(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
 
 
-def _known(plan: Plan, index: int, way: Way, q: float) -> dict[int, Pose]:
-    return solve(plan, at_driver(np.array([q])), way, index).poses
+def _known(plan: Plan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
+    return solve(plan, at_driver(np.array([q])), branch, index).poses
 
 
 def _state(group: Group, result: Settled) -> np.ndarray:
@@ -63,10 +63,10 @@ def _state(group: Group, result: Settled) -> np.ndarray:
 
 
 def _walk(
-    plan: Plan, index: int, group: Group, way: Way, q: float, first: np.ndarray, end: float, step: float
+    plan: Plan, index: int, group: Group, branch: Branch, q: float, first: np.ndarray, end: float, step: float
 ) -> list[tuple[float, np.ndarray]]:
-    """Nodes from q towards ``end``; steps shorten where the way bends, and end before a dead centre."""
-    known = _known(plan, index, way, q)
+    """Nodes from q towards ``end``; steps shorten where the path bends, and end before a dead centre."""
+    known = _known(plan, index, branch, q)
     here = settled(group, known, first[:, None])
     nodes = [(q, _state(group, here))]
     sign = np.sign(here.determinant[0])
@@ -76,7 +76,7 @@ def _walk(
         move = target - q
         x, v, a, j = nodes[-1][1]
         guess = x + move * (v + move * (a / 2.0 + move * j / 6.0))
-        known = _known(plan, index, way, target)
+        known = _known(plan, index, branch, target)
         found, last = newton(group, known, guess[:, None], steps=6)
         there = settled(group, known, found) if last[0] <= NEAR else None
         kept = (
@@ -93,9 +93,9 @@ def _walk(
     return nodes
 
 
-def _assembled(plan: Plan, index: int, group: Group, way: Way, q: float) -> np.ndarray | None:
+def _assembled(plan: Plan, index: int, group: Group, branch: Branch, q: float) -> np.ndarray | None:
     """The first of all assemblies found at q (3k,), in the order of the links' angles; None where there is none."""
-    known = _known(plan, index, way, q)
+    known = _known(plan, index, branch, q)
     many = {link: _repeated(pose, STARTS) for link, pose in known.items()}
     x, last = newton(group, many, _spread(group, known), steps=40)
     good = x[:, last <= NEAR]

@@ -12,7 +12,7 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP
-from core.mechanism.change_points import HALF, Way, bridge
+from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
 from core.mechanism.dyads import Closed
 from core.mechanism.plan import Plan, plan_of
@@ -27,7 +27,7 @@ _LEAST = 33
 
 @dataclass(frozen=True)
 class Range:
-    """The driver's positions low ... high [rad or m] between two dead centres, or between the ends of what was asked.
+    """The driver's positions low ... high [rad or m] between two dead centres, or between the requested ends.
 
     low_joint, high_joint  where it locks: the joint of the dyad, or the links of a group; empty where it does not
     """
@@ -78,7 +78,7 @@ class Change:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Ranges and change points in rising order, cut where the driver's turn begins; the way; turning by link;
+    """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
     closes: after one turn of the driver every link stands as before."""
 
     plan: Plan
@@ -86,13 +86,13 @@ class Course:
     high: float
     ranges: tuple[Range, ...]
     changes: tuple[Change, ...]
-    way: Way
+    branch: Branch
     turning: Mapping[int, Turning]
     closes: bool = True
 
     def solve(self, q: Derivatives) -> Solved:
         """Poses for the driver at q, angles without jumps; NaN outside the ranges."""
-        solved = solve(self.plan, q, self.way)
+        solved = solve(self.plan, q, self.branch)
         for link, turning in self.turning.items():
             pose = solved.poses[link]
             solved.poses[link] = pose.turning_as(turning.of(q, pose.turn))
@@ -104,15 +104,15 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
     """The course for driver positions low ... high [rad or m]; kept."""
     plan = plan_of(linkage)
     whole = high - low == TURN
-    way = Way(low)
+    branch = Branch(low)
     ranges, changes = [Range(low, high)], []
     for i, (step, _) in enumerate(plan.steps):
         if step.kind == GROUP:
-            ranges = _followed(plan, i, way, ranges)
+            ranges = _followed(plan, i, branch, ranges)
         else:
             if step.kind in _SIDED:
-                changes += _changes(plan, i, way, ranges, whole)
-            gap = _gap(plan, i, way)
+                changes += _changes(plan, i, branch, ranges, whole)
+            gap = _gap(plan, i, branch)
             ranges = [
                 _within(r, a, b, step.joint)
                 for r in ranges
@@ -120,30 +120,30 @@ def course_of(linkage: Linkage, low: float = 0.0, high: float = TURN) -> Course:
                 if b - a > _STANDS * (high - low)
             ]
         if not ranges:
-            return Course(plan, low, high, (), (), way, MappingProxyType({}))
-    turning, closes = _turning(plan, ranges, way, high - low, whole)
-    told = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
-    return Course(plan, low, high, tuple(ranges), told, way, MappingProxyType(turning), closes)
+            return Course(plan, low, high, (), (), branch, MappingProxyType({}))
+    turning, closes = _turning(plan, ranges, branch, high - low, whole)
+    inside = tuple(sorted((c for c in changes if low <= c.at < high), key=lambda c: c.at))
+    return Course(plan, low, high, tuple(ranges), inside, branch, MappingProxyType(turning), closes)
 
 
 def guided_course(plan: Plan, start: float, low: float, high: float, angles: Mapping[int, float]) -> Course:
     """The course of a mechanism that stays as it is assembled at ``start``, through driver positions low ... high [rad or
-    m]: no ranges and no change points are looked for. Every link's angle goes on without a jump from what it is at the
+    m]: no ranges and no change points are searched. Every link's angle goes on without a jump from what it is at the
     start, ``angles`` [rad] by link."""
-    way = Way(low)
+    branch = Branch(low)
     at = np.linspace(low, high, PATH)
-    poses = solve(plan, at_driver(at), way).poses
+    poses = solve(plan, at_driver(at), branch).poses
     turning = {}
     for link, first in angles.items():
         angle = np.unwrap(_known(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
         angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
         middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN else None
         turning[link] = Turning(at, angle, middle, False)
-    return Course(plan, low, high, (), (), way, MappingProxyType(turning))
+    return Course(plan, low, high, (), (), branch, MappingProxyType(turning))
 
 
 PATH = 65  # positions through which links are followed from the base: no link turns by more than half a turn between two
-_STANDS = 1e-6  # of the way that was asked about: in a shorter range nothing moves, and rounding decides its ends
+_STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, and rounding decides its ends
 _SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
 _BESIDE = 2e-6  # so far from a change point the dyad is open on both sides
@@ -154,24 +154,24 @@ def _samples(length: float, whole: float) -> int:
     return max(_LEAST, int(SAMPLES * length / max(whole, 1e-300)))
 
 
-def _gap(plan: Plan, index: int, way: Way) -> Callable[[np.ndarray], np.ndarray]:
+def _gap(plan: Plan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:
     """What a dyad has left at driver positions (n,); at a change point rounding must not open it."""
 
     def gap(q: np.ndarray) -> np.ndarray:
-        closed = solve(plan, at_driver(q), way, index + 1).steps[index]
+        closed = solve(plan, at_driver(q), branch, index + 1).steps[index]
         assert isinstance(closed, Closed)
         value = np.broadcast_to(closed.gap, q.shape)
-        for over in way.bridges.get(index, ()):
+        for over in branch.bridges.get(index, ()):
             value = np.where(over.within(q), np.abs(value), value)
         return value
 
     return gap
 
 
-def _changes(plan: Plan, index: int, way: Way, ranges: list[Range], whole: bool) -> list[Change]:
+def _changes(plan: Plan, index: int, branch: Branch, ranges: list[Range], whole: bool) -> list[Change]:
     """Find the change points of a dyad and lay bridges over them."""
     step, _ = plan.steps[index]
-    gap = _gap(plan, index, way)
+    gap = _gap(plan, index, branch)
     length = ranges[-1].high - ranges[0].low
     found: list[float] = []
     scale = 1.0 if plan.driver.revolute else plan.size
@@ -183,16 +183,16 @@ def _changes(plan: Plan, index: int, way: Way, ranges: list[Range], whole: bool)
                 found.append(next((end for end in (r.low, r.high) if abs(place - end) < _SAME), place))
     if not found:
         return []
-    way.changes[index] = np.array(sorted(found))
+    branch.changes[index] = np.array(sorted(found))
     bridges = []
     for at in found:
         half = HALF * scale
-        ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), way, index + 1), step.links)
+        ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), branch, index + 1), step.links)
         while not np.isfinite(ends).all() and half > _BESIDE * scale:  # a dead centre is near
             half *= 0.25
-            ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), way, index + 1), step.links)
+            ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), branch, index + 1), step.links)
         bridges.append(bridge(at, half, (step.links[0], step.links[1]), ends))
-    way.bridges[index] = tuple(bridges)
+    branch.bridges[index] = tuple(bridges)
     return [Change(at, step.joint) for at in found]
 
 
@@ -208,16 +208,16 @@ def _end_states(solved: Solved, links: tuple[int, ...]) -> np.ndarray:
     return np.moveaxis(np.array(columns), 0, 2).swapaxes(0, 1)
 
 
-def _followed(plan: Plan, index: int, way: Way, ranges: list[Range]) -> list[Range]:
+def _followed(plan: Plan, index: int, branch: Branch, ranges: list[Range]) -> list[Range]:
     """The parts of the ranges through which a group can be followed."""
     step, _ = plan.steps[index]
     kept = []
     for r in ranges:
-        track = follow(plan, index, way, r.low, r.high)
+        track = follow(plan, index, branch, r.low, r.high)
         if track is not None:
             kept.append((_within(r, track.low, track.high, "-".join(map(str, step.links))), track))
     if kept:
-        way.tracks[index] = merged([track for _, track in kept])
+        branch.tracks[index] = merged([track for _, track in kept])
     return [r for r, _ in kept]
 
 
@@ -226,11 +226,11 @@ def _within(r: Range, low: float, high: float, joint: str) -> Range:
     return Range(low, high, r.low_joint if low == r.low else joint, r.high_joint if high == r.high else joint)
 
 
-def _turning(plan: Plan, ranges: list[Range], way: Way, length: float, whole: bool) -> tuple[dict[int, Turning], bool]:
+def _turning(plan: Plan, ranges: list[Range], branch: Branch, length: float, whole: bool) -> tuple[dict[int, Turning], bool]:
     parts = [np.linspace(r.low, r.high, _samples(r.high - r.low, length)) for r in ranges]
     q = np.concatenate(parts)
     cuts = np.cumsum([part.size for part in parts])[:-1]
-    solved = solve(plan, at_driver(q), way)
+    solved = solve(plan, at_driver(q), branch)
     full = whole and len(ranges) == 1 and ranges[0].free
     found: dict[int, Turning] = {}
     closes = True

@@ -73,8 +73,7 @@ def with_driver(design: Design, driver: Driver, kinematics: Kinematics) -> Desig
     place = driver_place(linkage, kinematics)
     if driver.kind == CRANK:
         linkage, _ = _assembled(linkage, kinematics, place % TURN, 0.0, TURN)
-        gone = ("motion.", "cam.")
-        assumed = tuple(path for path in design.assumed if not path.startswith(gone))
+        assumed = tuple(path for path in design.assumed if not path.startswith(("motion.", "cam.")))
         return with_drive(design, mechanism=linkage, motion=None, cam=None, assumed=assumed)
     half = pi if _unit(linkage) == "deg" else plan_of(linkage).size
     _, room = _assembled(linkage, kinematics, place, place - half, place + half)

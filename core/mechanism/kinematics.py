@@ -43,7 +43,7 @@ class Pose:
         return cls(Derivatives.of(z), Derivatives.of(angle), points)
 
     def turning_as(self, turn: Derivatives) -> Pose:
-        """The same body, its angle told otherwise: whole turns apart."""
+        """The same body with its angle whole turns apart."""
         return Pose(self.origin, turn, self.points, lambda: self.unit)
 
     @property
@@ -128,7 +128,7 @@ class Kinematics:
     bodies         name -> Pose
     pairs          name -> Pair; the body moved by the cam stands on the frame in ``ground``
     dyads          outermost first: forces are found in this order
-    output         body whose motion was asked for; follower_body: body the cam acts on, its origin the face's
+    output         body that the driver leads; follower_body: body the cam acts on, its origin the face's
                    reference point; ``ground``: pair that holds the follower body on the frame, empty where none does;
                    ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
     by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too

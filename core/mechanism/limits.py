@@ -1,4 +1,4 @@
-"""Limits of a linkage: cranks that cannot turn, dead centres, flat transmission angles."""
+"""Limits of a mechanism: cranks that cannot turn, dead centres, flat transmission angles."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from math import degrees
 from core.errors import angle_list
 from core.findings import ERROR, WARNING, Finding
 from core.mechanism.driver_ranges import Course
+from core.motion.extremes import Extreme
 from core.motion.extremes import Range as Extremes
 
 LEAST_TRANSMISSION = 40.0  # [deg] usual in machine shops: Norton ch. 2
-AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven
+AT_DEAD_CENTRE = 1e-3  # sine of the transmission angle below which nothing can be driven, against any play
+SINGULAR = ("dead-centre", "rod-across-guide")
+"""Codes of what must not vanish in a follower's linkage."""
+LEAST_SINGULAR = 0.05
 
 
 def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool) -> list[Finding]:
-    """What the course and the lowest transmission angles [rad], by joint, exceed; turns_fully: the crank is to."""
+    """What the course exceeds, and the extremes of ``transmission.B`` [rad] and of ``SINGULAR``; turns_fully: the crank is to."""
     found = []
     locked = {joint for r in course.ranges for joint in (r.low_joint, r.high_joint) if joint}
     if turns_fully and locked:
@@ -34,8 +38,11 @@ def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool
         at = degrees(change.at) if turns_fully else None
         found.append(Finding("change-point", WARNING, "linkage.links", at, {"joint": change.joint}))
     passed = locked | {change.joint for change in course.changes}
-    for joint, extreme in extremes.items():
-        lowest = degrees(extreme.low.value)
+    for name, extreme in extremes.items():
+        if name in SINGULAR:
+            found += _singular(name, extreme.low)
+            continue
+        joint, lowest = name.removeprefix("transmission."), degrees(extreme.low.value)
         if joint in passed or lowest >= LEAST_TRANSMISSION:
             continue
         at, values = degrees(extreme.low.theta), {"joint": joint, "value": lowest, "limit": LEAST_TRANSMISSION}
@@ -44,3 +51,10 @@ def findings(course: Course, extremes: Mapping[str, Extremes], turns_fully: bool
         else:
             found.append(Finding("transmission-angle", WARNING, "linkage.links", at, values))
     return found
+
+
+def _singular(code: str, low: Extreme) -> list[Finding]:
+    if low.value >= LEAST_SINGULAR:
+        return []
+    severity = ERROR if low.value < AT_DEAD_CENTRE else WARNING
+    return [Finding(code, severity, "follower.rod_mm", degrees(low.theta), {"value": low.value})]

@@ -50,7 +50,7 @@ class Mechanism:
     base         the base position: name -> (value in SI, unit)
     singular     joint of a dyad -> code of the finding where the sine of its transmission angle vanishes; more:
                  further codes, from the solved poses in the own frame
-    ranged       its links are laid out one by one: where the driver can move is looked for, and bodies go by number
+    ranged       its links are laid out one by one: where the driver can move is searched, and bodies go by number
     refuse       the answer where links do not meet or lie in line, from the motion, the solution and where it is lost (n,)
     require      raises NoAnswer for a motion that the mechanism cannot follow although its links meet
     """

@@ -8,7 +8,7 @@ import numpy as np
 
 Function = Callable[[np.ndarray], np.ndarray]
 
-_CUTS = 9  # points a bracket of a minimum is looked at by
+_CUTS = 9  # samples of a bracket of a minimum
 _ROUNDS = 13  # each makes it four times narrower; what is lowest is flat there
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
-from core.mechanism.change_points import Bridge, Way
+from core.mechanism.change_points import Branch, Bridge
 from core.mechanism.dyads import DYADS, Closed
 from core.mechanism.groups import Group, Settled, newton, settled
 from core.mechanism.kinematics import FRAME_POSE, Pose
@@ -44,21 +44,21 @@ def at_driver(values: np.ndarray) -> Derivatives:
     return Derivatives.of((values, np.ones(1), np.zeros(1), np.zeros(1)))
 
 
-def solve(plan: Plan, q: Derivatives, way: Way, steps: int | None = None) -> Solved:
+def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
     """Poses with three derivatives for the driver at q, derivatives by whatever q's are by.
 
-    way: sides beyond change points, and where Newton starts; steps: only so many of the plan's.
+    branch: sides beyond change points, and where Newton starts; steps: only so many of the plan's.
     """
     poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
     found: list[Closed | Settled] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
             if step.kind == GROUP:
-                found.append(_grouped(plan, i, q, way, poses))
+                found.append(_grouped(plan, i, q, branch, poses))
                 continue
-            closed = DYADS[step.kind](poses, joints, way.side(i, plan.side(step.joint), q[0]))
+            closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
             poses[step.links[0]], poses[step.links[1]] = closed.poses
-            _bridged(step.links, way.bridges.get(i, ()), q, poses)
+            _bridged(step.links, branch.bridges.get(i, ()), q, poses)
             found.append(closed)
     return Solved(poses, tuple(found))
 
@@ -83,10 +83,10 @@ def _bridged(links: tuple[int, ...], bridges: tuple[Bridge, ...], q: Derivatives
         poses[link] = Pose(Derivatives.of(z), Derivatives.of(angle), unit=heading)
 
 
-def _grouped(plan: Plan, index: int, q: Derivatives, way: Way, poses: dict[int, Pose]) -> Settled:
+def _grouped(plan: Plan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> Settled:
     step, joints = plan.steps[index]
     group = Group(step.links, joints, plan.size)
-    x, last = newton(group, poses, way.tracks[index].start(q[0]))
+    x, last = newton(group, poses, branch.tracks[index].start(q[0]))
     x[:, ~(last < LOST)] = np.nan
     result = settled(group, poses, x)
     poses.update(result.poses)

@@ -432,14 +432,9 @@ class Study:
         return tuple(sorted(found, key=lambda f: _ORDER[f.severity]))
 
     def _linkage_findings(self) -> list[Finding]:
-        names = self.quantities("linkage")
-        codes = tuple(name for name in names if name in followers.NEAR)
-        joints = tuple(name for name in names if name.startswith("transmission."))
-        if codes:
-            return followers.findings(self.extremes("linkage", codes))
-        extremes = self.extremes("linkage", joints) if joints else {}
-        by_joint = {name.removeprefix("transmission."): r for name, r in extremes.items()}
-        return mechanism.findings(self.course, by_joint, self.by_crank)
+        names = [n for n in self.quantities("linkage") if n in mechanism.SINGULAR or n.startswith("transmission.")]
+        extremes = self.extremes("linkage", tuple(names)) if names else {}
+        return mechanism.findings(self.course, extremes, self.by_crank)
 
     @property
     def _cam_extremes(self) -> Mapping[str, Range]:

@@ -29,7 +29,15 @@ from references import EPS, MP
 from core.design import CRANK, Design, Drive, Driver, Linkage, LinkageLoads, Slider, put, with_drive
 from core.design.topology import mobility, solving_order
 from core.errors import NoPosition
-from core.mechanism import CrankProgram, body_name, course_of, linkage_kinematics, plan_of, unit_speed_kinematics
+from core.mechanism import (
+    CrankProgram,
+    body_name,
+    course_of,
+    mechanism_of,
+    plan_of,
+    solve_mechanism,
+    unit_speed_kinematics,
+)
 from core.mechanism.conditioning import error_bounds
 from core.mechanism.grashof import four_bar as four_bar_of
 from core.mechanism.kinematics import FRAME, Kinematics
@@ -483,7 +491,7 @@ def test_every_link_is_a_body_and_every_pair_joins_two(design: str) -> None:
     linkage = STILL[design]().drive.linkage
     course = course_of(linkage)
     run = CrankProgram(course)
-    kinematics = linkage_kinematics(linkage, run.state(run.angles(np.arange(6.0))), course)
+    kinematics = solve_mechanism(mechanism_of(linkage), run.state(run.angles(np.arange(6.0))), course)
     assert list(kinematics.bodies) == [FRAME, "link2", "link3", "link4"]
     for pair in kinematics.pairs.values():
         assert {pair.on, pair.body} <= set(kinematics.bodies)
