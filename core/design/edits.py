@@ -12,9 +12,20 @@ from math import fsum, nan
 from types import MappingProxyType
 from typing import Any
 
-from core.design.parts import CamSlider, Elastic, Motion, Segment, Shaft, curve_of
+from core.design.parts import (
+    CamSlider,
+    Curve,
+    Elastic,
+    End,
+    Motion,
+    Point,
+    Polynomial,
+    Segment,
+    Shaft,
+    Spline,
+    curve_of,
+)
 from core.design.paths import put
-from core.design.stretch import scaled
 from core.design.whole import Design, with_drive
 from core.laws import find_law
 
@@ -98,17 +109,16 @@ def with_segment_inserted(motion: Motion, index: int) -> Motion:
     return replace(motion, segments=tuple(segments))
 
 
-def without_segment(motion: Motion, index: int) -> Motion:
-    """One segment less. Its span goes to the one before it (the first one's to the second), so that no other join
-    moves; its rise goes to the next that moves. The only segment stays."""
+def without_segment(motion: Motion, index: int, *, balanced: bool = True) -> Motion:
+    """One segment less. Its span goes to the one before it (the first one's to the second), so that no other join moves;
+    its rise goes to the next that moves, where the motion shall stay ``balanced``. The only segment stays."""
     segments = list(motion.segments)
     if len(segments) == 1:
         return motion
-    gone = segments.pop(index)
+    removed = segments.pop(index)
     heir = max(index - 1, 0)
-    left = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != heir))
-    segments[heir] = replace(segments[heir], span_deg=left)
-    order = [(index + k) % len(segments) for k in range(len(segments))] if gone.rise else []
+    segments[heir] = replace(segments[heir], span_deg=balance(segments[heir].span_deg, (-removed.span_deg,)))
+    order = [(index + k) % len(segments) for k in range(len(segments))] if removed.rise and balanced else []
     return replace(motion, segments=back_at_start(segments, order))
 
 
@@ -124,6 +134,49 @@ def is_dwell(segment: Segment) -> bool:
     law = find_law(segment.curve.law)
     return law is not None and law.is_dwell
 
+
+# -- a curve made longer or higher: the same shape over another span, between other levels ------------------
+
+Scale = Callable[[float], float]
+
+
+def stretched(curve: Curve, span: float, height: float) -> Curve:
+    """The curve of a segment whose span and rise are multiplied by these: the same shape, larger or smaller."""
+    return scaled(curve, span, lambda value: value * height)
+
+
+def scaled(curve: Curve, span: float, level: Scale) -> Curve:
+    """The curve of a segment whose span is multiplied by ``span`` and whose levels are scaled by a linear function."""
+    if isinstance(curve, Polynomial):
+        return Polynomial(_end(curve.start, span, level), _end(curve.end, span, level))
+    if isinstance(curve, Spline):
+        return Spline(tuple(_point(point, span, level) for point in curve.points))
+    return curve
+
+
+def times(value: float | None, by: float) -> float | None:
+    """The product, where there is a value."""
+    return None if value is None else value * by
+
+
+def _over(value: float | None, level: Scale, span: float) -> float | None:
+    return None if value is None else level(value) / span
+
+
+def _end(end: End, span: float, level: Scale) -> End:
+    return End(level(end.velocity) / span, level(end.acceleration) / span**2, _over(end.jerk, level, span**3))
+
+
+def _point(point: Point, span: float, level: Scale) -> Point:
+    return Point(
+        point.at_deg * span,
+        _over(point.value, level, 1.0),
+        _over(point.velocity, level, span),
+        _over(point.acceleration, level, span**2),
+    )
+
+
+# -- edits by path ------------------------------------------------------------------------------------------
 
 MOTION_EDITS: Mapping[str, Callable[[Motion, int, Any], Motion]] = MappingProxyType(
     {
@@ -180,6 +233,6 @@ def with_shaft(design: Design) -> Design:
 def with_elastic(design: Design, elastic: Elastic | None) -> Design:
     """The design with a flexible shaft, or with a rigid one: then nothing is assumed of its elasticity any more."""
     assert design.shaft is not None
-    gone = {f"shaft.{field.name}" for field in fields(Elastic)} if elastic is None else set()
-    assumed = tuple(path for path in design.assumed if path not in gone)
+    dropped = {f"shaft.{field.name}" for field in fields(Elastic)} if elastic is None else set()
+    assumed = tuple(path for path in design.assumed if path not in dropped)
     return replace(design, shaft=replace(design.shaft, elastic=elastic), assumed=assumed)

@@ -209,10 +209,11 @@ LAW = "law"
 
 @lru_cache(maxsize=256)
 def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
-    """The fields of a class as they follow each other in the file: as the class says, else as they are declared."""
+    """The fields of a class as they follow each other in the file: as the class says, else its own before those that it
+    shares."""
     own = {each.name: each for each in dataclasses.fields(kind)}
-    first = [own.pop(name) for name in getattr(kind, "FILE_ORDER", ())]
-    return (*first, *own.values())
+    said = getattr(kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())])
+    return tuple(own[name] for name in dict.fromkeys(said) if name in own)
 
 
 @lru_cache(maxsize=512)

@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import combinations
 
-from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageLoads
+from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageCam, LinkageLoads, LinkForce
 from core.design.topology import GROUP, driver_pair, is_pin, mobility, pair_count, pins, solving_order
 from core.design.whole import Drive
 from core.errors import MISSING, Fault
@@ -18,22 +18,20 @@ LONGEST_NAME = 40
 _WITH_SIDES = ("RRR", "RRP", "RPR")
 
 
-def _linkage(drive: Drive) -> Linkage:
-    assert isinstance(drive.mechanism, Linkage)
-    return drive.mechanism
-
-
 def _numbers(linkage: Linkage) -> list[int]:
     return sorted(link.number for link in linkage.links)
 
 
-def _known_links(linkage: Linkage) -> str:
-    return " | ".join(str(n) for n in _numbers(linkage))
+def _no_moving_link(linkage: Linkage, number: int, path: str) -> Iterator[Fault]:
+    """A fault where there is no such link, or it is the frame."""
+    moving = [n for n in _numbers(linkage) if n != FRAME_LINK]
+    if number not in moving:
+        yield Fault(path, number, "no such moving link", " | ".join(map(str, moving)))
 
 
 def _links(drive: Drive) -> Iterator[Fault]:
     """Every link once, the frame among them, names that can head a column, pins that lie apart."""
-    links = _linkage(drive).links
+    links = drive.linkage.links
     if not any(link.number == FRAME_LINK for link in links):
         yield Fault("linkage.links", MISSING, "no frame", f"a link with number = {FRAME_LINK}")
     seen: set[int] = set()
@@ -47,7 +45,7 @@ def _links(drive: Drive) -> Iterator[Fault]:
                     f"linkage.links[{i}].points", place.name, "no name of a point",
                     f"letters, digits and _, a letter first, at most {LONGEST_NAME}",
                 )  # fmt: skip
-    yield from _pins_apart(_linkage(drive))
+    yield from _pins_apart(drive.linkage)
 
 
 def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
@@ -64,12 +62,12 @@ def _pins_apart(linkage: Linkage) -> Iterator[Fault]:
         shared = [name for name in one.places if name in other.places]
         if len(shared) > 1 and one.number != other.number:
             i = linkage.links.index(other)
-            told = f"{' and '.join(shared)} on links {one.number} and {other.number}"
-            yield Fault(f"linkage.links[{i}].points", told, "two pins make them one body", "one shared point")
+            value = f"{' and '.join(shared)} on links {one.number} and {other.number}"
+            yield Fault(f"linkage.links[{i}].points", value, "two pins make them one body", "one shared point")
 
 
 def _sliders(drive: Drive) -> Iterator[Fault]:
-    linkage = _linkage(drive)
+    linkage = drive.linkage
     numbers = set(_numbers(linkage))
     sliding = Counter(s.link for s in linkage.sliders)
     seen: set[int] = set()
@@ -77,7 +75,7 @@ def _sliders(drive: Drive) -> Iterator[Fault]:
         at = f"linkage.sliders[{i}]"
         for key, value in (("link", slider.link), ("on", slider.on)):
             if value not in numbers:
-                yield Fault(f"{at}.{key}", value, "no such link", _known_links(linkage))
+                yield Fault(f"{at}.{key}", value, "no such link", " | ".join(map(str, _numbers(linkage))))
         if slider.link == slider.on:
             yield Fault(f"{at}.on", slider.on, "a link cannot slide on itself", "another link")
         if slider.link == FRAME_LINK:
@@ -91,29 +89,23 @@ def _sliders(drive: Drive) -> Iterator[Fault]:
 
 
 def _driver(drive: Drive) -> Iterator[Fault]:
-    linkage = _linkage(drive)
-    driver = linkage.driver
-    moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
+    linkage, driver = drive.linkage, drive.linkage.driver
     if driver.speed_rpm == 0.0:
         yield Fault("linkage.driver.speed_rpm", driver.speed_rpm, "stands still", "> 0, or < 0 for clockwise")
-    if driver.link not in _numbers(linkage) or driver.link == FRAME_LINK:
-        yield Fault("linkage.driver.link", driver.link, "no such moving link", moving)
-        return
-    if FRAME_LINK not in _numbers(linkage):
-        return
-    pair = driver_pair(linkage)
-    if pair is None:
-        yield Fault(
-            "linkage.driver.link", driver.link, "not held on the frame by one pair",
-            "a link pinned to the frame, or sliding on it",
-        )  # fmt: skip
-    elif driver.kind == CRANK and not is_pin(pair):
-        yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
+    if absent := list(_no_moving_link(linkage, driver.link, "linkage.driver.link")):
+        yield from absent
+    elif FRAME_LINK in _numbers(linkage):
+        pair = driver_pair(linkage)
+        if pair is None:
+            allowed = "a link pinned to the frame, or sliding on it"
+            yield Fault("linkage.driver.link", driver.link, "not held on the frame by one pair", allowed)
+        elif driver.kind == CRANK and not is_pin(pair):
+            yield Fault("linkage.driver.kind", driver.kind, f"link {driver.link} slides on the frame", MOTION)
 
 
 def _structure(drive: Drive) -> Iterator[Fault]:
     """One degree of freedom, and every link held by the others."""
-    linkage = _linkage(drive)
+    linkage = drive.linkage
     numbers = _numbers(linkage)
     if not _sound(linkage):
         return
@@ -124,39 +116,33 @@ def _structure(drive: Drive) -> Iterator[Fault]:
             return
     free = mobility(linkage)
     if free != 1:
-        told = f"3·({len(numbers)} - 1) - 2·{pair_count(linkage)} = {free}"
+        value = f"3·({len(numbers)} - 1) - 2·{pair_count(linkage)} = {free}"
         problem = "mobility (Grübler) is not 1: " + ("it cannot move" if free < 1 else "the driver does not lead all")
-        yield Fault("linkage", told, problem, "3·(links - 1) - 2·pairs = 1")
+        yield Fault("linkage", value, problem, "3·(links - 1) - 2·pairs = 1")
         return
     order = solving_order(linkage)
     wrong = order.overdetermined or order.undetermined
     if wrong:
-        told = f"links {', '.join(map(str, wrong))}"
+        value = f"links {', '.join(map(str, wrong))}"
         problem = "held by too many pairs" if order.overdetermined else "not led by the driver"
-        yield Fault("linkage", told, problem, "each part with one degree of freedom in all")
+        yield Fault("linkage", value, problem, "each part with one degree of freedom in all")
 
 
 def _sound(linkage: Linkage) -> bool:
-    """Whether the structure can be asked at all."""
+    """Whether the structure can be asked at all, and the driver be driven as the file says."""
     numbers = _numbers(linkage)
     ends = [n for s in linkage.sliders for n in (s.link, s.on)]
     sliding = [s.link for s in linkage.sliders]
+    pair = driver_pair(linkage) if {FRAME_LINK, linkage.driver.link} <= set(numbers) else None
     return (
         len(set(numbers)) == len(numbers)
-        and FRAME_LINK in numbers
-        and linkage.driver.link in numbers
         and linkage.driver.link != FRAME_LINK
         and set(ends) <= set(numbers)
         and len(set(sliding)) == len(sliding)
         and all(s.link != s.on for s in linkage.sliders)
-        and _driven(linkage)
+        and pair is not None
+        and (is_pin(pair) or linkage.driver.kind != CRANK)
     )
-
-
-def _driven(linkage: Linkage) -> bool:
-    """Whether the driver can be driven as it is said."""
-    pair = driver_pair(linkage)
-    return pair is not None and (is_pin(pair) or linkage.driver.kind != CRANK)
 
 
 def sided_joints(linkage: Linkage) -> tuple[str, ...]:
@@ -172,7 +158,7 @@ def sided_joints(linkage: Linkage) -> tuple[str, ...]:
 
 
 def _branches(drive: Drive) -> Iterator[Fault]:
-    linkage = _linkage(drive)
+    linkage = drive.linkage
     if not _sound(linkage) or mobility(linkage) != 1:
         return
     known = sided_joints(linkage)
@@ -183,7 +169,7 @@ def _branches(drive: Drive) -> Iterator[Fault]:
 
 
 def _motion(drive: Drive) -> Iterator[Fault]:
-    driver = _linkage(drive).driver
+    driver = drive.linkage.driver
     if driver.kind == MOTION and drive.motion is None:
         yield Fault("motion", MISSING, "missing", "a table [motion] that the driver follows")
     if driver.kind == CRANK and drive.motion is not None:
@@ -193,33 +179,30 @@ def _motion(drive: Drive) -> Iterator[Fault]:
 def _cam(drive: Drive) -> Iterator[Fault]:
     if drive.cam is None:
         return
-    if _linkage(drive).driver.kind != MOTION:
+    if drive.linkage.driver.kind != MOTION:
         yield Fault("cam", "[cam]", "a cam needs a motion to be made for", f'driver with kind = "{MOTION}"')
-    yield from _point_of(_linkage(drive), drive.cam.link, drive.cam.point, "cam")
+    yield from _no_point(drive.linkage, drive.cam, "cam")
 
 
-def _point_of(linkage: Linkage, link: int, point: str, path: str) -> Iterator[Fault]:
-    if link not in linkage.by_number or link == FRAME_LINK:
-        moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
-        yield Fault(f"{path}.link", link, "no such moving link", moving)
-    elif point not in linkage.by_number[link].places:
-        allowed = " | ".join(linkage.by_number[link].places)
-        yield Fault(f"{path}.point", point, f"link {link} has no such point", allowed)
+def _no_point(linkage: Linkage, at: LinkageCam | LinkForce, path: str) -> Iterator[Fault]:
+    """A fault where something stands at a point of a link, and there is no such moving link or point."""
+    if absent := list(_no_moving_link(linkage, at.link, f"{path}.link")):
+        yield from absent
+    elif at.point not in linkage.by_number[at.link].places:
+        allowed = " | ".join(linkage.by_number[at.link].places)
+        yield Fault(f"{path}.point", at.point, f"link {at.link} has no such point", allowed)
 
 
 def _loads(drive: Drive) -> Iterator[Fault]:
     loads: LinkageLoads = drive.loads
-    linkage = _linkage(drive)
     seen: set[int] = set()
     for i, mass in enumerate(loads.masses):
-        if mass.link not in linkage.by_number or mass.link == FRAME_LINK:
-            moving = " | ".join(str(n) for n in _numbers(linkage) if n != FRAME_LINK)
-            yield Fault(f"loads.masses[{i}].link", mass.link, "no such moving link", moving)
-        elif mass.link in seen:
+        yield from _no_moving_link(drive.linkage, mass.link, f"loads.masses[{i}].link")
+        if mass.link in seen:
             yield Fault(f"loads.masses[{i}].link", mass.link, "said twice", "each link once")
         seen.add(mass.link)
     for i, force in enumerate(loads.forces):
-        yield from _point_of(linkage, force.link, force.point, f"loads.forces[{i}]")
+        yield from _no_point(drive.linkage, force, f"loads.forces[{i}]")
 
 
 DRIVE_RULES: tuple[Callable[[Drive], Iterator[Fault]], ...] = (

@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from math import fsum
 from types import MappingProxyType
 
-from core.design.edits import back_at_start, balance, is_dwell
+from core.design.edits import back_at_start, balance, is_dwell, stretched, times
 from core.design.joins import LEAST_SPAN, join_levels
 from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
-from core.design.stretch import stretched, times
 from core.laws import find_law
 
 CLOSE = 1e-9  # a level this near to where it was is where it was

@@ -65,10 +65,10 @@ def insert_segment(design: Design, index: int) -> Design:
     return with_marks_of(changed, [*old[: index + 1], None, *old[index + 1 :]])
 
 
-def remove_segment(design: Design, index: int) -> Design:
+def remove_segment(design: Design, index: int, *, balanced: bool = True) -> Design:
     """``without_segment`` in a design."""
     before = require_motion(design)
-    motion = without_segment(before, index)
+    motion = without_segment(before, index, balanced=balanced)
     if motion is before:
         return design
     return with_marks_of(with_motion(design, motion), [i for i in range(len(before.segments)) if i != index])

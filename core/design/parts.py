@@ -249,33 +249,22 @@ def _mass(label: str, help: str = "") -> float:
     return field
 
 
+def _friction() -> float:
+    field: float = number("Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide")
+    return field
+
+
 @dataclass(frozen=True, kw_only=True)
 class Loads:
     """What every follower's loads share; in a file what a follower adds stands first."""
 
-    FILE_ORDER: ClassVar[tuple[str, ...]] = ()
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
 
 
 @dataclass(frozen=True, kw_only=True)
-class GuidedLoads(Loads):
-    """Of a follower that moves a slider."""
-
-    friction: float = number(
-        "Guide friction", 0.0, 10.0, default=0.0, step=0.01, help="coefficient between slider and guide"
-    )
-
-
-@dataclass(frozen=True, kw_only=True)
-class CamSliderLoads(GuidedLoads):
+class CamSliderLoads(Loads):
     """Masses and forces of the cam-driven slider."""
-
-    FILE_ORDER = (
-        "slider_mass_kg", "rod_mass_kg", "rod_inertia_kg_m2", "rod_centre", "arm_mass_kg", "arm_inertia_kg_m2", "arm_centre_mm",
-        "arm_centre_angle_deg", "roller_mass_kg", "roller_inertia_kg_m2", "friction", "external_force_n",
-        "spring_rate_n_per_mm",
-    )  # fmt: skip
 
     slider_mass_kg: float = _mass("Slider mass")
     rod_mass_kg: float = _mass("Rod mass")
@@ -289,17 +278,17 @@ class CamSliderLoads(GuidedLoads):
     arm_centre_angle_deg: float = number("Arm centre angle", -360.0, 360.0, default=0.0, help="from the slider arm")
     roller_mass_kg: float = _mass("Roller mass")
     roller_inertia_kg_m2: float = _mass("Roller inertia", "about its own centre; turns with the arm")
+    friction: float = _friction()
     external_force_n: float = number("External force", default=0.0, help="on the slider, along +guide")
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0, help="pulls the slider back by rate times y")
 
 
 @dataclass(frozen=True, kw_only=True)
-class TranslatingLoads(GuidedLoads):
+class TranslatingLoads(Loads):
     """Masses and closing spring of a translating follower."""
 
-    FILE_ORDER = ("follower_mass_kg", "friction", "spring_rate_n_per_mm", "preload_n")
-
     follower_mass_kg: float = _mass("Follower mass", "with its roller")
+    friction: float = _friction()
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0)
     preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
 
@@ -307,11 +296,6 @@ class TranslatingLoads(GuidedLoads):
 @dataclass(frozen=True, kw_only=True)
 class OscillatingLoads(Loads):
     """Masses and closing spring of an oscillating follower."""
-
-    FILE_ORDER = (
-        "arm_mass_kg", "arm_inertia_kg_m2", "arm_centre_mm", "arm_centre_angle_deg", "roller_mass_kg", "roller_inertia_kg_m2",
-        "spring_rate_nm_per_rad", "preload_nm",
-    )  # fmt: skip
 
     arm_mass_kg: float = _mass("Arm mass")
     arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")

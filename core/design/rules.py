@@ -2,20 +2,39 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.design.counts import count_fault
-from core.design.linkage import Linkage
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Spline
 from core.design.paths import entries_of
 from core.design.whole import Design
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
+
+MOST: Mapping[str, int] = MappingProxyType(
+    {
+        "motion.segments": 3600,
+        "linkage.links": 100,
+        "linkage.sliders": 100,
+        "loads.masses": 100,
+        "loads.forces": 1000,
+    }
+)
+"""List -> its most entries."""
+MOST_OF_LIST = 4000  # of any other list
+MOST_KEYS = 500  # of any table
+
+
+def count_fault(path: str, count: int) -> Fault | None:
+    """What is wrong with a list of so many entries, None where it may have them; path as in the file."""
+    name = path.rsplit(".", 1)[-1]
+    most = MOST.get(re.sub(r"\[\d+\]", "", path), MOST_OF_LIST)
+    return Fault(path, MISSING, f"{count} {name} are too many", f"at most {most}") if count > most else None
+
 
 CLOSING = 1e-9  # spans and rises may miss their sums by this much, in their own units
 
@@ -42,9 +61,9 @@ def _spans_make_a_turn(motion: Motion, path: str) -> Iterator[Fault]:
 def _rises_return_to_start(motion: Motion, path: str) -> Iterator[Fault]:
     total = total_of(s.rise for s in motion.segments)
     if abs(total) > CLOSING:
-        told = f"rises add up to {total:.12g} {motion.unit}"
+        value = f"rises add up to {total:.12g} {motion.unit}"
         yield Fault(
-            f"{path}.segments", told, "the follower must come back to where it started", f"a sum of 0 {motion.unit}"
+            f"{path}.segments", value, "the follower must come back to where it started", f"a sum of 0 {motion.unit}"
         )
 
 
@@ -72,8 +91,8 @@ def _halves_can_be_stretched(curve: Named, segment: Segment, path: str) -> Itera
 def _ramps_fit(curve: Scca, segment: Segment, path: str) -> Iterator[Fault]:
     total = curve.ramp_fraction + curve.flat_fraction
     if total > 1.0:
-        told = f"ramp_fraction + flat_fraction = {total:.9g}"
-        yield Fault(path, told, "more than the whole", "a sum of at most 1")
+        value = f"ramp_fraction + flat_fraction = {total:.9g}"
+        yield Fault(path, value, "more than the whole", "a sum of at most 1")
 
 
 def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Iterator[Fault]:
@@ -95,11 +114,6 @@ def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Itera
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
     {Named: _halves_can_be_stretched, Scca: _ramps_fit, Spline: _points_are_in_the_span}
 )
-
-
-def _segments_are_few(motion: Motion, path: str) -> Iterator[Fault]:
-    if fault := count_fault(f"{path}.segments", len(motion.segments)):
-        yield fault
 
 
 def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
@@ -134,7 +148,7 @@ def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]
 
 RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = MappingProxyType(
     {
-        Motion: (_segments_are_few, _segments_hold, _spans_make_a_turn, _rises_return_to_start),
+        Motion: (_segments_hold, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
     }
 )
@@ -145,36 +159,36 @@ def part_faults(part: Any, path: str) -> list[Fault]:
 
     A rule is asked even where a range is not kept, so that it hides nothing: it must bear any number, nan included.
     """
+    if over := _too_many(part, path):
+        return over
     found = [
         Fault(each.path, each.value, each.info.problem, each.info.allowed(each.unit))
         for each in entries_of(part, path)
         if not each.info.admits(each.value)
     ]
-    told = {f.path for f in found}
+    wrong = {fault.path for fault in found}
     for rule in RULES.get(type(part), ()):
-        found.extend(f for f in rule(part, path) if f.path not in told)
+        found.extend(fault for fault in rule(part, path) if fault.path not in wrong)
     return found
 
 
-def _too_many(design: Design) -> Iterator[Fault]:
-    """Lists that are longer than a design may have them."""
-    for name, part in design.tables.items():
-        for field in dataclasses.fields(part):
-            rows = getattr(part, field.name)
-            if isinstance(rows, tuple) and (fault := count_fault(f"{name}.{field.name}", len(rows))):
-                yield fault
+def _too_many(part: Any, path: str) -> list[Fault]:
+    """Lists of a part that are longer than a design may have them."""
+    lists = ((name, value) for name, value in vars(part).items() if isinstance(value, tuple))
+    return [fault for name, rows in lists if (fault := count_fault(f"{path}.{name}", len(rows)))]
 
 
 def faults(design: Design) -> list[Fault]:
     """Every fault of a design, in the order of the file."""
-    if over := list(_too_many(design)):
+    tables = design.tables.items()
+    if over := [fault for name, part in tables for fault in _too_many(part, name)]:
         return over
-    found = [fault for name, part in design.tables.items() for fault in part_faults(part, name)]
-    told = {fault.path for fault in found}
-    for rule in DRIVE_RULES if isinstance(design.drive.mechanism, Linkage) else ():
+    found = [fault for name, part in tables for fault in part_faults(part, name)]
+    wrong = {fault.path for fault in found}
+    for rule in DRIVE_RULES if design.drive.is_linkage else ():
         for fault in rule(design.drive):
-            if fault.path not in told:
-                told.add(fault.path)
+            if fault.path not in wrong:
+                wrong.add(fault.path)
                 found.append(fault)
     return [*found, *_one_speed(design)]
 

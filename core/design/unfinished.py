@@ -90,23 +90,7 @@ def _with_cell(motion: Motion, index: int, key: str, value: object) -> Motion:
 
 def remove_laid_out(design: Design, index: int) -> Design:
     """A segment taken out of a motion, which need not be whole: what is out of balance stays so."""
-    before = require_motion(design)
-    if not lacks(design):
-        return remove_segment(design, index)
-    motion = without_unbalanced(before, index)
-    numbers = [i for i in range(len(before.segments)) if i != index]
-    return design if motion is before else with_marks_of(with_motion(design, motion), numbers)
-
-
-def without_unbalanced(motion: Motion, index: int) -> Motion:
-    """One segment less, its span given to the one before it (the first one's to the second); no rise changes."""
-    segments = list(motion.segments)
-    if len(segments) == 1:
-        return motion
-    gone = segments.pop(index)
-    heir = max(index - 1, 0)
-    segments[heir] = replace(segments[heir], span_deg=balance(segments[heir].span_deg, (-gone.span_deg,)))
-    return replace(motion, segments=tuple(segments))
+    return remove_segment(design, index, balanced=not lacks(design))
 
 
 # -- closing ----------------------------------------------------------------------------------------------
@@ -226,5 +210,5 @@ def _fitting(segment: Segment) -> Segment:
 
 __all__ = [
     "RETURN_LAW", "blunders", "closed", "closed_design", "lacks", "laid_out", "one_value_apart", "remove_laid_out",
-    "rise_gap", "span_gap", "without_unbalanced",
+    "rise_gap", "span_gap",
 ]  # fmt: skip

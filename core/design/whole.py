@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
-from core.design.linkage import CRANK, Linkage
+from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, kind_of
 from core.errors import DesignError, Fault
 
@@ -52,14 +52,29 @@ class Drive:
     @property
     def kind(self) -> str:
         """Slug of the mechanism's kind: a follower's, or ``linkage``."""
-        return "linkage" if isinstance(self.mechanism, Linkage) else kind_of(self.mechanism)
+        return "linkage" if self.is_linkage else kind_of(self.follower)
+
+    @property
+    def links(self) -> tuple[Link, ...]:
+        """The links that are listed one by one; none of a follower, which builds its own from its lengths."""
+        return self.linkage.links if self.is_linkage else ()
+
+    @property
+    def angle_name(self) -> str:
+        """What the angle of a turn is called in tables and texts: ``cam angle``, or ``driver angle`` of a linkage."""
+        return "driver angle" if self.is_linkage else "cam angle"
+
+    @property
+    def on_base_circle(self) -> bool:
+        """Whether the motion counts from a cam's base circle; that of a link counts from where the link stands."""
+        return not self.is_linkage
 
     @property
     def motion_unit(self) -> str:
         """mm or deg: what the motion counts in."""
         if self.motion is not None:
             return self.motion.unit
-        return "deg" if isinstance(self.mechanism, Linkage) else FOLLOWER_KINDS[self.kind].motion_unit
+        return "deg" if self.is_linkage else FOLLOWER_KINDS[self.kind].motion_unit
 
 
 @dataclass(frozen=True)
@@ -99,31 +114,19 @@ class Design:
     @property
     def speed_rpm(self) -> float:
         """How fast the shaft or the driver turns, either way round."""
-        return abs(self.shaft.speed_rpm if self.shaft is not None else self._driver.speed_rpm)
-
-    @property
-    def speed_path(self) -> str:
-        """The path of the entry that says how fast."""
-        return "shaft.speed_rpm" if self.shaft is not None else "linkage.driver.speed_rpm"
+        return abs(self.drive.linkage.driver.speed_rpm if self.shaft is None else self.shaft.speed_rpm)
 
     @property
     def sense(self) -> float:
         """d of the papers: +1 where cam or crank turns counter-clockwise, -1 clockwise."""
         if self.shaft is not None:
             return self.shaft.sense
-        return 1.0 if self._driver.speed_rpm > 0.0 else -1.0
+        return 1.0 if self.drive.linkage.driver.speed_rpm > 0.0 else -1.0
 
     @property
     def by_crank(self) -> bool:
         """Whether a crank turns at constant speed, and no motion moves the mechanism."""
-        mechanism = self.drive.mechanism
-        return isinstance(mechanism, Linkage) and mechanism.driver.kind == CRANK
-
-    @property
-    def _driver(self) -> Any:
-        mechanism = self.drive.mechanism
-        assert isinstance(mechanism, Linkage), "a follower's design has a shaft"
-        return mechanism.driver
+        return self.drive.is_linkage and self.drive.linkage.driver.kind == CRANK
 
 
 def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **parts: Any) -> Design:

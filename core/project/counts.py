@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
-from core.design.counts import MOST_KEYS, count_fault
+from core.design.rules import MOST_KEYS, count_fault
 from core.errors import MISSING, DesignError, Fault
 from core.project.messages import spelled
 
