@@ -18,7 +18,7 @@ class NotHere(KindynaError):
 
 def lists_links(design: Design) -> bool:
     """Whether the links are listed one by one, with numbers: those of a follower follow from its lengths."""
-    return design.drive.is_linkage
+    return bool(design.drive.links)
 
 
 def require_links(design: Design, instead: str) -> None:

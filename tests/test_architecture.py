@@ -24,17 +24,9 @@ SLUGS = {"linkage", *FOLLOWER_KINDS}
 
 EXCEPTIONS: dict[str, tuple[str, ...]] = {
     "files and reports call the angle, the kind and the lengths by the name of the kind, which is promised": (
-        "core.study.study.Study.angle_column",
-        "core.study.study.Study.angle_name",
-        "core.study.quantities.names_of",
-        "core.output.report.report",
-        "core.output.summary.summary",
         "kindyna_gui.forms.parameters_view.kind_label",
     ),
     "centres, their constructions and velocities go by the numbers of links, which only listed links have": (
-        "core.output.centres.centres_data",
-        "core.output.centres.snapshot",
-        "core.output.position.position",
         "kindyna_gui.linkage.centres_view.CentresView.follow",
         "kindyna_gui.linkage.centres_view.CentresView.refresh",
         "kindyna_gui.linkage.circle_view.CircleView.refresh",
@@ -42,7 +34,6 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "kindyna_gui.linkage.polygon_view.PolygonView.refresh",
         "kindyna_gui.pictures.drawing.layers.layers_of",
         "kindyna_gui.pictures.drawing.places.Reading.__init__",
-        "kindyna_gui.requirements.lists_links",
         "kindyna_gui.requirements.require_links",
         "kindyna_gui.window.main_window.MainWindow._front_dock",
     ),

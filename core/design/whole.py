@@ -65,11 +65,6 @@ class Drive:
         return "driver angle" if self.is_linkage else "cam angle"
 
     @property
-    def on_base_circle(self) -> bool:
-        """Whether the motion counts from a cam's base circle; that of a link counts from where the link stands."""
-        return not self.is_linkage
-
-    @property
     def motion_unit(self) -> str:
         """mm or deg: what the motion counts in."""
         if self.motion is not None:

@@ -28,7 +28,6 @@ class Snapshot:
 def snapshot(study: Study, angle_deg: float) -> Snapshot:
     """Raises DesignError for a design that is no linkage."""
     require_linkage(study.design)
-    assert study.design.drive.is_linkage
     return Snapshot(study, angle_deg)
 
 
@@ -41,7 +40,6 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
     """
     require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
-    assert there.design.drive.is_linkage
     table, driver = there.centres, body_name(there.design.drive.linkage.driver.link)
     return {
         "angular_velocity_rad_s": {str(n): _plain(w[0]) for n, w in there.angular_velocities().items()},

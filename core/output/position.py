@@ -83,7 +83,6 @@ class Position:
 def position(study: Study, angle: float) -> Position:
     """At this driver angle [rad]. Raises NoPosition where the linkage cannot stand there."""
     there = study.at_theta(np.array([angle]))
-    assert there.design.drive.is_linkage
     names = [n for n in there.quantities("linkage") if n.startswith("transmission.")]
     return Position(
         tuple(_centres(there)),

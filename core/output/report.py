@@ -241,7 +241,7 @@ def report(study: Study) -> str:
     stages = study.stages
     name = printable(study.design.name)
     lines = [name, "=" * len(name)]
-    lines += linkage_inputs(study) if study.design.drive.is_linkage else []
+    lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
     lines += _extremes(study, channels(study.design), stages)
     lines += _flywheel(study) + _stability(study) + _findings(study, stages) + _certificate(study, stages)

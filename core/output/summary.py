@@ -23,13 +23,13 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
         "name": study.design.name,
-        "kind": "linkage" if study.design.drive.is_linkage else "cam",
+        "kind": "linkage" if study.design.drive.links else "cam",
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
             f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
         },
         "joins": joins(study),
-        **(mechanism(study) if study.design.drive.is_linkage and linkage is not None else {}),
+        **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
         "extremes": extremes(study, stages),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"stability": shaft} if shaft else {}),

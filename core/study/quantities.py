@@ -251,8 +251,8 @@ def quantity(name: str) -> Quantity:
 @lru_cache(maxsize=64)
 def names_of(design: Design) -> tuple[str, ...]:
     """Every quantity that a design can have, in the order of the tables."""
-    links = tuple(_links(design)) if design.drive.is_linkage else ()
-    pairs = tuple(_pairs(design)) if design.drive.is_linkage else ()
+    links = tuple(_links(design)) if design.drive.links else ()
+    pairs = tuple(_pairs(design)) if design.drive.links else ()
     stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": pairs}
     names: list[str] = []
     for stage in ("motion", "linkage", "cam", "dynamics"):

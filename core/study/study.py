@@ -112,11 +112,11 @@ class Study:
 
     @property
     def angle_column(self) -> str:
-        return "driver_angle_deg" if self.design.drive.is_linkage else "cam_angle_deg"
+        return f"{self.angle_name}_deg".replace(" ", "_")
 
     @property
     def angle_name(self) -> str:
-        return "driver angle" if self.design.drive.is_linkage else "cam angle"
+        return self.design.drive.angle_name
 
     @cached_property
     def program(self) -> Any:
