@@ -1,9 +1,6 @@
 """python -m core on linkages: what it prints, writes and returns, from outside."""
 
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -150,16 +147,3 @@ def test_a_blended_motion_goes_into_a_linkage_that_follows_one(tmp_path: Path, c
     motion = require_motion(load(path))
     assert sum(s.rise for s in motion.segments if s.rise > 0.0) == pytest.approx(10.0)
     assert "dwell" not in [s.curve.law for s in motion.segments]
-
-
-def test_scipy_is_not_loaded_for_linkages(tmp_path: Path) -> None:
-    code = (
-        "import sys; from core.__main__ import main; "
-        f"code = main(['export', {str(EXAMPLES / 'four_bar_coupler_cam.toml')!r}, '--samples', '36']); "
-        "print(code, 'scipy' in sys.modules, 'PySide6' in sys.modules)"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines()[-1] == "0 False False"

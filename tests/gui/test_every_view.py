@@ -1,8 +1,7 @@
 """Every view with every kind of design: it shows it, or says in words why not. Qt's and Python's complaints fail a test."""
 
-from pathlib import Path
-
 import pytest
+from PySide6.QtCore import Qt
 from window_user import Open, settle
 
 from core.project import load
@@ -10,26 +9,29 @@ from kindyna_gui.places import example
 from kindyna_gui.window.docks import VIEWS
 
 KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
+AREAS = {area: [name for name, row in VIEWS.items() if row.area == area] for area in {row.area for row in VIEWS.values()}}
 
 
-@pytest.mark.parametrize("name", VIEWS)
-def test_a_view_follows_from_kind_to_kind(open_user: Open, name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("area", AREAS, ids=lambda area: area.name)
+def test_views_follow_from_kind_to_kind(open_user: Open, area: Qt.DockWidgetArea) -> None:
+    """Those of one side of the window, one after the other; where they stand in front of each other, those behind catch up."""
     user = open_user()
     for kind in (*KINDS, KINDS[0]):
         user.session.put(load(example(kind)), f"Take {kind}")
         user.session.end_gesture()
-        view = user.window.show_view(name)
-        settle()
-        view.pull()
-        for degrees in (75.0, 359.0):
-            user.window.player.set_theta(degrees / 57.29577951308232)
+        for name in AREAS[area]:
+            view = user.window.show_view(name)
             settle()
-        assert view.up_to_date
-        if view.in_trouble:
-            assert view.not_here, f"{name} with {kind}: a fault is shown where there is none"
-        assert not view.grab().toImage().isNull()
+            view.pull()
+            for degrees in (75.0, 359.0):
+                user.turn(degrees)
+            assert view.up_to_date, f"{name} with {kind}"
+            if view.in_trouble:
+                assert view.not_here, f"{name} with {kind}: a fault is shown where there is none"
+            assert not view.grab().toImage().isNull()
     while user.session.stack.canUndo():
         user.session.stack.undo()
         settle()
-        view.pull()
+        for name in AREAS[area]:
+            user.window.view(name).pull()
     assert user.design == load(example(KINDS[0]))

@@ -97,27 +97,3 @@ def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: 
     for name in LATER:
         path = ROOT.joinpath(*name.split("."))
         assert path.is_dir() or path.with_suffix(".py").is_file(), name
-
-
-MOTION_ALONE = """
-import sys
-from kindyna_gui.__main__ import main
-
-code = main(["--headless", "export", "resources/examples/transfer_lift.toml", "--out", sys.argv[1], "--samples", "36", "--only", "motion"])
-before = set(sys.modules)
-from core.study import evaluations
-
-print("LOADED", code, ",".join(sorted(evaluations)), *sorted({name.partition(".")[0] for name in before}))
-"""
-
-
-def test_headless_a_motion_alone_loads_neither_qt_nor_scipy_and_computes_nothing_else(tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-c", MOTION_ALONE, str(tmp_path)],
-        cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=120, check=True,
-    )  # fmt: skip
-    code, computed, *packages = done.stdout.splitlines()[-1].split()[1:]
-    assert (code, computed) == ("0", "motion")
-    assert {"core", "kindyna_gui", "numpy"} <= set(packages)
-    assert not {"PySide6", "shiboken6", "pyqtgraph", "scipy", "PIL"} & set(packages)
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["kinematics.csv", "summary.json"]
