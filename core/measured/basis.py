@@ -69,8 +69,8 @@ class Basis:
     """A table's rows in the diagonal coordinates of its splines.
 
     at        (m, 3, r) states at the knots of each coordinate's curve
-    seen      (r,) how much of a coordinate the rows see, 0 ... 1; the rest, 1 - seen, is its jerk times ``scale``
-    answer    (r,) what the rows say of it
+    seen      (r,) share of a coordinate that the rows determine, 0 ... 1; the rest, 1 - seen, is its jerk times ``scale``
+    answer    (r,) projection of the rows on it
     mean      (r,) its mean over the rows
     scale     λ at which rows and jerk weigh the same in the mean
     least     mean square of what no curve of these knots can follow

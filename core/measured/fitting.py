@@ -29,7 +29,7 @@ class FitError(KindynaError):
 
 
 class Contradiction(FitError):
-    """Rows contradict each other, and nothing tells which of them are wrong."""
+    """Rows contradict each other, and it cannot be decided which of them are wrong."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +101,7 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     keep_all  also rows that contradict those beside them, which else are left out
 
     Raises FitError where the error is none, or swallows the whole motion; Contradiction where rows contradict each
-    other and nothing tells which of them are wrong, unless all are kept or the error is 0.
+    other and it cannot be decided which of them are wrong, unless all are kept or the error is 0.
     """
     if error is not None and not 0.0 <= error < np.inf:
         raise FitError(f"measuring error {error:g}: allowed: 0 or more {table.unit}")
@@ -141,25 +141,25 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
 
 
 def contradiction(table: Table, found: Outliers) -> str:
-    """The rows that contradict each other where nothing tells which of them are wrong."""
+    """The rows that contradict each other where it cannot be decided which of them are wrong."""
     rows = [row for stretch in found.undecided for row in stretch]
     return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
 
 
 def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
-    """The measuring error that the scatter of the rows tells, at least that of rounding to the last digit; two digits
+    """The measuring error estimated from the scatter of the rows, at least that of rounding to the last digit; two digits
     of it, in the unit of the table, and 0 where the rows are exact.
 
-    Where the best curve would be free to choose as many values as there are rows, their scatter cannot be told from
-    motion, and rounding alone counts.
+    Where the best curve would be free to choose as many values as there are rows, their scatter cannot be distinguished
+    from motion, and rounding alone counts.
     """
     rows = basis(table, USUAL, left_out)
     grid = _LAMBDAS * rows.scale
     free = 1.0 - rows.freedom(grid) / rows.values.size
     judged = np.flatnonzero(free >= LEAST_FREE)
     best = judged[np.argmin(rows.mean_square(grid[judged]) / free[judged] ** 2)]
-    told = best > judged[0] or best == 0
-    variance = float(rows.mean_square(grid[best])) / free[best] if told else 0.0
+    is_inside = best > judged[0] or best == 0
+    variance = float(rows.mean_square(grid[best])) / free[best] if is_inside else 0.0
     scatter = sqrt(variance) / 360.0**rows.order / abs(table.size)
     found = max(scatter, 10.0**-table.decimals / sqrt(12.0))
     if found <= EXACT * float(np.ptp(table.values)) / abs(table.size):

@@ -44,8 +44,8 @@ class Outliers:
     """Rows by their place in the table.
 
     wrong       they contradict the rows beside them
-    possible    at the ends of wrong runs: the others do not tell whether they are wrong too
-    undecided   stretches of rows that contradict each other, where nothing tells which of them are wrong
+    possible    at the ends of wrong runs: the others do not decide whether they are wrong too
+    undecided   stretches of rows that contradict each other, where it cannot be decided which of them are wrong
     """
 
     wrong: tuple[int, ...] = ()

@@ -24,9 +24,9 @@ DIALECTS = (
 """Delimiter and decimal mark, in the order they are tried."""
 
 MOST_RANGES = 12  # of lines, before the rest is counted only
-SAMPLE = 400  # lines that delimiter and columns are told from
+SAMPLE = 400  # lines from which delimiter and columns are detected
 _COMMENT = re.compile(r"\s*(#|%|//)\s?")
-_TOLD = re.compile(r"sep=(.)$")  # a spreadsheet's own word for its delimiter
+_STATED = re.compile(r"sep=(.)$")  # a spreadsheet's statement of its delimiter
 _PLAIN = r"(?:\d+\.?\d*|\.\d+)"
 _EXPONENT = r"(?:[eEdD][+-]?\d+)?"
 _THIN = "\u00a0\u202f\u2009'’"  # what may stand between thousands anywhere
@@ -145,7 +145,7 @@ def _standard(letter: str) -> bool:
 def number(cell: str, decimal: str) -> float | None:
     """The number in a cell, None where it is none; decimal: key of ``DECIMALS``.
 
-    Thousands may be grouped where no doubt is left: by thin spaces or apostrophes, or by the mark that is not the
+    Thousands may be grouped where that is unambiguous: by thin spaces or apostrophes, or by the mark that is not the
     decimal one, twice or together with decimals.
     """
     text = cell.strip().strip('"').strip().replace("\u2212", "-")
@@ -205,10 +205,10 @@ def read_sheet(data: bytes, name: str, delimiter: str | None = None, decimal: st
     """
     text, encoding = decoded(data, name)
     lines = re.split(r"\r\n|\r|\n", text)
-    told = _TOLD.match(lines[0])
-    if told is not None:
+    stated = _STATED.match(lines[0])
+    if stated is not None:
         lines[0] = ""
-        delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == told[1]), None)
+        delimiter = delimiter or next((key for key, mark in DELIMITERS.items() if mark == stated[1]), None)
     comments = {i for i, line in enumerate(lines) if _COMMENT.match(line)}
     plain = [i for i, line in enumerate(lines) if line.strip() and i not in comments]
     delimiter, decimal = dialect([_uncommented(lines[i]) for i in plain[:SAMPLE]], delimiter, decimal)
@@ -235,16 +235,10 @@ def _first_row(
     """The first line of the table: the first of two numbers and nothing else, or of two numbers at all; those right
     above it that begin with a number are wrong rows, not headers."""
 
-    def found(whole: bool) -> int | None:
-        for place, i in enumerate(plain):
-            row = split(_uncommented(lines[i]), delimiter)
-            if _numbers(row, decimal) >= (max(len(row), 2) if whole else 2):
-                return place
-        return None
-
-    place = found(whole=True)
-    if place is None:
-        place = found(whole=False)
+    rows = [split(_uncommented(lines[i]), delimiter) for i in plain]
+    counts = [_numbers(row, decimal) for row in rows]
+    whole = (place for place, row in enumerate(rows) if counts[place] >= max(len(row), 2))
+    place = next(whole, next((place for place, count in enumerate(counts) if count > 1), None))
     if place is None:
         return None
     width = len(cells[plain[place]])
@@ -274,10 +268,12 @@ def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...
 
 def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:
     """A header line in as many cells as there are columns, however it is divided."""
-    ways = [split(line, delimiter), *(split(line, other) for other in DELIMITERS if other not in (delimiter, "spaces"))]
-    ways.append(tuple(re.split(r"\s{2,}", line.strip())))
-    ways.append(tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line)))
-    ways.append(tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line)))
-    ways.append(tuple(line.split()))
-    whole = next((way for way in ways if len(way) == columns), None)
+    tried = [
+        *(split(line, mark) for mark in (delimiter, *(d for d in DELIMITERS if d not in (delimiter, "spaces")))),
+        tuple(re.split(r"\s{2,}", line.strip())),
+        tuple(cell.strip() for cell in re.findall(r"[^\[(]*[\[(][^\])]*[\])]", line)),
+        tuple(re.findall(r"[^\s\[(]+(?:\s*(?:\[[^\]]*\]|\([^)]*\)))?", line)),
+        tuple(line.split()),
+    ]
+    whole = next((cells for cells in tried if len(cells) == columns), None)
     return whole if whole is None or all(re.search(r"[^\W\d]|[°\"]", cell) for cell in whole if cell) else None

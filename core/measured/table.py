@@ -15,7 +15,7 @@ LEAST_ANGLES = 4  # different cam angles a curve can be laid through
 SAME = 1e-6  # deg: angles this close are one
 FEW = 5  # rows wrong in the same way that are named each
 LARGEST = 1e12  # of any number, so that squares of it stay numbers
-ASTRAY = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
+OUT_OF_ORDER = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,28 +56,24 @@ class Table:
 def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Table:
     """The numbers of the two columns that ``how`` names; rows in the order of the file.
 
-    Raises TableError with every wrong row: a cell that is no number, a row too short, an angle astray. Where many rows
+    Raises TableError with every wrong row: a cell that is no number, a row too short, an angle out of order. Where many rows
     are wrong in the same way, the first stands for all.
     """
     faults: dict[object, list[RowFault]] = {}
-    lines, places, values, decimals = [], [], [], 0
+    lines, pairs, decimals = [], [], 0
+    columns = how.angle_column, how.value_column
     for row in sheet.rows:
-        wrong = _columns_wrong(sheet, row, max(how.angle_column, how.value_column))
-        pair = (
-            []
-            if wrong
-            else [number(row.cells[column], sheet.decimal) for column in (how.angle_column, how.value_column)]
-        )
-        words = {"columns": wrong} if wrong else _cells_wrong(sheet, row, (how.angle_column, how.value_column), pair)
-        if words:
-            faults.setdefault(tuple(words), []).append(RowFault(row.line, "; ".join(words.values())))
+        wrong = _columns_wrong(sheet, row, max(columns))
+        pair = [] if wrong else [number(row.cells[column], sheet.decimal) for column in columns]
+        problems = {"columns": wrong} if wrong else _cells_wrong(sheet, row, columns, pair)
+        if problems:
+            faults.setdefault(tuple(problems), []).append(RowFault(row.line, "; ".join(problems.values())))
             continue
         lines.append(row.line)
-        places.append(pair[0])
-        values.append(pair[1])
+        pairs.append(pair)
         decimals = max(decimals, _decimals(row.cells[how.value_column], sheet.decimal))
-    raw = np.array(places)
-    faults["angles"] = _astray(raw, np.array(lines))
+    raw, values = np.array(pairs, dtype=float).reshape(-1, 2).T
+    faults["angles"] = _out_of_order(raw, np.array(lines))
     if any(faults.values()):
         raise TableError(sheet.name, sorted(fault for alike in faults.values() for fault in _gathered(alike)))
     seconds = TIME_UNITS.get(how.angle_unit)
@@ -85,9 +81,10 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
     turned = raw * by
     angles = np.mod(turned, 360.0)
     angles = np.where((angles > 360.0 - SAME) | (angles < SAME), 0.0, angles)
-    if distinct(angles)[0].size < LEAST_ANGLES:
-        told = f"{distinct(angles)[0].size} different cam angles; at least {LEAST_ANGLES} are wanted"
-        raise TableError(sheet.name, [RowFault(0, told)])
+    different = distinct(angles)[0].size
+    if different < LEAST_ANGLES:
+        problem = f"{different} different cam angles; at least {LEAST_ANGLES} are wanted"
+        raise TableError(sheet.name, [RowFault(0, problem)])
     size = how.unit.by_degree(speed_rpm)
     closing = _closing(turned, angles)
     return Table(
@@ -96,7 +93,7 @@ def read_table(sheet: Sheet, how: Layout, speed_rpm: float | None = None) -> Tab
         how.unit.motion,
         np.array(lines),
         angles,
-        np.array(values) * size,
+        values * size,
         size,
         decimals,
         closing,
@@ -116,15 +113,15 @@ def _columns_wrong(sheet: Sheet, row: Row, last: int) -> str:
 
 def _cells_wrong(sheet: Sheet, row: Row, columns: Sequence[int], values: Sequence[float | None]) -> dict[str, str]:
     """Kind of fault and column -> what is wrong with the cell there; values: the numbers they are taken for."""
-    words = {}
+    problems = {}
     for column, value in zip(columns, values, strict=True):
         cell, there = row.cells[column], column_name(sheet, column)
         if not cell:
-            words[f"nothing in {there}"] = f"nothing stands in {there}"
+            problems[f"nothing in {there}"] = f"nothing stands in {there}"
         elif value is None or abs(value) > LARGEST:
             wanted = _wanted(cell, sheet, value)
-            words[f"{wanted} in {there}"] = f"{_shown(cell)} in {there}: {wanted}"
-    return words
+            problems[f"{wanted} in {there}"] = f"{_shown(cell)} in {there}: {wanted}"
+    return problems
 
 
 def _gathered(alike: Sequence[RowFault]) -> Sequence[RowFault]:
@@ -157,23 +154,23 @@ def _decimals(cell: str, decimal: str) -> int:
     return behind - int(exponent) if exponent.lstrip("+-").isdecimal() else behind
 
 
-def _astray(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
+def _out_of_order(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
     """Single rows that stand out of an order which the rows around them keep; none where the table has no order."""
     steps = np.diff(raw)
     if raw.size < LEAST_ANGLES or not steps.any():
         return []
-    way = 1.0 if (steps > 0.0).sum() >= (steps < 0.0).sum() else -1.0
-    on = way * raw
+    sign = 1.0 if (steps > 0.0).sum() >= (steps < 0.0).sum() else -1.0
+    rising = sign * raw
     found: set[int] = set()
-    for i in np.flatnonzero(way * steps < 0.0).tolist():
-        goes_on = i + 2 >= raw.size or on[i + 2] > on[i + 1]
-        if i + 2 < raw.size and on[i + 2] > on[i]:
+    for i in np.flatnonzero(sign * steps < 0.0).tolist():
+        continues = i + 2 >= raw.size or rising[i + 2] > rising[i + 1]
+        if i + 2 < raw.size and rising[i + 2] > rising[i]:
             found.add(i + 1)  # too small
-        elif i > 0 and on[i + 1] > on[i - 1] and goes_on:
+        elif i > 0 and rising[i + 1] > rising[i - 1] and continues:
             found.add(i)  # too large
-    if len(found) > max(2.0, ASTRAY * raw.size):
+    if len(found) > max(2.0, OUT_OF_ORDER * raw.size):
         return []
-    order = "rise" if way > 0.0 else "fall"
+    order = "rise" if sign > 0.0 else "fall"
     wanted = f"where the angles {order}; wanted: the rows in order, or this angle mended"
     return [
         RowFault(int(lines[i]), f"angle {raw[i]:g} behind {raw[i - 1]:g} and before {raw[i + 1]:g}, {wanted}")
@@ -181,7 +178,7 @@ def _astray(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
     ]
 
 
-# -- what is found ----------------------------------------------------------------------------------------
+# -- the rows as a whole ----------------------------------------------------------------------------------------
 
 
 def distinct(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -203,7 +200,7 @@ def gaps(angles: np.ndarray) -> list[tuple[float, float]]:
 
 
 def _notes(lines: np.ndarray, turned: np.ndarray, angles: np.ndarray, closing: tuple[int, int] | None) -> Iterator[str]:
-    """What is said of the rows as a whole; turned: the angles before they are laid into one turn [deg]."""
+    """Sentences on the rows as a whole; turned: the angles before they are laid into one turn [deg]."""
     steps = np.diff(turned)
     rising, falling = int((steps > 0.0).sum()), int((steps < 0.0).sum())
     if rising and falling and min(rising, falling) > 1:

@@ -1,4 +1,4 @@
-"""What the words above a column say: which quantity stands below, and in which unit."""
+"""Quantity and unit of a column from the words above it."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def value_units(quantity: str, motion: str) -> tuple[str, ...]:
     if order == 0:
         return tuple(BASES[motion])
     power = "" if order == 1 else str(order)
-    told = tuple(f"{base}/{per}{power}" for per in ("s", "deg", "rad") for base in BASES[motion])
-    return (*told, "g") if (order, motion) == (2, "mm") else told
+    units = tuple(f"{base}/{per}{power}" for per in ("s", "deg", "rad") for base in BASES[motion])
+    return (*units, "g") if (order, motion) == (2, "mm") else units
 
 
 # -- reading units ----------------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ _WORDS: tuple[tuple[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a column's name says: quantity and unit, empty where it does not."""
+    """Quantity and unit that a column's name states; empty where it does not."""
 
     quantity: str
     unit: str
@@ -149,7 +149,7 @@ class Meaning:
 
 @cache
 def meaning(name: str) -> Meaning:
-    """What a column's name says of it; a unit such as mm/s² tells the quantity too."""
+    """Quantity and unit that a column's name states; a unit such as mm/s² implies the quantity."""
     unit = unit_in(name)
     order = max((found.order for motion in BASES if (found := value_unit(unit, motion))), default=0)
     plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()

@@ -58,13 +58,13 @@ def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Sha
         for order, value in enumerate((p.value, p.velocity, p.acceleration))
         if value is not None
     ]
-    told = {(place, order) for place, order, _ in given}
+    stated = {(place, order) for place, order, _ in given}
     ends = [(0.0, 0, 0.0), (1.0, 0, segment.rise)]
     if not whole_turn:
         ends += [(place, order, 0.0) for place in (0.0, 1.0) for order in (1, 2)]
     if whole_turn:
         ends = ends[:1]  # the end is the start
-    given += [e for e in ends if e[:2] not in told and not (whole_turn and (1.0, e[1]) in told)]
+    given += [e for e in ends if e[:2] not in stated and not (whole_turn and (1.0, e[1]) in stated)]
     knots = sorted({0.0, 1.0, *(place for place, _, _ in given)})
     return _turning(least_jerk(knots, given, periodic=whole_turn))
 
@@ -79,8 +79,8 @@ def _turning(pieces: tuple[Piece, ...]) -> Shape:
     ends = [*(p.start for p in parts[1:]), 1.0]
     middle = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
     rows = table.evaluate(np.arange(len(parts)), middle)
-    still = np.abs(rows[1]) <= 1e-12 * max(float(np.abs(rows[:2]).max()), 1e-300)
-    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(still, 0.0, np.sign(rows[1]))))
+    stands = np.abs(rows[1]) <= 1e-12 * max(float(np.abs(rows[:2]).max()), 1e-300)
+    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(rows[1]))))
 
 
 def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:

@@ -16,7 +16,7 @@ STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 17, 721  # points of a piece, and besides these
 # some that close in on its ends: in a short piece all that happens may happen there
 ENDS = np.concatenate((10.0 ** np.arange(-6.0, -1.0), 1.0 - 10.0 ** np.arange(-6.0, -1.0)))
-CANDIDATES = 64  # local extremes per quantity and side that are looked at closer
+CANDIDATES = 64  # local extremes per quantity and side that are refined
 INNER = 7  # points a bracket is cut by
 PASSES = 24
 FINEST = 1e-4  # of the piece, and at most FINEST_RAD: half width at which a parabola takes over where it is smooth ...
@@ -46,12 +46,12 @@ class Range:
 
 @lru_cache(maxsize=64)
 def _places(count: int) -> np.ndarray:
-    """Where a piece is looked at, 0 ... 1: equally spaced, and close to its ends."""
+    """Where a piece is sampled, 0 ... 1: equally spaced, and close to its ends."""
     return np.union1d(np.linspace(0.0, 1.0, count), ENDS)
 
 
 def piecewise_angles(program: Program) -> Angles:
-    """Cam angles that look at every piece from inside, its ends included: dense enough to bracket extremes."""
+    """Samples of every piece from inside, its ends included: dense enough to bracket extremes."""
     counts = np.clip(np.ceil((program.ends - program.starts) / STEP) + 1, LEAST, MOST).astype(int)
     theta = []
     for a, b, count in zip(program.starts, program.ends, counts.tolist(), strict=True):
@@ -89,28 +89,18 @@ def _refined(
         for name, values in sampled.items()
         for sign in signs
     ]
+    count = INNER + 2
     for _ in range(PASSES):
-        open_ones = [s for s in searches if s.brackets]
-        if not open_ones:
+        brackets = [(search, bracket) for search in searches for bracket in search.brackets]
+        if not brackets:
             break
-        asked = [bracket.points() for s in open_ones for bracket in s.brackets]
-        batch = Angles(
-            np.concatenate(asked),
-            np.concatenate(
-                [
-                    np.full(p.size, b.piece)
-                    for p, b in zip(asked, (b for s in open_ones for b in s.brackets), strict=True)
-                ]
-            ),
-        )
-        values = quantities(batch)
-        at = 0
-        for search in open_ones:
-            for bracket in search.brackets:
-                stop = at + INNER + 2
-                bracket.narrow(batch.theta[at:stop], search.sign * np.asarray(values[search.name])[at:stop])
-                at = stop
-            search.keep_what_may_win()
+        theta = np.concatenate([np.linspace(b.left, b.right, count) for _, b in brackets])
+        values = quantities(Angles(theta, np.repeat([b.piece for _, b in brackets], count)))
+        for i, (search, bracket) in enumerate(brackets):
+            part = slice(i * count, (i + 1) * count)
+            bracket.narrow(theta[part], search.sign * np.asarray(values[search.name])[part])
+        for search in searches:
+            search.drop_hopeless()
     return {(s.name, s.sign): s.best() for s in searches}
 
 
@@ -121,13 +111,10 @@ class _Bracket:
         self.left, self.right, self.piece = left, right, piece
         self.theta, self.value, self.finest = theta, value, finest
         self._smooth = finest
-        self.room = np.inf  # what may still stand above its value between the points seen
+        self.room = np.inf  # how much higher the quantity may be between the points evaluated
 
     def wide(self) -> bool:
         return self.right - self.left > 2.0 * self.finest
-
-    def points(self) -> np.ndarray:
-        return np.linspace(self.left, self.right, INNER + 2)
 
     def narrow(self, theta: np.ndarray, value: np.ndarray) -> None:
         value = np.where(np.isnan(value), -np.inf, value)
@@ -177,19 +164,14 @@ class _Search:
         left = np.append(-np.inf, np.where(same, value[:-1], -np.inf))
         right = np.append(np.where(same, value[1:], -np.inf), -np.inf)
         # no lower than its neighbours and higher than one: plateaus hide nothing, and would crowd out what is narrow
-        tops = (
-            (value >= left)
-            & (value >= right)
-            & (((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf)))
-        )
+        higher = ((value > left) & (left > -np.inf)) | ((value > right) & (right > -np.inf))
+        tops = (value >= left) & (value >= right) & higher & np.isfinite(value)
         top = int(np.argmax(value))
-        self.found = Extreme(float(sign * value[top]), float(angles.theta[top]))
-        peaks = np.flatnonzero(tops & np.isfinite(value))
-        may_be = value[peaks] + _room(value, left, right)[peaks]
-        may_win = may_be >= max(float(value[top]), level)
-        peaks, may_be = peaks[may_win], may_be[may_win]
+        self.sampled = Extreme(float(value[top]), float(angles.theta[top]))
+        bound = value + np.where(tops, _room(value, left, right), 0.0)
+        peaks = np.flatnonzero(tops & (bound >= max(self.sampled.value, level)))
         self.brackets = []
-        for i in peaks[np.argsort(-may_be, kind="stable")][:CANDIDATES]:
+        for i in peaks[np.argsort(-bound[peaks], kind="stable")][:CANDIDATES]:
             lo = angles.theta[i - 1] if left[i] > -np.inf else angles.theta[i]
             hi = angles.theta[i + 1] if right[i] > -np.inf else angles.theta[i]
             piece = int(angles.piece[i])
@@ -199,21 +181,21 @@ class _Search:
         self._value, self._theta, self._piece = value, angles.theta, angles.piece
 
     def _highest(self) -> float:
-        return max((b.value for b in self._all), default=-np.inf)
+        return max([self.sampled.value, *(b.value for b in self._all)])
 
-    def keep_what_may_win(self) -> None:
+    def drop_hopeless(self) -> None:
         """Leave the brackets that are narrow enough, or can no longer reach the highest value found."""
-        top = max(self._highest(), self.sign * self.found.value)
+        top = self._highest()
         self.brackets = [b for b in self.brackets if b.wide() and b.value + b.room >= top]
 
     def best(self) -> Extreme:
         """The highest; among equals (to rounding) the smallest cam angle."""
-        top = max(self._highest(), self.sign * self.found.value)
+        top = self._highest()
         slack = 64.0 * EPS * abs(top) if np.isfinite(top) else 0.0
         first, named = self._plateaus(np.flatnonzero(self._value >= top - slack))
         equal = list(zip(self._theta[named].tolist(), self._value[named].tolist(), strict=True))
-        if not equal and self.sign * self.found.value >= top - slack:
-            equal.append((self.found.theta, self.sign * self.found.value))
+        if not equal and self.sampled.value >= top - slack:
+            equal.append((self.sampled.theta, self.sampled.value))
         low, high = self._theta[np.maximum(first - 1, 0)], self._theta[named]
         for b in self._all:
             # beside a plateau the value differs by rounding only: the plateau names the angle

@@ -1,4 +1,4 @@
-"""The motion stage: where the output is asked to be at every cam angle, with three exact derivatives."""
+"""The motion compiled: prescribed position of the output at every cam angle, with three exact derivatives."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ JUMP_BOUND = 64.0  # a jump below this many eps of the neighbouring values is ro
 
 @dataclass(frozen=True, eq=False)
 class Angles:
-    """Cam angles and the piece of the motion each is looked at from.
+    """Cam angles, each with the piece of the motion that it is taken to lie in.
 
     theta  (n,) [rad], 0 ... 2π
     piece  (n,) row of ``Program``; at a join it says which side is meant
     kept   True for a grid that stages may keep results of
-    unit   (n,) complex, e^{iθ}, made when it is asked for
+    unit   (n,) complex, e^{iθ}, made when it is read
     """
 
     theta: np.ndarray
@@ -143,7 +143,7 @@ _JUMPS = (
 
 
 def findings(compiled: Program) -> list[Finding]:
-    """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is told."""
+    """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is named."""
     found = []
     unit, scale = compiled.motion.unit, compiled.motion.scale
     joins = compiled.joins

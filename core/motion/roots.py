@@ -10,7 +10,7 @@ from core.motion import EPS, TURN, Angles
 
 PASSES = 100
 FINEST = EPS * TURN  # [rad] half width at which a root is found
-BETWEEN = 33  # points by which a dip towards zero is looked at closer
+BETWEEN = 33  # points by which a dip towards zero is sampled closer
 
 Quantity = Callable[[Angles], np.ndarray]
 
@@ -20,7 +20,7 @@ def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
 
     quantity  gives (n,) at any cam angles
     angles    samples (n,), rising within each piece; value (n,) of the quantity there. A sign that changes twice
-              between two samples is seen where the samples beside bend that way.
+              between two samples is noticed where the samples beside bend that way.
     """
     dips = _dips(angles, value)
     theta, piece, values = angles.theta, angles.piece, value

@@ -1,5 +1,5 @@
 """Edits that ask where a curve stands: a segment cut at a cam angle, followed by a copy of itself, or a spline that
-gets a point on its way.
+gets one more point.
 
 Two made of one share its span, so that no other join moves and the follower comes back as before.
 """
@@ -167,12 +167,12 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> 
 
 
 def _as_part_of_a_turn(segment: Segment, state: np.ndarray) -> Segment:
-    """A spline over the whole turn, which joins itself, with what it does at its join said at both ends: a part of a
+    """A spline over the whole turn, which joins itself, with its state at its join stated at both ends: a part of a
     turn would start and end at rest."""
     assert isinstance(segment.curve, Spline)
     s, v, a, _ = map(float, state)
     inner = tuple(p for p in segment.curve.points if _SAME < p.at_deg < segment.span_deg - _SAME)
-    value = s or None  # at its start it stands at its start, where nothing else is said
+    value = s or None  # at its start it stands at its start, where nothing else is stated
     ends = (Point(0.0, value, v, a), Point(segment.span_deg, value, v, a))
     return replace(segment, curve=Spline((ends[0], *inner, ends[1])))
 

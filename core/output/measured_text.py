@@ -15,7 +15,7 @@ from core.output.report import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
 LARGE = 4.0  # measuring errors
-WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to tell
+WAVES, LEAST_WAVES = 1.0, 12  # of ``Fit.waves``, which is 2 at random; rows that it takes to judge
 MOST_LINES = 30  # of wrong rows before the rest is counted only
 
 
@@ -114,10 +114,10 @@ def fit_text(sheet: Sheet, fit: Fit) -> str:
     """All of it to read."""
     lines = [sheet.name, *columns(_padded(detected(sheet, fit)), left=2), ""]
     lines += columns(_padded(figures(fit)), left=2)
-    for heading, told in (("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
-        if told:
-            lines += ["", heading, *(f"  {line}" for line in told[:MOST_LINES])]
-            lines += [f"  and {len(told) - MOST_LINES} more"] if len(told) > MOST_LINES else []
+    for heading, entries in (("Notes", notes(fit)), ("Wrong rows", suspicions(fit))):
+        if entries:
+            lines += ["", heading, *(f"  {line}" for line in entries[:MOST_LINES])]
+            lines += [f"  and {len(entries) - MOST_LINES} more"] if len(entries) > MOST_LINES else []
     return "\n".join(lines) + "\n"
 
 
