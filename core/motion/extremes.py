@@ -141,12 +141,15 @@ class _Bracket:
             self.value = max(self.value, float(value[2] - 0.5 * slope * slope / bend))
 
 
-def _room(value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
+def _room(theta: np.ndarray, value: np.ndarray, left: np.ndarray, right: np.ndarray) -> np.ndarray:
     """What may stand above samples (n,) between them and their neighbours: a parabola adds an eighth of the second
-    difference, which at an end of a piece is that of the first samples inside; taken eightfold."""
+    difference, which at an end of a piece is that of the first samples inside; taken eightfold. Where the neighbour on
+    one side is farther away, the slope on the other side is continued as far."""
+    gap = np.diff(theta, prepend=theta[-1], append=theta[0])
     ahead, behind = np.roll(right, -1), np.roll(left, 1)  # two samples away, on either side
-    with np.errstate(invalid="ignore"):  # inf - inf, of which nothing is refined
-        inside = np.maximum(value - left, value - right)
+    with np.errstate(invalid="ignore", divide="ignore"):  # inf - inf, of which nothing is refined
+        wider = gap[1:] / gap[:-1]
+        inside = np.maximum((value - left) * np.maximum(wider, 1.0), (value - right) * np.maximum(1.0 / wider, 1.0))
         at_start, at_end = np.abs(value - 2.0 * right + ahead), np.abs(value - 2.0 * left + behind)
     room = np.where(left == -np.inf, at_start, np.where(right == -np.inf, at_end, inside))
     return np.where(np.isfinite(room), room, np.inf)
@@ -168,7 +171,7 @@ class _Search:
         tops = (value >= left) & (value >= right) & higher & np.isfinite(value)
         top = int(np.argmax(value))
         self.sampled = Extreme(float(value[top]), float(angles.theta[top]))
-        bound = value + np.where(tops, _room(value, left, right), 0.0)
+        bound = value + np.where(tops, _room(angles.theta, value, left, right), 0.0)
         peaks = np.flatnonzero(tops & (bound >= max(self.sampled.value, level)))
         self.brackets = []
         for i in peaks[np.argsort(-bound[peaks], kind="stable")][:CANDIDATES]:
