@@ -37,6 +37,10 @@ def _as_is(page: str) -> str:
     return page
 
 
+def _without_comments(page: str) -> str:
+    return re.sub(r"<!--.*?-->\n?", "", page)
+
+
 PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
     {
         "tour": ("Tour", _as_is),
@@ -46,6 +50,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "linkages": ("Linkages", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "laws": ("Laws and conventions", _laws),
+        "speed": ("Run time against error", _without_comments),
     }
 )
 """File of ``resources/help`` -> title, and what completes the page."""

@@ -218,6 +218,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
+            Item("&Run time against error", "show_help", "speed", None, "Every kernel beside what could be taken in its place"),
             SEPARATOR,
             _view("Lo&g", "log", "What has failed in this program, and when"),
             Item("&About KINDYNA", "about", None, None, "Version and origin"),

@@ -159,7 +159,7 @@ def as_csv(rows: Sequence[Row]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     words = argparse.ArgumentParser(prog="make bench", description="Run time against true error.")
     words.add_argument("--quick", action="store_true", help="fewer sizes and settings, half a minute")
-    words.add_argument("--readme", action="store_true", help="put the table into README.md")
+    words.add_argument("--readme", action="store_true", help="put the table into the help, ten rows of it into README.md")
     words.add_argument("--out", type=Path, default=OUT, help="folder")
     asked = words.parse_args(argv)
     warnings.simplefilter("ignore")  # of methods that are made to fail
@@ -175,7 +175,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     write_all(asked.out, texts)
     write_all(asked.out, page.painted(rows, cases))
     if asked.readme:
-        ratios.into_readme(ROOT / "README.md", table)
+        ratios.into_page(ROOT / "README.md", ratios.short(rows))
+        ratios.into_page(ROOT / "resources/help/speed.md", table)
     print(table)
     print(goals)
     print(bounds)

@@ -167,18 +167,21 @@ def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> 
     path = tmp_path / "README.md"
     path.write_text(f"before\n{ratios.BEGIN}\nold\n{ratios.END}\nafter\n", encoding="utf-8")
     for _ in range(2):
-        ratios.into_readme(path, "| new |\n")
+        ratios.into_page(path, "| new |\n")
         assert path.read_text(encoding="utf-8") == f"before\n{ratios.BEGIN}\n| new |\n{ratios.END}\nafter\n"
     path.write_text("nothing", encoding="utf-8")
     with pytest.raises((SystemExit, KindynaError)):
-        ratios.into_readme(path, "| new |\n")
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    assert text.count(ratios.BEGIN) == text.count(ratios.END) == 1
-    table = text.partition(ratios.BEGIN)[2].partition(ratios.END)[0]
+        ratios.into_page(path, "| new |\n")
+    root = Path(__file__).parents[2]
+    page, readme = ((root / name).read_text(encoding="utf-8") for name in ("resources/help/speed.md", "README.md"))
+    for text in (page, readme):
+        assert text.count(ratios.BEGIN) == text.count(ratios.END) == 1
+    whole, ten = (text.partition(ratios.BEGIN)[2].partition(ratios.END)[0] for text in (page, readme))
     for kernel in KERNELS.values():
-        assert f"| {kernel.title} | KINDYNA" in table
+        assert f"| {kernel.title} | KINDYNA" in whole
     for kernel in measuring.WINDOW:
-        assert f"| {kernel}: " in table
+        assert f"| {kernel}: " in whole
+    assert ten.count("\n| ") == 11, "a head and ten rows"
 
 
 def test_every_target_is_told_with_what_it_takes() -> None:
