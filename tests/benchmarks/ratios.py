@@ -102,7 +102,8 @@ def short(rows: Sequence[Row]) -> str:
         knob = next(method.knob for method in kernel.methods if method.name == row.method)
         setting = f", {knob} {row.setting}" if row.setting else ""
         ratio = times(row.seconds / by.seconds)
-        lines.append(f"| {kernel.title} | {_power(by.error)} | {row.method}{setting} | {ratio} | {_power(row.error)} | {verdict(row, by)} |")
+        error, other = _power(by.error), f"{row.method}{setting}"
+        lines.append(f"| {kernel.title} | {error} | {other} | {ratio} | {_power(row.error)} | {verdict(row, by)} |")
     return "\n".join(lines) + "\n"
 
 
