@@ -168,7 +168,7 @@ def stability(study: Study) -> dict[str, Any]:
                 "largest_wind_up_deg": _given(360.0 * verdict.largest),
                 "leaves_cam_at_turns": verdict.lost,
             }
-            for verdict in found.told
+            for verdict in found.own_verdicts
         ],
         "stiffness": {
             "allowed": needed.allowed,

@@ -18,7 +18,7 @@ from core.stability.floquet_edges import refined, tongues
 from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients, coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
 from core.stability.hill.matrices import kim_edges, kim_matrix
-from core.stability.model_comparison import LABELS, Verdict, verdicts
+from core.stability.model_comparison import LABELS, Verdict
 from core.stability.stage import Stability, findings, stability
 from core.stability.steady_response import branch, shoot, steady_response
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
@@ -29,5 +29,5 @@ __all__ = [
     "averages_plots", "bands", "branch", "chart", "claims", "coefficients", "coefficients_plot", "contact_marks",
     "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "histories", "history", "history_plot",
     "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_response",
-    "stiffness_for", "tongues", "tongues_of_order", "verdicts",
+    "stiffness_for", "tongues", "tongues_of_order",
 ]  # fmt: skip

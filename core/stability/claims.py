@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -18,7 +18,7 @@ from core.stability.hill.matrices import kim_edges
 from core.stability.judgements import AGREES, DIFFERS, MISPRINT
 from core.stability.model_comparison import linear_verdicts, rest_verdict, steady_verdict
 from core.stability.stage import Stability
-from core.stability.windup import Averages, History, histories, mean_wind_up
+from core.stability.windup import History, etas, histories, mean_wind_up
 
 __all__ = ["AGREES", "DIFFERS", "FIGURES", "MISPRINT", "ROWS", "Claim", "claims", "require_kim"]
 
@@ -42,24 +42,23 @@ class Claim:
 
     where, paper  the place and what stands there
     numbers       what was computed here: all that verdict and sentence depend on
-    judge, text   plain functions of these numbers
+    judge         plain function of these numbers
     """
 
     where: str
     paper: str
     numbers: Numbers
-    judge: Callable[..., str]
-    text: Callable[..., str]
+    judge: Callable[..., tuple[str, str]]
 
     @property
     def verdict(self) -> str:
         """Whether that is the same."""
-        return self.judge(**self.numbers)
+        return self.judge(**self.numbers)[0]
 
     @property
     def here(self) -> str:
         """What comes out here, in words."""
-        return self.text(**self.numbers)
+        return self.judge(**self.numbers)[1]
 
 
 def require_kim(coefficients: Coefficients) -> None:
@@ -78,80 +77,41 @@ def require_kim(coefficients: Coefficients) -> None:
         )
 
 
-def claims(found: Stability) -> tuple[Claim, ...]:
+def claims(shaft: Stability) -> tuple[Claim, ...]:
     """The table. Raises NoStability where the design is not Kim1990's."""
-    require_kim(found.coefficients)
-    exact, twice, approximate = _row(found, Q, EXACT), _row(found, TWICE, EXACT), _row(found, Q, APPROXIMATE)
+    require_kim(shaft.coefficients)
+    exact, twice, approximate = _row(shaft, Q, EXACT), _row(shaft, TWICE, EXACT), _row(shaft, Q, APPROXIMATE)
     widths = _widths(exact)
     eta, q = (np.array([figure[i] for figure in FIGURES]) for i in (1, 2))
-    later = histories(found.coefficients, eta, q, contact=found.contact)
-    first = mean_wind_up(found.coefficients, FIRST_TURN, 5.0, contact=found.contact)
+    later = histories(shaft.coefficients, eta, q, contact=shaft.contact)
+    first = mean_wind_up(shaft.coefficients, FIRST_TURN, etas(5.0), contact=shaft.contact)
+    lost = np.zeros(first.q.size, dtype=bool) if first.lost is None else first.lost.any(axis=1)
+    edges = {"q": Q, "approximate": approximate.edges[0], "exact": exact.edges[0]}
+    at_q = {"q": Q, "widths": widths}
+    growing = {"q": np.array([Q, TWICE]), "small": widths, "large": _widths(twice)}
+    off = {"q": Q, "off": _off(shaft, approximate), "widths": _widths(approximate)}
+    means = {"q": first.q, "means": first.wind_up, "slopes": first.slope}
+    losses = {"q": first.q, "lost": lost, "later": [(h.eta, h.q, h.contact_lost) for h in later]}
+    whole = "parametric resonance at 1/N of the shaft's frequency: η ≈ 1, 2, 3, 4, 5"
+    small = "for Q up to 0.1 the mean wind-up stays within 0.02; it grows with Q"
     j = judgements
     return (
-        Claim("(13)", "the spring's term is -4π²η²β", _spring_growth(FIGURES[0][1]), j.spring_sign, j.spring_sign_text),
-        Claim("(22)", "ψ holds X''X'' + X'²", _load_means(found), j.load_slope, j.load_slope_text),
-        Claim(
-            "(21) → (22)",
-            "(22) stands for (21) where Q ≪ 1",
-            {"q": Q, "approximate": approximate.edges[0], "exact": exact.edges[0]},
-            j.approximation,
-            j.approximation_text,
-        ),
-        Claim(
-            "Fig. 8, §7",
-            "parametric resonance at 1/N of the shaft's frequency: η ≈ 1, 2, 3, 4, 5",
-            {"q": Q, "widths": widths, "errors": 2.0 * exact.error[0]},
-            j.whole_numbers_only,
-            j.whole_numbers_only_text,
-        ),
-        Claim(
-            "Fig. 8",
-            "the tongues at η ≈ 1 and 2 are much wider than the others",
-            {"q": Q, "widths": widths},
-            j.widest,
-            j.widest_text,
-        ),
-        Claim(
-            "Fig. 8, §7",
-            "tongues widen with Q",
-            {"q": np.array([Q, TWICE]), "small": widths, "large": _widths(twice)},
-            j.widen_with_q,
-            j.widen_with_q_text,
-        ),
-        Claim(
-            "Fig. 8, §7",
-            "tongues widen towards the natural frequency (small η)",
-            {"q": Q, "widths": widths},
-            j.widen_with_speed,
-            j.widen_with_speed_text,
-        ),
-        Claim(
-            "§6 (2)",
-            "ten harmonics, an 11 x 11 matrix, give the edges",
-            {"q": Q, "off": _off(found, approximate), "widths": _widths(approximate)},
-            j.eleven,
-            j.eleven_text,
-        ),
-        Claim(
-            "Figs. 6, 7",
-            "for Q up to 0.1 the mean wind-up stays within 0.02; it grows with Q",
-            {"q": first.q, "means": first.wind_up, "slopes": first.slope},
-            j.wind_up,
-            j.wind_up_text,
-        ),
-        Claim(
-            "Figs. 6, 7",
-            "the follower stays on the cam for Q below 0.1 and leaves it above",
-            _losses(first, later),
-            j.contact,
-            j.contact_text,
-        ),
-        *(_figure(found, *row) for row in zip(FIGURES, later, strict=True)),
+        Claim("(13)", "the spring's term is -4π²η²β", _spring_growth(FIGURES[0][1]), j.spring_sign),
+        Claim("(22)", "ψ holds X''X'' + X'²", _load_means(shaft), j.load_slope),
+        Claim("(21) → (22)", "(22) stands for (21) where Q ≪ 1", edges, j.approximation),
+        Claim("Fig. 8, §7", whole, {**at_q, "errors": 2.0 * exact.error[0]}, j.whole_numbers_only),
+        Claim("Fig. 8", "the tongues at η ≈ 1 and 2 are much wider than the others", at_q, j.widest),
+        Claim("Fig. 8, §7", "tongues widen with Q", growing, j.widen_with_q),
+        Claim("Fig. 8, §7", "tongues widen towards the natural frequency (small η)", at_q, j.widen_with_speed),
+        Claim("§6 (2)", "ten harmonics, an 11 x 11 matrix, give the edges", off, j.eleven),
+        Claim("Figs. 6, 7", small, means, j.wind_up),
+        Claim("Figs. 6, 7", "the follower stays on the cam for Q below 0.1 and leaves it above", losses, j.contact),
+        *(_figure(shaft, *row) for row in zip(FIGURES, later, strict=True)),
     )
 
 
-def _row(found: Stability, q: float, equation: str) -> Tongues:
-    return tongues(found.coefficients, np.array([q]), COUNT, equation, error=SHARP)
+def _row(shaft: Stability, q: float, equation: str) -> Tongues:
+    return tongues(shaft.coefficients, np.array([q]), COUNT, equation, error=SHARP)
 
 
 def _widths(row: Tongues) -> np.ndarray:
@@ -164,9 +124,9 @@ def _spring_growth(eta: float) -> Numbers:
     return {"eta": eta, "printed": as_printed, "corrected": corrected}
 
 
-def _load_means(found: Stability) -> Numbers:
+def _load_means(shaft: Stability) -> Numbers:
     """The mean over the turn of ψ, with X''X'' in it (X in units of X_m, as in (22)) and of the ψ that is used."""
-    panels = found.coefficients.panels
+    panels = shaft.coefficients.panels
     theta = panels.theta
     c = np.cos(2.0 * theta)
     as_printed = np.where(theta < pi, 2.0 * FACTOR * (4.0 * c * c + np.sin(2.0 * theta) ** 2), 0.0)
@@ -176,27 +136,21 @@ def _load_means(found: Stability) -> Numbers:
     }
 
 
-def _off(found: Stability, approximate: Tongues) -> np.ndarray:
+def _off(shaft: Stability, approximate: Tongues) -> np.ndarray:
     """The farther of each tongue's two edges (11,) in the paper's own matrix; inf where it has no second edge."""
-    off = np.abs(kim_edges(found.coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
+    off = np.abs(kim_edges(shaft.coefficients, Q, COUNT) - approximate.edges[0]).max(axis=1)
     return np.where(np.isnan(off), np.inf, off)
 
 
-def _losses(first: Averages, later: Sequence[History]) -> Numbers:
-    lost = np.zeros(first.q.size, dtype=bool) if first.lost is None else first.lost.any(axis=1)
-    return {"q": first.q, "lost": lost, "later": [(h.eta, h.q, h.contact_lost) for h in later]}
-
-
-def _figure(found: Stability, figure: tuple[int, float, float, bool], gone: History) -> Claim:
+def _figure(shaft: Stability, figure: tuple[int, float, float, bool], run: History) -> Claim:
     number, eta, q, stable = figure
     models = (
-        *linear_verdicts(found.coefficients, eta, q),
-        steady_verdict(found.coefficients, eta, q, contact=found.contact)[0],
+        *linear_verdicts(shaft.coefficients, eta, q),
+        steady_verdict(shaft.coefficients, eta, q, contact=shaft.contact)[0],
     )
     return Claim(
         f"Fig. {number}",
         f"η = {eta:.2f}, Q = {q:.2f} is {'stable' if stable else 'unstable'}",
-        {"stable": stable, "models": models, "rest": rest_verdict(gone)},
+        {"stable": stable, "models": models, "rest": rest_verdict(run)},
         judgements.figure,
-        judgements.figure_text,
     )

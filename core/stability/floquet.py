@@ -16,7 +16,7 @@ import numpy as np
 
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
-from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, is_dwell, weight_and_potential
+from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, weight_and_potential
 from core.stability.panels import NODES, gauss, integration
 
 PHASE = 2.0  # [rad] of the wave that one panel may hold
@@ -96,11 +96,11 @@ def monodromy(
 
 
 def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -> Coefficients:
-    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave; where nothing moves one
-    panel holds any wave. A short steep segment narrows itself and nothing else."""
+    """The coefficients on panels that hold no more than ``PHASE`` of their own fastest wave. A short steep segment narrows
+    itself and nothing else."""
     w, p = weight_and_potential(coefficients, equation, np.array([q]))
     fastest = np.sqrt(np.abs(eta * eta * w[0] + p[0]).max(axis=1))
-    panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300), ~is_dwell(coefficients.panels))
+    panels = coefficients.panels.split(PHASE / np.maximum(fastest, 1e-300))
     return coefficients if panels is coefficients.panels else replace(coefficients, panels=panels)
 
 
@@ -117,20 +117,10 @@ def _each_panel(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Maps (L, m, 2, 2) of the panels, their derivatives by η, and 4π ζ_d η ∫ dy/D of the turn (L,)."""
     panels = coefficients.panels
-    at_rest = is_dwell(panels)
-    live = np.flatnonzero(~at_rest)
-    width = panels.width / TURN
-    maps = np.empty((eta.size, panels.count, 2, 2))
-    slopes = np.empty_like(maps)
-    maps[:, at_rest], slopes[:, at_rest] = _resting_maps(width[at_rest], eta, damping)
-    lost = 4.0 * pi * damping * eta * width[at_rest].sum()
-    if live.size:
-        p0, p0_slope, p1_slope = _terms(coefficients, eta, q, equation, damping, live)
-        p1 = None if p1_slope is None else eta[:, None, None] * p1_slope
-        maps[:, live], slopes[:, live] = _panel_maps(width[live], p0, p0_slope, p1, p1_slope)
-        if p1 is not None:
-            lost = lost + (p1 * panels.weights[live]).sum(axis=(1, 2))
-    return maps, slopes, lost
+    p0, p0_slope, p1_slope = _terms(coefficients, eta, q, equation, damping)
+    p1 = None if p1_slope is None else eta[:, None, None] * p1_slope
+    maps, slopes = _panel_maps(panels.width / TURN, p0, p0_slope, p1, p1_slope)
+    return maps, slopes, np.zeros(eta.size) if p1 is None else (p1 * panels.weights).sum(axis=(1, 2))
 
 
 def liouville(
@@ -169,41 +159,19 @@ def zeros_at_standstill(coefficients: Coefficients, q: float, equation: str = EX
 
 
 def _terms(
-    coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float, live: np.ndarray
+    coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
-    """p0, dp0/dη and p1/η (None without damping) of each point at the nodes of the live panels (L, m, NODES)."""
+    """p0, dp0/dη and p1/η (None without damping) of each point at the nodes of the panels (L, m, NODES)."""
     rows, at = np.unique(q, return_inverse=True)
-    w, p = (f[:, live][at] for f in weight_and_potential(coefficients, equation, rows))
+    w, p = (f[at] for f in weight_and_potential(coefficients, equation, rows))
     etas = eta[:, None, None]
     p0_slope = (8.0 * pi * pi * etas) * w
     p0 = (0.5 * etas) * p0_slope + (4.0 * pi * pi) * p
     if not damping:
         return p0, p0_slope, None
-    d, c, _ = (f[:, live][at] for f in inertia_and_pull(coefficients, equation, rows))
+    d, c, _ = (f[at] for f in inertia_and_pull(coefficients, equation, rows))
     shift = (8.0 * pi * pi * damping) * c / (d * d)
     return p0 - etas * shift, p0_slope - shift, (4.0 * pi * damping) / d
-
-
-def _resting_maps(width: np.ndarray, eta: np.ndarray, damping: float) -> tuple[np.ndarray, np.ndarray]:
-    """The same for panels on which nothing moves, in closed form: ζ'' + 4π ζ_d η ζ' + 4π² η² ζ = 0.
-
-    With a = 2π ζ_d η, ω² = 4π² η² - a²: e^{-ah} [[cos ωh + a s, s], [-4π² η² s, cos ωh - a s]], s = sin ωh / ω.
-    """
-    h = np.broadcast_to(width, (eta.size, width.size))
-    base = 2.0 * pi * np.sqrt((1.0 - damping) * (1.0 + damping))
-    omega, a = base * eta[:, None], 2.0 * pi * damping * eta[:, None]
-    c, s = np.cos(omega * h), h * np.sinc(omega * h / pi)
-    decay = np.exp(-a * h)
-    square = (2.0 * pi * eta[:, None]) ** 2
-    maps = decay[..., None, None] * np.stack((c + a * s, s, -square * s, c - a * s), axis=-1).reshape(*h.shape, 2, 2)
-    # by η: dc = -base h sin ωh, ds = base (h cos ωh - s)/ω, whose limit at ω = 0 is 0
-    dc = -base * h * np.sin(omega * h)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ds = np.where(omega * h < 1e-4, -base * omega * h**3 / 3.0, base * (h * c - s) / omega)
-    da, dsquare = 2.0 * pi * damping, 8.0 * pi * pi * eta[:, None]
-    turned = np.stack((dc + da * s + a * ds, ds, -dsquare * s - square * ds, dc - da * s - a * ds), axis=-1)
-    slopes = decay[..., None, None] * turned.reshape(*h.shape, 2, 2) - (da * h)[..., None, None] * maps
-    return maps, slopes
 
 
 def _panel_maps(

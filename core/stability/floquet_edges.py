@@ -10,12 +10,13 @@ Damping closes a tongue from its tip: where the roots are complex there is none.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from core.motion import EPS
-from core.stability.arrays import Arrays
 from core.stability.floquet import determinant, monodromy, size, zeros_at_standstill
 from core.stability.hill.coefficients import EXACT, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, MOST_ORDER, Tongues, harmonic_tongues, with_rows
@@ -62,37 +63,27 @@ def tongues(
 def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) -> Tongues:
     """The same tongues to the accuracy of the monodromy matrices; with damping nan where it has closed them."""
     rows, count = found.edges.shape[:2]
-    tasks = _Points(
-        found.edges.reshape(-1, 2).mean(axis=1),
-        np.repeat(found.q, count),
-        np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows),
-    )
+    q, sign = np.repeat(found.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
     edges = found.edges.reshape(-1, 2).copy()
     wrong = np.zeros((edges.shape[0], 2))
+    pencil = partial(_pencil, coefficients, found.equation, damping)
     if damping:
-        half = 0.5 * (edges[:, 1] - edges[:, 0])
-        open_ones = np.flatnonzero(half > NARROW * damping * tasks.eta)
-        start = _open_roots(coefficients, tasks.only(open_ones), found.equation, damping)
+        middle, half = edges.mean(axis=1), 0.5 * (edges[:, 1] - edges[:, 0])
+        at = np.flatnonzero(half > NARROW * damping * middle)
         edges[:] = np.nan
-        edges[open_ones] = np.maximum(start, 0.0)  # nan stays
+        edges[at] = np.maximum(_open_roots(pencil, middle[at], q[at], sign[at]), 0.0)  # nan stays
     for side in (0, 1):
         at = np.flatnonzero(edges[:, side] > 0.0)
-        points = replace(tasks.only(at), eta=edges[at, side])
-        edges[at, side], wrong[at, side] = _newton(coefficients, points, 2.0 * side - 1.0, found.equation, damping)
-    _doubt_zeros(coefficients, found, edges, wrong)
+        edges[at, side], wrong[at, side] = _newton(pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0)
+    _unproven_zeros(coefficients, found, edges, wrong)
     closed = np.isnan(edges).any(axis=1)
     edges[closed] = wrong[closed] = np.nan
     shape = (rows, count, 2)
-    return replace(
-        found,
-        edges=edges.reshape(shape),
-        error=wrong.reshape(shape).max(axis=2),
-        damping=damping,
-        method=BY_MONODROMY,
-    )
+    error = wrong.reshape(shape).max(axis=2)
+    return replace(found, edges=edges.reshape(shape), error=error, damping=damping, method=BY_MONODROMY)
 
 
-def _doubt_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
+def _unproven_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
     """An edge stands at 0 where its η² is negative, as the harmonics say. Where these say nothing (``UNKNOWN``) and zeros of
     the solution do not prove it either, it is as wrong as they are: into ``wrong`` (rows count, 2)."""
     rows, count = found.error.shape
@@ -105,15 +96,6 @@ def _doubt_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, 
 
 
 @dataclass(frozen=True, eq=False)
-class _Points(Arrays):
-    """Points that are worked on side by side: η, Q and the multiplier that is looked for (L,)."""
-
-    eta: np.ndarray
-    q: np.ndarray
-    sign: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class _Pencil:
     """The two roots δ = middle ± √room (L,) of det(E + δK) = 0, and what rounding makes of them."""
 
@@ -122,15 +104,21 @@ class _Pencil:
     wrong: np.ndarray
 
 
-def _pencil(coefficients: Coefficients, points: _Points, equation: str, damping: float) -> _Pencil:
-    turn = monodromy(coefficients, points.eta, points.q, equation, damping)
-    e, k = turn.matrix - points.sign[:, None, None] * np.eye(2), turn.slope
+PencilAt = Callable[[np.ndarray, np.ndarray, np.ndarray], _Pencil]
+"""The pencil at η, Q for the multiplier s, each (L,)."""
+
+
+def _pencil(
+    coefficients: Coefficients, equation: str, damping: float, eta: np.ndarray, q: np.ndarray, sign: np.ndarray
+) -> _Pencil:
+    turn = monodromy(coefficients, eta, q, equation, damping)
+    e, k = turn.matrix - sign[:, None, None] * np.eye(2), turn.slope
     across = e[:, 0, 0] * k[:, 1, 1] - e[:, 0, 1] * k[:, 1, 0] - e[:, 1, 0] * k[:, 0, 1] + e[:, 1, 1] * k[:, 0, 0]
     square = determinant(k)
     middle = -0.5 * across / square
     room = middle * middle - determinant(e) / square
     # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
-    wrong = turn.error * size(k, points.eta) / np.abs(square)
+    wrong = turn.error * size(k, eta) / np.abs(square)
     # where a turn grows a millionfold, det E is the small difference of large products
     rounding = ROUNDING * EPS * (np.abs(e[:, 0, 0] * e[:, 1, 1]) + np.abs(e[:, 0, 1] * e[:, 1, 0])) / np.abs(square)
     wrong = wrong + rounding / np.maximum(np.sqrt(np.abs(room) + rounding), 1e-300)
@@ -141,14 +129,14 @@ def _pencil(coefficients: Coefficients, points: _Points, equation: str, damping:
     return _Pencil(middle, room, wrong)
 
 
-def _open_roots(coefficients: Coefficients, points: _Points, equation: str, damping: float) -> np.ndarray:
+def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """First guesses (L, 2) of the edges with damping, starting in the middle of each tongue; nan where it is closed."""
-    out = np.full((points.eta.size, 2), np.nan)
-    eta, at = points.eta.copy(), np.arange(points.eta.size)
+    eta, at = middle.copy(), np.arange(middle.size)
+    out = np.full((eta.size, 2), np.nan)
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = _pencil(coefficients, replace(points.only(at), eta=eta[at]), equation, damping)
+        found = pencil(eta[at], q[at], sign[at])
         there = found.room >= 0.0
         centre, half = eta[at] + found.middle, np.sqrt(np.abs(found.room))
         out[at[there]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[there]
@@ -159,17 +147,17 @@ def _open_roots(coefficients: Coefficients, points: _Points, equation: str, damp
 
 
 def _newton(
-    coefficients: Coefficients, points: _Points, side: float, equation: str, damping: float
+    pencil: PencilAt, start: np.ndarray, q: np.ndarray, sign: np.ndarray, side: float, damped: bool
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The lower (side -1) or upper (+1) edge near each point's η (L,), 0 where η² would be negative, nan where there is
-    none; and what it may be wrong by."""
-    eta, wrong = points.eta.copy(), np.zeros(points.eta.size)
+    """The lower (side -1) or upper (+1) edge near each η (L,), 0 where η² would be negative, nan where there is none; and
+    what it may be wrong by."""
+    eta, wrong = start.copy(), np.zeros(start.size)
     last, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
     at = np.arange(eta.size)
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = _pencil(coefficients, replace(points.only(at), eta=eta[at]), equation, damping)
+        found = pencil(eta[at], q[at], sign[at])
         step = found.middle + side * np.sqrt(np.maximum(found.room, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
         length = np.abs(step)
@@ -178,7 +166,7 @@ def _newton(
         stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
         last[at] = length
         done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
-        if damping:
+        if damped:
             eta[at[done & (found.room < -found.wrong * (np.abs(found.middle) + np.sqrt(found.wrong)))]] = np.nan
         at = at[~done]
     return eta, wrong

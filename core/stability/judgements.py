@@ -1,4 +1,4 @@
-"""What a claim of Kim1990 is worth, by numbers alone: each row a verdict and a sentence, plain functions of the same numbers.
+"""What a claim of Kim1990 is worth, by numbers alone: each row a verdict and a sentence, a plain function of these numbers.
 
 Arrays over tongues have the shape (11,) or (11, 2): n = 1 ... 11, which stand at η ≈ n/2.
 """
@@ -19,8 +19,14 @@ NEAR = 0.1  # of a tongue's own width: an edge that is off by no more is drawn w
 SMALL_Q, SMALL_WIND_UP = 0.1, 0.02
 """Kim1990 §6 (1): up to this Q the mean wind-up stays within so much, and the follower on the cam."""
 
+Judgement = tuple[str, str]
+"""Verdict and sentence."""
 
-def _agrees(kept: bool) -> str:
+Loss = tuple[float, float, float | None]
+"""η, Q, and y at which the follower leaves the cam, None where it stays on it."""
+
+
+def _agrees(kept: object) -> str:
     return AGREES if kept else DIFFERS
 
 
@@ -34,163 +40,101 @@ def _eta(n: int) -> str:
     return f"{0.5 * n:g}"
 
 
-# -- (13): growth of ln β a turn with the spring's term as printed and with its sign changed ---------------
-
-
-def spring_sign(eta: float, printed: float, corrected: float) -> str:
-    return _misprint(printed > ROUNDING, corrected > ROUNDING)
-
-
-def spring_sign_text(eta: float, printed: float, corrected: float) -> str:
-    return (
+def spring_sign(eta: float, printed: float, corrected: float) -> Judgement:
+    """(13): growth of ln β a turn with the spring's term as printed and with its sign changed."""
+    return _misprint(printed > ROUNDING, corrected > ROUNDING), (
         f"+4π²η²β: as printed any shaft would run away, by {exp(printed):.3g} a turn at η = {eta:g}, "
         f"and by {exp(corrected):.3g} with the other sign"
     )
 
 
-# -- (22): mean of ψ over the turn as printed and with X''X for X''X'' -------------------------------------
-
-
-def load_slope(printed: float, corrected: float) -> str:
-    return _misprint(abs(printed) > ROUNDING, abs(corrected) > ROUNDING)
-
-
-def load_slope_text(printed: float, corrected: float) -> str:
-    return f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}"
-
-
-# -- (21) -> (22): edges (11, 2) of both -------------------------------------------------------------------
-
-
-def _apart(approximate: np.ndarray, exact: np.ndarray) -> np.ndarray:
-    """The tongues n that have no η in common."""
-    return 1 + np.flatnonzero((exact[:, 0] > approximate[:, 1]) | (approximate[:, 0] > exact[:, 1]))
-
-
-def approximation(q: float, approximate: np.ndarray, exact: np.ndarray) -> str:
-    return _agrees(_apart(approximate, exact).size == 0)
-
-
-def approximation_text(q: float, approximate: np.ndarray, exact: np.ndarray) -> str:
-    still, shift = ((edges.mean(axis=1) - 0.5 * np.arange(1, 12)) / q for edges in (approximate, exact))
-    apart = ", ".join(map(str, _apart(approximate, exact))) or "none"
-    return (
-        f"the tongues of (21) move with Q in the first order, by {shift[3]:.3f} Q for n = 4 and {shift[10]:.3f} Q for n = 11; "
-        f"those of (22) stand still (n = 4: {still[3]:.3f} Q); at Q = {q:g} they have nothing in common for n = {apart}"
+def load_slope(printed: float, corrected: float) -> Judgement:
+    """(22): mean of ψ over the turn as printed and with X''X for X''X''."""
+    return _misprint(abs(printed) > ROUNDING, abs(corrected) > ROUNDING), (
+        f"X''X + X'²: ψ is the slope of a periodic torque, so its mean is 0; as printed it is {printed:.3g}"
     )
 
 
-# -- Fig. 8: widths of the tongues, and what these may be wrong by (11,) -----------------------------------
+def approximation(q: float, approximate: np.ndarray, exact: np.ndarray) -> Judgement:
+    """(21) → (22): edges (11, 2) of both; whether each two tongues have an η in common."""
+    apart = 1 + np.flatnonzero((exact[:, 0] > approximate[:, 1]) | (approximate[:, 0] > exact[:, 1]))
+    fixed, shift = ((edges.mean(axis=1) - 0.5 * np.arange(1, 12)) / q for edges in (approximate, exact))
+    return _agrees(apart.size == 0), (
+        f"the tongues of (21) move with Q in the first order, by {shift[3]:.3f} Q for n = 4 and {shift[10]:.3f} Q for n = 11; "
+        f"those of (22) stand still (n = 4: {fixed[3]:.3f} Q); at Q = {q:g} they have nothing in common for "
+        f"n = {', '.join(map(str, apart)) or 'none'}"
+    )
 
 
-def whole_numbers_only(q: float, widths: np.ndarray, errors: np.ndarray) -> str:
+def whole_numbers_only(q: float, widths: np.ndarray, errors: np.ndarray) -> Judgement:
+    """Fig. 8: widths of the tongues, and what these may be wrong by (11,)."""
     open_ones = widths > errors
-    return _agrees(bool(open_ones[1::2].all() and not open_ones[::2].any()))
-
-
-def whole_numbers_only_text(q: float, widths: np.ndarray, errors: np.ndarray) -> str:
-    between = [n for n in range(1, 12, 2) if widths[n - 1] > errors[n - 1]]
+    between = [n for n in range(1, 12, 2) if open_ones[n - 1]]
     sizes = ", ".join(f"{widths[n - 1]:.4f} at {_eta(n)}" for n in between[:3]) or "none open between them"
-    return f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; widths at Q = {q:g}: {sizes}"
+    return _agrees(open_ones[1::2].all() and not between), (
+        f"at 2/N, η ≈ n/2: the dwell gives ψ odd harmonics; widths at Q = {q:g}: {sizes}"
+    )
 
 
-def widest(q: float, widths: np.ndarray) -> str:
-    """At η ≈ 1 and 2 stand n = 2 and 4: both must be wider than every other."""
-    return _agrees(bool(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()))
-
-
-def widest_text(q: float, widths: np.ndarray) -> str:
+def widest(q: float, widths: np.ndarray) -> Judgement:
+    """Fig. 8: at η ≈ 1 and 2 stand n = 2 and 4: both must be wider than every other; widths (11,)."""
     order = np.argsort(-widths, kind="stable")[:4] + 1
     sizes = ", ".join(f"{_eta(n)} ({widths[n - 1]:.4f})" for n in order)
-    return f"the widest at Q = {q:g} stand at η ≈ {sizes}"
+    return _agrees(widths[[1, 3]].min() > np.delete(widths, [1, 3]).max()), f"the widest at Q = {q:g} stand at η ≈ {sizes}"
 
 
-def widen_with_q(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> str:
-    return _agrees(bool((large > small).all()))
+def widen_with_q(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> Judgement:
+    """Fig. 8: widths (11,) at the smaller and the larger of two Q."""
+    wider = large > small
+    return _agrees(wider.all()), f"{int(wider.sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
 
 
-def widen_with_q_text(q: np.ndarray, small: np.ndarray, large: np.ndarray) -> str:
-    return f"{int((large > small).sum())} of {small.size} are wider at Q = {q[1]:g} than at {q[0]:g}"
+def widen_with_speed(q: float, widths: np.ndarray) -> Judgement:
+    """Fig. 8: of the tongues at whole η, which the claim is about, each must be wider than the next; widths (11,)."""
+    sizes = ", ".join(f"{widths[n - 1]:.1e} at η ≈ {_eta(n)}" for n in range(2, 11, 2))
+    return _agrees((np.diff(widths[1::2]) < 0.0).all()), f"widths at Q = {q:g}: {sizes}"
 
 
-def widen_with_speed(q: float, widths: np.ndarray) -> str:
-    """Of the tongues at whole η, which the claim is about, each must be wider than the next."""
-    return _agrees(bool((np.diff(widths[1::2]) < 0.0).all()))
-
-
-def widen_with_speed_text(q: float, widths: np.ndarray) -> str:
-    return "widths at Q = " + f"{q:g}: " + ", ".join(f"{widths[n - 1]:.1e} at η ≈ {_eta(n)}" for n in range(2, 11, 2))
-
-
-# -- §6 (2): how far the edges of the 11 x 11 matrix are off, and the widths (11,); inf where it has no such edge --
-
-
-def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> str:
-    return _agrees(bool((off <= NEAR * widths).all()))
-
-
-def eleven_text(q: float, off: np.ndarray, widths: np.ndarray) -> str:
+def eleven(q: float, off: np.ndarray, widths: np.ndarray) -> Judgement:
+    """§6 (2): how far the edges of the 11 x 11 matrix are off, and the widths (11,); inf where it has no such edge."""
     good = off <= NEAR * widths
     poor = [int(i) for i in np.flatnonzero(~good)]
     far = [f"{off[i] / widths[i]:.2g} of it at {_eta(i + 1)}" for i in poor if np.isfinite(off[i])]
     lacking = [_eta(i + 1) for i in poor if np.isinf(off[i])]
-    return "; ".join(
+    return _agrees(good.all()), "; ".join(
         [f"at Q = {q:g} within {NEAR:g} of their own width for n = {', '.join(map(str, 1 + np.flatnonzero(good)))}"]
         + ([f"the edges of (22) are off by {', '.join(far)} (η)"] if far else [])
         + ([f"at η ≈ {', '.join(lacking)} the matrix has one edge only"] if lacking else [])
     )
 
 
-# -- Figs. 6, 7: means of the first turn from rest (rows of Q, η) ------------------------------------------
-
-
-def wind_up(q: np.ndarray, means: np.ndarray, slopes: np.ndarray) -> str:
+def wind_up(q: np.ndarray, means: np.ndarray, slopes: np.ndarray) -> Judgement:
+    """Figs. 6, 7: means of the first turn from rest (rows of Q, η)."""
     rising = (np.diff(means[:3], axis=0) > 0.0).all() and (np.diff(slopes[:3], axis=0) > 0.0).all()
-    return _agrees(bool(rising and means[q <= SMALL_Q].max() <= SMALL_WIND_UP))
-
-
-def wind_up_text(q: np.ndarray, means: np.ndarray, slopes: np.ndarray) -> str:
-    return (
-        f"the mean of the first turn from rest is at most {means[q <= SMALL_Q].max():.4f} for η = 0.5 ... 5; later turns "
-        "reach more (Figs. 9-12)"
+    largest = means[q <= SMALL_Q].max()
+    return _agrees(rising and largest <= SMALL_WIND_UP), (
+        f"the mean of the first turn from rest is at most {largest:.4f} for η = 0.5 ... 5; later turns reach more (Figs. 9-12)"
     )
 
 
-Loss = tuple[float, float, float | None]
-"""η, Q, and y at which the follower leaves the cam, None where it stays on it."""
-
-
-def contact(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> str:
-    """q (rows,) in rising order, lost (rows,) in the first turn; later: through the turns of Figs. 9-12."""
+def contact(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> Judgement:
+    """Figs. 6, 7: q (rows,) in rising order, lost (rows,) in the first turn; later: through the turns of Figs. 9-12."""
     small = q <= SMALL_Q
     stays = not lost[small].any() and all(y is None for _, each, y in later if each <= SMALL_Q)
-    return _agrees(bool(stays and lost[~small].all()))
-
-
-def contact_text(q: np.ndarray, lost: np.ndarray, later: Sequence[Loss]) -> str:
     points = [f"(η = {eta:.2f}, Q = {each:.2f}) from y = {y:.4f}" for eta, each, y in later if y is not None]
     least = f"Q = {q[lost][0]:g}" if lost.any() else "none of these Q"
-    return (
+    return _agrees(stays and lost[~small].all()), (
         f"in the first turn, which these figures average, it leaves it from {least} on; later it does at "
         f"{' and at '.join(points) or 'none of the points of Figs. 9-12'}"
     )
 
 
-# -- Figs. 9-12: a point of the chart in every model -------------------------------------------------------
-
 _SHORT: Mapping[str, str] = {APPROXIMATE: "(22)", EXACT: "(21)", STEADY: "steady response", FROM_REST: "from rest"}
 
 
-def figure(stable: bool, models: Sequence[Verdict], rest: Verdict) -> str:
-    """stable: in the paper; models: the last one, the steady response, decides."""
-    return _agrees(models[-1].stable == stable)
-
-
-def figure_text(stable: bool, models: Sequence[Verdict], rest: Verdict) -> str:
+def figure(stable: bool, models: Sequence[Verdict], rest: Verdict) -> Judgement:
+    """Figs. 9-12, a point of the chart in every model; stable: in the paper; the last of models, the steady response, decides."""
+    words = {True: "stable", None: "cannot say"}
+    each = "; ".join(f"{_SHORT[v.model]} {words.get(v.stable) or f'unstable, e^{v.growth:.3f} a turn'}" for v in models)
     lost = "" if rest.lost is None else f", follower off the cam from y = {rest.lost:.4f}"
-    each = "; ".join(f"{_SHORT[v.model]} {_word(v)}" for v in models)
-    return f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}"
-
-
-def _word(verdict: Verdict) -> str:
-    return {True: "stable", False: f"unstable, e^{verdict.growth:.3f} a turn", None: "cannot say"}[verdict.stable]
+    return _agrees(models[-1].stable == stable), f"{each}; from rest max|β| = {rest.largest:.6f} in 30 turns{lost}"

@@ -18,11 +18,7 @@ LINEAR = (APPROXIMATE, EXACT)
 SETTLED = 0.9  # of the time: what stands highest before it no longer grows
 PERIODS = 30.0
 
-LABELS = {
-    **{slug: row.label for slug, row in EQUATIONS.items()},
-    STEADY: "About the true steady response",
-    FROM_REST: "Nonlinear (13) from rest",
-}
+LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear (13) from rest"}
 
 
 @dataclass(frozen=True)
@@ -53,43 +49,29 @@ def linear_verdicts(
     coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, models: Sequence[str] = LINEAR
 ) -> tuple[Verdict, ...]:
     """(22) and (21): quick."""
-    told = []
+    made = []
     for model in models:
         turn = monodromy(coefficients, np.array([eta]), np.array([q]), model, damping)
         rate = float(turn.growth[0])
-        told.append(Verdict(model, rate <= TOLERANCE, rate, float(turn.trace[0])))
-    return tuple(told)
+        made.append(Verdict(model, rate <= TOLERANCE, rate, float(turn.trace[0])))
+    return tuple(made)
 
 
 def steady_verdict(
     coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, contact: Contact | None = None
 ) -> tuple[Verdict, SteadyResponse | None, History | None]:
     """The last word, with the response it is about and one turn of it."""
-    found = steady_response(coefficients, eta, q, damping)
-    if found is None:
+    response = steady_response(coefficients, eta, q, damping)
+    if response is None:
         return Verdict(STEADY, None), None, None
-    state = (float(found.state[0]), float(found.state[1]))
+    state = (float(response.state[0]), float(response.state[1]))
     turn = history(coefficients, eta, q, damping, 1.0, state, contact)
-    verdict = Verdict(STEADY, found.stable, found.growth, found.trace, turn.largest[0], turn.contact_lost)
-    return verdict, found, turn
+    verdict = Verdict(STEADY, response.stable, response.growth, response.trace, turn.largest[0], turn.contact_lost)
+    return verdict, response, turn
 
 
-def rest_verdict(gone: History) -> Verdict:
+def rest_verdict(run: History) -> Verdict:
     """What a history from rest shows: whether the wind-up has stopped growing."""
-    largest, y = gone.largest
-    settled = y <= SETTLED * gone.periods and gone.ended == gone.periods
-    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=gone.contact_lost)
-
-
-def verdicts(
-    coefficients: Coefficients,
-    eta: float,
-    q: float,
-    damping: float = 0.0,
-    contact: Contact | None = None,
-    periods: float = PERIODS,
-) -> tuple[Verdict, ...]:
-    """All of them: (22), (21), the steady response, the history from rest."""
-    gone = history(coefficients, eta, q, damping, periods, contact=contact)
-    steady = steady_verdict(coefficients, eta, q, damping, contact)[0]
-    return (*linear_verdicts(coefficients, eta, q, damping), steady, rest_verdict(gone))
+    largest, y = run.largest
+    settled = y <= SETTLED * run.periods and run.ended == run.periods
+    return Verdict(FROM_REST, True if settled else None, largest=largest, lost=run.contact_lost)

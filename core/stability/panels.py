@@ -5,10 +5,9 @@ A panel never crosses a join of the motion's pieces, so that what jumps there is
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from itertools import pairwise
 
 import numpy as np
 
@@ -123,12 +122,6 @@ class Panels:
         """Coefficients (m, k, NODES) of t**j, t = -1 ... 1 on the panel."""
         return np.ascontiguousarray(np.moveaxis(to_powers(self.values), 0, 1))
 
-    @cached_property
-    def ends(self) -> np.ndarray:
-        """Values (k, m, 2) at both ends of each panel, from inside."""
-        even, odd = self.powers[..., ::2].sum(axis=-1), self.powers[..., 1::2].sum(axis=-1)
-        return np.stack([even - odd, even + odd], axis=-1).swapaxes(0, 1)
-
     def index(self, theta: np.ndarray) -> np.ndarray:
         """The panels (n,) of cam angles (n,) in 0 ... 2π; at a join the one above."""
         return np.clip(np.searchsorted(self.start, theta, side="right") - 1, 0, None)
@@ -139,10 +132,9 @@ class Panels:
         t = 2.0 * (theta - self.start[at]) / self.width[at] - 1.0
         return np.einsum("nrk,nk->rn", self.powers[at, :rows], powers(t, NODES))
 
-    def split(self, widest: float | np.ndarray, which: np.ndarray) -> Panels:
-        """The same functions on panels no wider than ``widest`` [rad], one for all or (m,); of those only that ``which`` (m,)
-        names."""
-        parts = np.where(which, np.maximum(1, np.ceil(self.width / widest - 1e-9)), 1).astype(int)
+    def split(self, widest: np.ndarray) -> Panels:
+        """The same functions on panels no wider than ``widest`` (m,) [rad]."""
+        parts = np.maximum(1, np.ceil(self.width / widest - 1e-9)).astype(int)
         if (parts == 1).all():
             return self
         owner = np.repeat(np.arange(self.count), parts)
@@ -155,68 +147,52 @@ class Panels:
         return Panels(self.start[owner] + number * width, width, self.piece[owner], values, self.tail)
 
 
-def fit(functions: Functions, program: Program, rows: int, widest: float = WIDEST) -> Panels:
+def fit(functions: Functions, program: Program, rows: int) -> Panels:
     """Panels short enough that polynomials leave nothing but rounding of the functions.
 
     functions  values (k, n) at any cam angles; the first ``rows`` of them are kept, the others only ask for panels
                short enough for themselves
     Raises NoStability where more than ``MOST`` would be needed.
     """
-    _require_few(program.starts.size)
-    cells = [cell for i in range(program.starts.size) for cell in _cells(program, i, widest)]
-    done: list[tuple[float, float, int, np.ndarray]] = []
-    above = np.full(len(cells), np.inf)  # the tail of the panel that a cell is half of
-    scale = np.zeros(0)
-    tail = 0.0
+    cuts = [
+        np.linspace(a, b, max(1, int(np.ceil((b - a) / WIDEST - 1e-9))) + 1)
+        for a, b in zip(program.starts, program.ends, strict=True)
+    ]
+    low, high = np.concatenate([c[:-1] for c in cuts]), np.concatenate([c[1:] for c in cuts])
+    piece = np.repeat(np.arange(len(cuts)), [c.size - 1 for c in cuts])
+    above = np.full(low.size, np.inf)  # the tail of the panel that this one is half of
+    done: list[tuple[np.ndarray, ...]] = []
+    count, tail, scale = 0, 0.0, np.ones(0)
     for number in range(ROUNDS + 1):
-        values, tails = _looked_at(functions, cells)
+        if count + low.size > MOST:
+            raise NoStability(
+                f"the motion falls into {count + low.size} short panels, more than the {MOST} that the shaft is followed through",
+                "motion.segments",
+                "take fewer segments",
+            )
+        values, tails = _sampled(functions, low, high, piece)
         if number == 0:
             scale = np.abs(values).max(axis=(1, 2))
             scale[scale == 0.0] = 1.0
         worst = (tails / scale[:, None]).max(axis=0)
         fine = (worst <= TAIL) | ((worst > GAIN * above) & (worst <= NOISE)) | (number == ROUNDS)
-        done += [(*cells[i], values[:rows, i]) for i in np.flatnonzero(fine)]
-        tail = max(tail, float(worst[fine].max(initial=0.0)))
-        above = np.repeat(worst[~fine], 2)
-        cells = [half for i in np.flatnonzero(~fine) for half in _halves(cells[i])]
-        if not cells:
+        done.append((low[fine], high[fine], piece[fine], values[:rows, fine].swapaxes(0, 1)))
+        count, tail = count + done[-1][0].size, max(tail, float(worst[fine].max(initial=0.0)))
+        low, high, piece, above = low[~fine], high[~fine], np.tile(piece[~fine], 2), np.tile(worst[~fine], 2)
+        middle = 0.5 * (low + high)
+        low, high = np.concatenate((low, middle)), np.concatenate((middle, high))
+        if low.size == 0:
             break
-        _require_few(len(done) + len(cells))
-    done.sort(key=lambda cell: cell[0])
-    start, end, piece = (np.array([cell[j] for cell in done]) for j in range(3))
-    return Panels(start, end - start, piece.astype(int), np.stack([cell[3] for cell in done], axis=1), tail)
+    start, end, of, made = (np.concatenate(column) for column in zip(*done, strict=True))
+    order = np.argsort(start)
+    return Panels(start[order], (end - start)[order], of[order], np.ascontiguousarray(made[order].swapaxes(0, 1)), tail)
 
 
-def _require_few(count: int) -> None:
-    if count > MOST:
-        raise NoStability(
-            f"the motion falls into {count} short panels, more than the {MOST} that the shaft is followed through",
-            "motion.segments",
-            "take fewer segments",
-        )
-
-
-Cell = tuple[float, float, int]
-
-
-def _cells(program: Program, piece: int, widest: float) -> list[Cell]:
-    a, b = float(program.starts[piece]), float(program.ends[piece])
-    cuts = np.linspace(a, b, max(1, int(np.ceil((b - a) / widest - 1e-9))) + 1)
-    return [(float(lo), float(hi), piece) for lo, hi in pairwise(cuts)]
-
-
-def _halves(cell: Cell) -> tuple[Cell, Cell]:
-    a, b, piece = cell
-    middle = 0.5 * (a + b)
-    return (a, middle, piece), (middle, b, piece)
-
-
-def _looked_at(functions: Functions, cells: Sequence[Cell]) -> tuple[np.ndarray, np.ndarray]:
-    """Values (k, cells, NODES), and the last Legendre coefficients (k, cells)."""
-    a, b = np.array([c[0] for c in cells]), np.array([c[1] for c in cells])
-    theta = a[:, None] + (b - a)[:, None] * gauss(NODES)[0]
-    piece = np.repeat(np.array([c[2] for c in cells]), NODES)
-    values = functions(Angles(theta.ravel(), piece))
-    values = values.reshape(values.shape[0], len(cells), NODES)
-    tails = np.abs(values @ to_legendre(NODES)[-2:].T).max(axis=-1)
-    return values, tails
+def _sampled(
+    functions: Functions, low: np.ndarray, high: np.ndarray, piece: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Values (k, m, NODES) on m panels from ``low`` to ``high``, and the last Legendre coefficients (k, m)."""
+    theta = low[:, None] + (high - low)[:, None] * gauss(NODES)[0]
+    values = functions(Angles(theta.ravel(), np.repeat(piece, NODES)))
+    values = values.reshape(values.shape[0], *theta.shape)
+    return values, np.abs(values @ to_legendre(NODES)[-2:].T).max(axis=-1)

@@ -19,7 +19,7 @@ from core.stability.contact import Contact, KinematicsAndShapeAt, contact
 from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
 from core.stability.floquet import liouville
 from core.stability.floquet_edges import UNKNOWN, refined, tongues
-from core.stability.hill.coefficients import APPROXIMATE, EXACT, Coefficients
+from core.stability.hill.coefficients import EXACT, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
 from core.stability.model_comparison import (
     PERIODS,
@@ -29,8 +29,9 @@ from core.stability.model_comparison import (
     steady_verdict,
 )
 from core.stability.steady_response import TOLERANCE, SteadyResponse
-from core.stability.windup import TIMES, Averages, History, history, mean_wind_up
+from core.stability.windup import Averages, History, etas, history, mean_wind_up
 
+TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.05 ... 1 of Kim1990 where that is 0.05
 FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
 FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be told apart
 MOST_SWINGS = 1e4  # of the shaft in a turn, η
@@ -108,7 +109,7 @@ class Stability:
         return steady_verdict(self.coefficients, m.eta, m.q, m.damping, self.contact)
 
     @property
-    def told(self) -> tuple[Verdict, ...]:
+    def own_verdicts(self) -> tuple[Verdict, ...]:
         """The verdicts on the machine's own point, the steady response's where η is not beyond reach."""
         return (*self.linear, self.steady[0]) if self.machine.eta <= STEADY_ETA else self.linear
 
@@ -131,9 +132,9 @@ class Stability:
         """Mean wind-up of the first turn from rest by η; rows of Q: those given, or the machine's own and multiples of it."""
         m = self.machine
         rows = q or [times * m.q for times in TIMES]
-        return mean_wind_up(self.coefficients, rows, eta_max, m.damping, self.contact)
+        return mean_wind_up(self.coefficients, rows, etas(eta_max), m.damping, self.contact)
 
-    def quick(self, eta: float, q: float) -> tuple[Verdict, ...]:
+    def linear_at(self, eta: float, q: float) -> tuple[Verdict, ...]:
         """What (22) and (21) say of any point of the chart."""
         return linear_verdicts(self.coefficients, eta, q, self.machine.damping)
 
@@ -147,8 +148,7 @@ class Stability:
 
     def verdicts(self, eta: float, q: float) -> tuple[Verdict, ...]:
         """What every model says of any point of the chart."""
-        rest = self.rest_at(eta, q)
-        return (*self.quick(eta, q), self.steady_at(eta, q), rest)
+        return (*self.linear_at(eta, q), self.steady_at(eta, q), self.rest_at(eta, q))
 
     def stiffness_for(self, rpm: float) -> Stiffness:
         """How stiff the shaft must be for a speed [1/min]. Raises NoStability where η is so large there that the tongue next
@@ -189,20 +189,6 @@ class Stability:
             "liouville": Residual(float(zero[late]), float(slack[late])),
         }
 
-    @property
-    def kim(self) -> Tongues:
-        """The tongues of (22), as Kim1990 has them."""
-        return self.tongues(APPROXIMATE)
-
-
-def _followable(eta: float) -> None:
-    if eta > MOST_SWINGS:
-        raise NoStability(
-            f"the shaft swings {eta:.3g} times a turn, more than the {MOST_SWINGS:g} that can be followed",
-            "shaft.speed_rpm",
-            "raise it, or take a softer shaft",
-        )
-
 
 def stability(
     made: Coefficients,
@@ -215,22 +201,18 @@ def stability(
     """The stability of a machine of these coefficients at camshaft speed omega [rad/s]. Raises NoStability where the shaft
     swings so often in a turn that it cannot be followed."""
     s = si(elastic)
-    inertia, stiffness = s.camshaft_inertia, s.stiffness
-    machine = Machine(inertia, stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
-    _followable(machine.eta)
+    machine = Machine(s.camshaft_inertia, s.stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
+    if machine.eta > MOST_SWINGS:
+        raise NoStability(
+            f"the shaft swings {machine.eta:.3g} times a turn, more than the {MOST_SWINGS:g} that can be followed",
+            "shaft.speed_rpm",
+            "raise it, or take a softer shaft",
+        )
 
     def contact_of() -> Contact | None:
+        q, spring, factor = made.q, elastic.spring, elastic.spring_factor
         try:
-            return contact(
-                kinematics_and_shape_at,
-                loading,
-                program,
-                made.sizes,
-                elastic.spring,
-                elastic.spring_factor,
-                made.q,
-                stiffness,
-            )
+            return contact(kinematics_and_shape_at, loading, program, made.sizes, spring, factor, q, s.stiffness)
         except NoAnswer:
             return None
 

@@ -6,7 +6,7 @@ for some rows of Q (Kim1990 Figs. 6, 7).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,8 +21,10 @@ from core.stability.integrator import OUTSIDE, STAGES, Integrator, Step
 from core.stability.nonlinear import OnPieces, WindUpEquation
 from core.stability.panels import powers
 
-BISECTIONS = 50
+SAMPLES = np.linspace(0.0, 1.0, 25)  # parts of a step
 CELLS = 6  # cells between samples in which the largest wind-up is searched
+BISECTIONS, NEWTON = 50, 3
+FIRST_ETA, ETA_STEP, MOST_ETA = 0.5, 0.05, 102  # η of the means of the first turn
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,39 +80,16 @@ class History:
         tops = np.where(rate[:, :-1] * rate[:, 1:] <= 0.0, np.maximum(size[:, :-1], size[:, 1:]), -1.0)
         order = np.argsort(-tops, axis=None)[:CELLS]
         i, j = np.unravel_index(order[tops.flat[order] >= 0.0], tops.shape)
-        low, high, sign = y[i, j], y[i, j + 1], np.sign(rate[i, j])
-        for _ in range(BISECTIONS):
-            middle = 0.5 * (low + high)
-            before = np.sign(self.at(middle)[1]) == sign
-            low, high = np.where(before, middle, low), np.where(before, high, middle)
-        places = np.append(0.5 * (low + high), y.flat[size.argmax()])
+        top = _bisected(y[i, j], y[i, j + 1], lambda at: np.sign(self.at(at)[1]) == np.sign(rate[i, j]))
+        places = np.append(top, y.flat[size.argmax()])
         sizes = np.abs(self.at(places)[0])
-        top = int(sizes.argmax())
-        return float(sizes[top]), float(places[top])
+        best = int(sizes.argmax())
+        return float(sizes[best]), float(places[best])
 
     def averages(self) -> tuple[float, float]:
         """Means of |β| and |β'| over the whole history (Kim1990 Figs. 6, 7: over the first turn)."""
         wind_up, slope = (float(sizes.sum()) / self.ended for sizes in size_integrals(self.steps))
         return wind_up, slope
-
-    @property
-    def spread(self) -> float:
-        """max |β| in the last third over that in the first: above 1 where the wind-up still grows."""
-        y, beta = self.samples.y, self.samples.beta
-        third = self.ended / 3.0
-        last, first = np.abs(beta[y >= 2.0 * third]).max(), np.abs(beta[y <= third]).max()
-        return float(last / first) if first > 0.0 else 1.0
-
-    @cached_property
-    def turned_back(self) -> float | None:
-        """The first y at which the cam stands still and turns back (β' = 1), None where it never does; between two samples
-        on a straight line."""
-        y, speed = self.samples.y.ravel(), 1.0 - self.samples.rate.ravel()
-        below = np.flatnonzero(speed <= 0.0)
-        if below.size == 0:
-            return None
-        i = max(int(below[0]), 1)
-        return float(np.interp(0.0, speed[[i, i - 1]], y[[i, i - 1]]))
 
     # -- contact ----------------------------------------------------------------------------------------
 
@@ -121,37 +100,26 @@ class History:
         return self._sampled(y).force(self.contact, self.eta)[:, 0]
 
     @cached_property
-    def _first_loss(self) -> tuple[float, float] | None:
-        """Two y between which the contact force first falls below zero while the follower moves; they are one where it
-        begins to move so; None where it never does."""
+    def _losing(self) -> np.ndarray:
+        """Samples (n, 2) at which the contact force is below zero while the follower moves, in their order."""
         if self.contact is None:
-            return None
-        moves, y = self.samples.moves(self.contact), self.samples.y
-        lost = np.argwhere(moves & (self.samples.force(self.contact, self.eta) < 0.0))
-        if lost.size == 0:
-            return None
-        i, j = lost[0]
-        before = j - 1 if j > 0 and moves[i, j - 1] else j
-        return float(y[i, before]), float(y[i, j])
+            return np.zeros((0, 2), dtype=int)
+        return np.argwhere(self.samples.moves(self.contact) & (self.samples.force(self.contact, self.eta) < 0.0))
 
     @property
     def loses_contact(self) -> bool:
         """The follower leaves the cam (False where no contact is known)."""
-        return self._first_loss is not None
+        return self._losing.size > 0
 
     @cached_property
     def contact_lost(self) -> float | None:
         """The first y at which the contact force falls through zero while the follower moves, None where it never does
         (and where no contact is known)."""
-        if self._first_loss is None:
+        if self.contact is None or not self.loses_contact:
             return None
-        low, high = self._first_loss
-        while low < (middle := 0.5 * (low + high)) < high:
-            if self.force(np.array([middle]))[0] < 0.0:
-                high = middle
-            else:
-                low = middle
-        return high
+        (i, j), y = self._losing[0], self.samples.y
+        before = j - 1 if j > 0 and self.samples.moves(self.contact)[i, j - 1] else j  # else it begins to move so
+        return float(_bisected(y[i, [before]], y[i, [j]], lambda at: self.force(at) >= 0.0)[0])
 
     # -- frequencies ------------------------------------------------------------------------------------
 
@@ -195,25 +163,22 @@ def histories(
     Raises NoStability where the equation cannot be followed from the very start.
     """
     integrator = Integrator(coefficients, eta, q, damping)
-    gone = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
-    steps = Step.joined(gone.steps)
-    found = []
+    run = integrator.run(integrator.resting() if start is None else start, 0.0, periods, keep=True)
+    steps = Step.joined(run.steps)
+    made = []
     for index in range(integrator.eta.size):
         own = steps.only(np.flatnonzero(steps.trajectory == index))
         if own.y.size == 0:
             raise NoStability(
                 "the wind-up cannot be followed from its start", "shaft.camshaft_inertia_kg_m2", "enlarge it"
             )
-        ended = periods if np.isfinite(gone.y[index]) else float(own.y[-1] + own.h[-1])
+        ended = periods if np.isfinite(run.y[index]) else float(own.y[-1] + own.h[-1])
         own = replace(own, trajectory=np.zeros_like(own.trajectory))
-        found.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
-    return tuple(found)
+        made.append(History(coefficients, float(eta[index]), float(q[index]), damping, periods, own, ended, contact))
+    return tuple(made)
 
 
 # -- within the steps ----------------------------------------------------------------------------------------
-
-SAMPLES = np.linspace(0.0, 1.0, 25)  # parts of a step
-BISECTIONS = 30  # of a cell between two samples; the integral changes with the square of what is left
 
 _POWERS = powers(2.0 * SAMPLES - 1.0, STAGES + 2).T
 
@@ -269,19 +234,28 @@ def size_integrals(steps: Step) -> tuple[np.ndarray, np.ndarray]:
 def _absolute(f: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     """∫ |f| dt (n,) over t = -1 ... 1 of polynomials (n, K), powers of t, with their primitives (n, K + 1).
 
-    Between two samples f changes its sign once at most; the place is found by bisection.
+    Between two samples f changes its sign once at most; the place is found by Newton's method.
     """
     values, area = f @ _POWERS[: f.shape[1]], primitive @ _POWERS[: primitive.shape[1]]
     total = np.abs(np.diff(area))
     i, j = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
-    low, high, negative = 2.0 * SAMPLES[j] - 1.0, 2.0 * SAMPLES[j + 1] - 1.0, values[i, j] < 0.0
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        before = (_values(f[i], middle) < 0.0) == negative
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    top = _values(primitive[i], 0.5 * (low + high))
+    f, slope = f[i], f[i, 1:] * np.arange(1, f.shape[1])
+    low, high = 2.0 * SAMPLES[j] - 1.0, 2.0 * SAMPLES[j + 1] - 1.0
+    root = low + (high - low) * values[i, j] / (values[i, j] - values[i, j + 1])
+    for _ in range(NEWTON):
+        root = np.clip(root - _values(f, root) / _values(slope, root), low, high)
+    top = _values(primitive[i], root)
     total[i, j] = np.abs(top - area[i, j]) + np.abs(area[i, j + 1] - top)
     return np.asarray(total.sum(axis=1))
+
+
+def _bisected(low: np.ndarray, high: np.ndarray, before: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """Where (n,) in the cells low ... high ``before`` ceases to be true: the upper ends after ``BISECTIONS`` halvings."""
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        lower = before(middle)
+        low, high = np.where(lower, middle, low), np.where(lower, high, middle)
+    return high
 
 
 def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -290,11 +264,6 @@ def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 # -- means of the first turn ---------------------------------------------------------------------------------
-
-FIRST_ETA, STEP, MOST = 0.5, 0.05, 102
-TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)
-"""Rows of Q as multiples of the machine's: 0.05, 0.1, 0.2, 0.5, 1 of Kim1990 where that is 0.05."""
-
 
 @dataclass(frozen=True, eq=False)
 class Averages:
@@ -305,7 +274,6 @@ class Averages:
     wind_up   (rows, n) mean |β| [turns]; nan where the equation could not be followed
     slope     (rows, n) mean |β'|
     lost      (rows, n) True where the follower leaves the cam within that time; None where no contact is known
-    turned    (rows, n) True where the cam turns back within it: β' = 1
     periods   turns of the input that are averaged
     """
 
@@ -314,32 +282,30 @@ class Averages:
     wind_up: np.ndarray
     slope: np.ndarray
     lost: np.ndarray | None
-    turned: np.ndarray
     periods: float
 
 
 def etas(eta_max: float = ETA_MAX) -> np.ndarray:
     """0.5, 0.55, ... up to eta_max (n,); where that is far, no more than Kim1990's range has."""
-    count = max(1, min(round((eta_max - FIRST_ETA) / STEP), MOST) + 1)
-    return FIRST_ETA + np.arange(count) * max(STEP, (eta_max - FIRST_ETA) / MOST)
+    count = max(1, min(round((eta_max - FIRST_ETA) / ETA_STEP), MOST_ETA) + 1)
+    return FIRST_ETA + np.arange(count) * max(ETA_STEP, (eta_max - FIRST_ETA) / MOST_ETA)
 
 
 def mean_wind_up(
     coefficients: Coefficients,
     q: Sequence[float] | np.ndarray,
-    eta_max: float = ETA_MAX,
+    eta: np.ndarray,
     damping: float = 0.0,
     contact: Contact | None = None,
     periods: float = 1.0,
 ) -> Averages:
-    """The means of the rows q (rows,), over the first ``periods`` turns from rest."""
-    eta, rows = etas(eta_max), np.atleast_1d(np.asarray(q, dtype=float))
+    """The means of the rows q (rows,) at η (n,), over the first ``periods`` turns from rest."""
+    rows = np.atleast_1d(np.asarray(q, dtype=float))
     shape = (rows.size, eta.size)
-    gone = histories(
+    runs = histories(
         coefficients, np.tile(eta, rows.size), np.repeat(rows, eta.size), damping, periods, contact=contact
     )
-    means = np.array([each.averages() if each.ended == periods else (np.nan, np.nan) for each in gone])
-    lost = None if contact is None else np.array([each.loses_contact for each in gone]).reshape(shape)
-    turned = np.array([each.turned_back is not None for each in gone]).reshape(shape)
+    means = np.array([run.averages() if run.ended == periods else (np.nan, np.nan) for run in runs])
+    lost = None if contact is None else np.array([run.loses_contact for run in runs]).reshape(shape)
     wind_up, slope = means.T.reshape(2, *shape)
-    return Averages(eta, rows, wind_up, slope, lost, turned, periods)
+    return Averages(eta, rows, wind_up, slope, lost, periods)

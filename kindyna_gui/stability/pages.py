@@ -127,7 +127,7 @@ class StabilityPages(QTabWidget):
             row.draw(self.plots[name], found, looked)
 
     def _show_verdicts(self, found: Stability, looked: Looked) -> None:
-        told = looked.said or found.quick(looked.eta, looked.q)
+        told = looked.said or found.linear_at(looked.eta, looked.q)
         where = "" if looked.own else "the picked point, "
         wait = "" if looked.said else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
         self.verdicts.setText(f"<p>{where}η = {looked.eta:.5g}, Q = {looked.q:.5g}</p>{verdict_table(told)}{wait}")

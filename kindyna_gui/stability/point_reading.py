@@ -65,7 +65,7 @@ class Reading(QLabel):
         self.stop()
         self._found, self.point = found, point
         eta, q = point
-        self.told = found.quick(eta, q)
+        self.told = found.linear_at(eta, q)
         self._tongue = tongue_of(found.tongues(EXACT, max(eta + 0.5, 1.0), q, UNSEEN), eta)
         self._pause.start()
         self._show()

@@ -40,7 +40,7 @@ def rows(text: str) -> list[dict[str, str]]:
 
 @pytest.fixture
 def few_averages(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.windup.STEP", 1.0)
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 1.0))
 
 
 def test_the_command_writes_the_tongues_of_every_row_and_the_forbidden_bands(
@@ -84,11 +84,12 @@ def test_the_tables_hold_what_their_columns_say() -> None:
     force = np.array([float(r["contact_force_ratio"]) for r in table[:201]])
     assert force[0] == pytest.approx(1.0, abs=1e-9), "M X'' θ̇² at the start of the rise"
     assert abs(force[75]) < 1e-12, "nothing in the dwell"
-    means = rows(averages_table(mean_wind_up(found.coefficients, [0.05, 0.5], 1.0, contact=found.contact)))
+    eta = np.arange(0.5, 1.001, 0.05)
+    means = rows(averages_table(mean_wind_up(found.coefficients, [0.05, 0.5], eta, contact=found.contact)))
     assert {r["leaves_cam"] for r in means[:11]} == {"0.0"}
     assert {r["leaves_cam"] for r in means[14:]} == {"1.0"}
     means = means[:11]
-    assert [float(r["eta"]) for r in means] == pytest.approx(list(np.arange(0.5, 1.001, 0.05)))
+    assert [float(r["eta"]) for r in means] == pytest.approx(list(eta))
     assert float(means[-1]["mean_wind_up"]) == pytest.approx(
         history(found.coefficients, 1.0, 0.05, 0.0, 1.0).averages()[0], rel=1e-9
     )

@@ -85,7 +85,7 @@ def test_rows_are_each_others_derivatives_and_have_the_right_size(name: str) -> 
         by_hand = factor * np.einsum("mk,kt->mt", slope[function], t ** np.arange(NODES - 1)[:, None])
         table = np.einsum("mk,kt->mt", powers[derivative], t ** np.arange(NODES)[:, None])
         assert np.abs(by_hand - table).max() <= 1e-9 * np.abs(table).max()
-    largest = max(panels.values[INERTIA].max(), panels.ends[INERTIA].max())
+    largest = max(panels.values[INERTIA].max(), panels.at(panels.start, 1)[INERTIA].max())
     assert largest == pytest.approx(1.0, abs=1e-3)
     assert largest <= 1.0 + 1e-13
     assert panels.tail < 1e-12

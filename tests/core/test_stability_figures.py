@@ -21,25 +21,21 @@ from core.stability import (
 from core.stability.windup import etas
 from core.study import Study
 
-
-@pytest.fixture
-def few_averages(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.windup.STEP", 0.5)
+FEW = np.arange(0.5, 5.6, 0.5)
 
 
 # -- means ------------------------------------------------------------------------------------------------
 
 
-def test_means_are_those_of_each_history(few_averages: None) -> None:
+def test_means_are_those_of_each_history() -> None:
     found = of(KIM)
-    means = mean_wind_up(found.coefficients, (0.05, 0.5), 2.5, 0.01, found.contact, periods=2.0)
+    means = mean_wind_up(found.coefficients, (0.05, 0.5), FEW[:5], 0.01, found.contact, periods=2.0)
     assert means.wind_up.shape == means.slope.shape == (2, 5)
     assert means.lost is not None
     for row, column in ((0, 3), (1, 0), (1, 2)):
         one = history(found.coefficients, means.eta[column], means.q[row], 0.01, 2.0, contact=found.contact)
         assert (means.wind_up[row, column], means.slope[row, column]) == pytest.approx(one.averages(), rel=1e-9)
         assert means.lost[row, column] == (one.contact_lost is not None)
-        assert means.turned[row, column] == (one.turned_back is not None)
     assert means.lost.any()
     assert not means.lost.all()
 
@@ -51,14 +47,8 @@ def test_a_far_chart_has_no_more_means_than_a_near_one() -> None:
     assert etas(0.4).tolist() == [0.5]
 
 
-def test_what_cannot_be_followed_has_no_mean(monkeypatch: pytest.MonkeyPatch, few_averages: None) -> None:
-    monkeypatch.setattr("core.stability.integrator.FASTEST", 1.02)
-    means = mean_wind_up(coefficients(KIM), (0.2,), 1.5)
-    assert np.isnan(means.wind_up).all()
-    assert np.isnan(means.slope).all()
-
-
-def test_the_rows_of_a_machine_are_kims_where_its_q_is_kims(few_averages: None) -> None:
+def test_the_rows_of_a_machine_are_kims_where_its_q_is_kims(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: FEW)
     found = of(KIM)
     assert found.first_turn.q == pytest.approx([0.05, 0.1, 0.2, 0.5, 1.0])
     assert found.first_turn is found.first_turn
@@ -67,9 +57,9 @@ def test_the_rows_of_a_machine_are_kims_where_its_q_is_kims(few_averages: None) 
 # -- figures ----------------------------------------------------------------------------------------------
 
 
-def test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost(few_averages: None) -> None:
+def test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost() -> None:
     found = of(KIM)
-    means = mean_wind_up(found.coefficients, (0.05, 0.5), 5.5, contact=found.contact)
+    means = mean_wind_up(found.coefficients, (0.05, 0.5), FEW, contact=found.contact)
     assert means.lost is not None
     wind_up, slope = averages_plots(means)
     for plot, rows in ((wind_up, means.wind_up), (slope, means.slope)):
@@ -83,7 +73,7 @@ def test_means_are_solid_where_contact_is_kept_and_dashed_where_it_is_lost(few_a
         overlap = np.isfinite(solid.y) & np.isfinite(dashed.y)
         assert 1 <= overlap.sum() <= 2, "they meet"
         assert "dashed" in plot.note
-    still = averages_plots(mean_wind_up(found.coefficients, (0.05,), 5.5, contact=found.contact))
+    still = averages_plots(mean_wind_up(found.coefficients, (0.05,), FEW, contact=found.contact))
     assert not still[0].note
 
 

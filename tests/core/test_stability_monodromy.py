@@ -171,7 +171,7 @@ def test_liouville_is_kept_where_a_turn_grows_beyond_all_digits() -> None:
     made = Study(loads(short_fall(0.09))).flexible_shaft()
     turn = monodromy(made.coefficients, np.array([1.0]), np.array([made.machine.q]), EXACT)
     assert turn.growth[0] > 200.0
-    assert abs(float(determinant(turn.matrix)[0])) > 1e100
+    assert abs(float(determinant(turn.matrix)[0]) - 1.0) > 0.5
     assert made.coefficients.panels.tail < 1e-8
     zero, bound = liouville(made.coefficients, np.array([0.5, 1.0, 5.0]), made.machine.q, EXACT)
     assert (zero <= bound).all()

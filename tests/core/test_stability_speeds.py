@@ -3,7 +3,7 @@
 import math
 import re
 from collections import Counter
-from dataclasses import replace
+from dataclasses import astuple, replace
 from threading import Event
 
 import numpy as np
@@ -26,7 +26,6 @@ from core.stability import (
     monodromy,
     stiffness_for,
     tongues,
-    verdicts,
 )
 from core.stability.critical_speeds import CLEAR, RPM
 from core.study import STAGES, Study, evaluations
@@ -145,7 +144,7 @@ def test_far_beyond_the_chart_the_growth_of_the_own_point_decides() -> None:
 
 def test_verdicts_stand_side_by_side() -> None:
     found = of(KIM)
-    told = verdicts(found.coefficients, 2.1, 0.05, 0.0, found.contact, periods=6.0)
+    told = found.verdicts(2.1, 0.05)
     assert [v.model for v in told] == ["approx_22", "exact_21", "steady", "from_rest"]
     assert all(v.label for v in told)
     assert told[0].trace == pytest.approx(1.6224, abs=1e-4)
@@ -153,7 +152,7 @@ def test_verdicts_stand_side_by_side() -> None:
     assert told[2].trace == pytest.approx(1.6957, abs=1e-4)
     assert told[3].lost == pytest.approx(2.2750, abs=1e-4)
     assert told[3].largest > told[2].largest > 0.01
-    assert found.told[:2] == found.linear
+    assert found.own_verdicts[:2] == found.linear
 
 
 # -- chart ------------------------------------------------------------------------------------------------
@@ -188,7 +187,9 @@ def test_a_damped_chart_has_no_tips_at_zero() -> None:
 @pytest.mark.parametrize("eta", [1.02, 2.53, 14.03])
 def test_the_bands_near_the_machine_are_those_of_all_that_are(eta: float) -> None:
     found = of(at_eta(eta))
-    assert found.near_bands == tuple(b for b in found.bands if b.distance(found.machine.rpm(eta)) <= CLEAR)
+    near = [b for b in found.bands if b.distance(found.machine.rpm(eta)) <= CLEAR]
+    for one, other in zip(found.near_bands, near, strict=True):
+        assert astuple(one) == pytest.approx(astuple(other), rel=1e-12, abs=1e-13)
 
 
 def test_findings_of_a_slow_machine_look_at_the_bands_near_it_alone() -> None:

@@ -15,6 +15,8 @@ from kindyna_gui.__main__ import main
 from kindyna_gui.pictures.plots.xy_sheet import figure_file
 from kindyna_gui.stability.stability_view import StabilityView
 
+FEW = np.arange(0.5, 5.6, 0.85)
+
 
 @pytest.fixture
 def kim(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> User:
@@ -56,7 +58,7 @@ def shown(view: StabilityView) -> History:
 
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
     """Kim1990 Figs. 6 and 7: mean wind-up and mean rate of the first turn by η, a row for each Q."""
-    monkeypatch.setattr("core.stability.windup.STEP", 0.85)
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: FEW)
     view = page(kim)
     found = view.found
     assert found is not None
@@ -66,7 +68,7 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
     assert "many speeds" in view.pages.plots["Averages"][0].message
     assert view.progress.isVisible()
     wait_until(lambda: not view.busy)
-    means = mean_wind_up(found.coefficients, (0.05, 0.1, 0.2, 0.5, 1.0), found.eta_max, contact=found.contact)
+    means = mean_wind_up(found.coefficients, (0.05, 0.1, 0.2, 0.5, 1.0), FEW, contact=found.contact)
     for plot, rows in zip(view.pages.plots["Averages"], (means.wind_up, means.slope), strict=True):
         assert not plot.message
         solid = [line for line in plot.lines if np.isfinite(line[1]).any()]

@@ -156,7 +156,7 @@ def test_nothing_is_computed_while_the_page_is_hidden(kim: User) -> None:
 
 
 def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("core.stability.windup.STEP", 0.85)
+    monkeypatch.setattr("core.stability.stage.etas", lambda eta_max: np.arange(0.5, eta_max, 0.85))
     view = page(kim, rest=False)
     counts = counted(view, monkeypatch)
     view.pages.show_page("Averages")

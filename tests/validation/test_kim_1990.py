@@ -268,11 +268,10 @@ def test_fig_11_loses_contact_again_and_again() -> None:
     assert force.min() < -0.4
 
 
-def test_averages_of_the_first_turn_fit_figures_6_and_7(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_averages_of_the_first_turn_fit_figures_6_and_7() -> None:
     """The mean wind-up stays within 0.02 for Q up to 0.1, and both means grow with Q and with speed; the follower stays on
     the cam as far as Q = 0.2, and leaves it at 0.5."""
-    monkeypatch.setattr("core.stability.windup.STEP", 0.25)
-    means = mean_wind_up(shaft().coefficients, (0.05, 0.1, 0.2, 0.5), 5.0, contact=shaft().contact)
+    means = mean_wind_up(shaft().coefficients, (0.05, 0.1, 0.2, 0.5), np.arange(0.5, 5.1, 0.25), contact=shaft().contact)
     largest = means.wind_up.max(axis=1)
     assert 0.018 < largest[1] < 0.02 < largest[2]
     for rows in (means.wind_up, means.slope):

@@ -140,34 +140,13 @@ def _valve_spring(y: np.ndarray, size: Sizes, factor: float) -> np.ndarray:
 # -- Hill equations ------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class LinearEquation:
-    """``whole``: D and C are kept; else D → 1 and C is dropped, which is not consistent to first order in Q."""
-
-    slug: str
-    label: str
-    whole: bool
-    source: str
-
-
 EXACT, APPROXIMATE = "exact_21", "approx_22"
 
-EQUATIONS: Mapping[str, LinearEquation] = MappingProxyType(
-    {
-        EXACT: LinearEquation(
-            EXACT,
-            "Hill form (21), exact",
-            True,
-            "Kim1990 (21)",
-        ),
-        APPROXIMATE: LinearEquation(
-            APPROXIMATE,
-            "Kim1990 (22), approximate",
-            False,
-            "Kim1990 (22), with X''X for its X''X''",
-        ),
-    }
+EQUATIONS: Mapping[str, str] = MappingProxyType(
+    {EXACT: "Hill form (21), exact", APPROXIMATE: "Kim1990 (22), approximate"}
 )
+"""The linear equations and what they are called: Kim1990 (21); (22) with X''X for its X''X'', where D → 1 and C is dropped,
+which is not consistent to first order in Q."""
 
 
 def inertia_and_pull(
@@ -177,7 +156,7 @@ def inertia_and_pull(
     rows = coefficients.panels.values
     q = np.asarray(q, dtype=float)[:, None, None]
     pull = q * rows[LOAD_SLOPE]
-    if not EQUATIONS[equation].whole:
+    if equation == APPROXIMATE:
         return np.ones_like(pull), np.zeros_like(pull), pull
     return 1.0 + q * rows[INERTIA], q * rows[CENTRIPETAL], pull
 
