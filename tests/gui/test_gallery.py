@@ -58,8 +58,6 @@ def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
 def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every layout and every linkage, from the lift; nothing is to be saved on either side."""
     user = open_user()
-    for name in ("findings", "motion", "parameters"):
-        user.window.docks[name].hide()
     before, window = user.design, user.window
     for choice in [*gallery.layouts(), *gallery.presets()]:
         monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent, choice=choice: choice)
@@ -140,8 +138,6 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     """Choose, edit a length, let a link follow a motion, put the roller on the coupler, edit the motion, turn, export: the
     profile in the file is the core's to the byte. All by mouse, menus and keys."""
     user = open_user()
-    for name in ("findings", "centres"):
-        user.window.docks[name].hide()
 
     def choose(dialog: gallery.Gallery) -> None:
         row = next(i for i in range(dialog.presets.count()) if dialog.presets.item(i).text() == "Four bar")

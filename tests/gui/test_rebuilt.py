@@ -7,7 +7,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLayoutItem, QLineEdit, QPushButton, QVBoxLayout, QWidget
 from window_user import Alone, User, settle, wait_for
 
-from kindyna_gui.places import example, examples
+from kindyna_gui.places import example
 from kindyna_gui.rebuilt import Rebuilt
 
 
@@ -35,14 +35,12 @@ def left_behind(held: list[tuple[QLayoutItem, QWidget]]) -> list[str]:
     return [type(item).__name__ for item, widget in held if shiboken6.isValid(item) and not shiboken6.isValid(widget)]
 
 
-def test_every_example_in_turn_leaves_no_item_of_a_layout_behind(user: User) -> None:
-    lift = example("transfer_lift")
-    for _, path in examples():
-        for each in (path, lift):
-            held = item_wrappers()
-            user.window.documents.open_example(each)
-            go()
-            assert left_behind(held) == [], each.stem
+def test_examples_of_each_kind_in_turn_leave_no_item_of_a_layout_behind(user: User) -> None:
+    for name in ("lecture_six_bar", "transfer_lift", "four_bar_coupler_cam", "kim_1990", "slider_crank", "transfer_lift"):
+        held = item_wrappers()
+        user.window.documents.open_example(example(name))
+        go()
+        assert left_behind(held) == [], name
 
 
 def test_what_a_user_opens_and_takes_away_leaves_no_item_behind(user: User) -> None:
