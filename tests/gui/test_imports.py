@@ -1,22 +1,39 @@
 """What opening the window loads: a budget of modules by name. A module that is not needed for the first picture is
 imported where it is used, so that nobody waits for it."""
 
+import json
 import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
 
 OPEN = """
-import sys, time
+import json, sys, time
+from PySide6.QtCore import QEvent, QObject
+from kindyna_gui import __main__
 from kindyna_gui.window.main_window import open_window
 from kindyna_gui.pictures.app import ensure_app
 
 app = ensure_app()
 window = open_window(app)
+told = {}
+
+class Watch(QObject):
+    def eventFilter(self, watched, event):
+        if event.type() == QEvent.Type.Paint and not told:
+            view = window.view("mechanism")
+            told["drawn"] = view.up_to_date and "cam" in view.scene.parts
+            told["docks"] = sum(dock.view is not None for dock in window.docks.values())
+            told["first"] = sorted(sys.modules)
+        return False
+
+watch = Watch()
+window.view("mechanism").canvas.viewport().installEventFilter(watch)
 window.show()
 end = time.monotonic() + 60.0
 shown = ("mechanism", "parameters", "displacement", "pressure_angle", "torque", "findings")
@@ -27,7 +44,8 @@ while time.monotonic() < end:
         break
 else:
     sys.exit("the window was never drawn")
-print("LOADED", *sorted(sys.modules))
+told["last"] = sorted(sys.modules)
+print(json.dumps(told))
 """
 
 # Whoever comes here is loaded with every start: is it worth it?
@@ -40,27 +58,40 @@ NUMPY_NOT = {"fft", "random", "testing", "f2py", "ctypeslib", "distutils", "rec"
 PYQTGRAPH_NOT = {"opengl", "console", "flowchart", "canvas", "dockarea", "examples", "jupyter"}
 # of our own: views behind tabs or not open, what works headless, what a menu asks for later, what only linkages have
 LATER = {
-    "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.measured",
+    "core.__main__", "core.blend", "core.commands", "core.output.blend_text", "core.output.export", "core.output.report",
+    "core.measured",
     "core.mechanism.drivers", "core.mechanism.grashof", "core.stability",
     "kindyna_gui.window.certificate_view", "kindyna_gui.graph.flywheel_view", "kindyna_gui.graph.graph_choice",
     "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.window.help_view",
+    "kindyna_gui.documents.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.linkage.menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
     "kindyna_gui.selftest", "kindyna_gui.stability.stability_view",
 }  # fmt: skip
-STANDARD_NOT = {"difflib", "hmac", "secrets", "unittest"}
+DOCKS_BRING = {"pyqtgraph", "kindyna_gui.graph.plots_view", "kindyna_gui.forms.parameters_view"}
+STANDARD_NOT = {"difflib", "importlib.metadata", "hmac", "secrets", "unittest"}
 
 
 @pytest.fixture(scope="module")
-def loaded(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Modules of a process that has opened the window with the lift and drawn it, in the layout that it has at first."""
+def told(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """Of a process that has opened the window with the lift and drawn it, in the layout that it has at first."""
     settings = str(tmp_path_factory.mktemp("settings"))
     env = {**os.environ, "QT_QPA_PLATFORM": "offscreen", "PYTHONPATH": str(ROOT), "XDG_CONFIG_HOME": settings}
     done = subprocess.run(
         [sys.executable, "-c", OPEN], cwd=ROOT, env=env, capture_output=True, text=True, timeout=120, check=False
     )
     assert done.returncode == 0, done.stderr
-    line = next(line for line in done.stdout.splitlines() if line.startswith("LOADED"))
-    return set(line.split()[1:])
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+@pytest.fixture
+def loaded(told: dict[str, Any]) -> set[str]:
+    """Modules once every dock is drawn."""
+    return set(told["last"])
+
+
+def among(names: set[str], loaded: set[str]) -> set[str]:
+    """Modules that are named, or in a package that is."""
+    return {name for name in loaded if name in names or name.rpartition(".")[0] in names}
 
 
 def parts_of(loaded: set[str], package: str) -> set[str]:
@@ -91,9 +122,15 @@ def test_of_the_standard_library_nothing_is_loaded_for_a_rare_need(loaded: set[s
 
 
 def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: set[str]) -> None:
-    assert {name for name in loaded if name in LATER or name.rpartition(".")[0] in LATER} == set()
+    assert among(LATER, loaded) == set()
     assert {"kindyna_gui.linkage.mechanism_view", "kindyna_gui.forms.parameters_view", "core.study"} <= loaded
     # a name that does not exist guards nothing
-    for name in LATER:
+    for name in LATER | DOCKS_BRING - {"pyqtgraph"}:
         path = ROOT.joinpath(*name.split("."))
         assert path.is_dir() or path.with_suffix(".py").is_file(), name
+
+
+def test_the_mechanism_is_painted_first_and_little_is_imported_for_it(told: dict[str, Any]) -> None:
+    assert told["drawn"]
+    assert told["docks"] == 0, "the docks around it come next"
+    assert among(LATER | DOCKS_BRING, set(told["first"])) == set()
