@@ -1,6 +1,6 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
-from core.dynamics.balance import kinetic_energy, momentum_residual, power_residual
+from core.dynamics.balance import momentum_residual, power_residual
 from core.dynamics.elements import (
     Element,
     Friction,
@@ -20,6 +20,6 @@ from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
     "JAMS", "LOADINGS", "Element", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass", "OutputForce",
-    "PointForce", "Rate", "combined", "findings", "guide_reaction", "kinetic_energy", "limitless", "link_loading",
+    "PointForce", "Rate", "combined", "findings", "guide_reaction", "limitless", "link_loading",
     "loading_of", "momentum_residual", "newton_euler", "power_residual",
 ]  # fmt: skip

@@ -13,11 +13,6 @@ from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.numerics.vectors import cross
 
 
-def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float) -> np.ndarray:
-    """KE (n,) [J] of all moved bodies."""
-    return np.asarray(0.5 * omega * omega * loading.inertia(kinematics)[0])
-
-
 @np.errstate(invalid="ignore")  # inf - inf where friction jams, which counts as balanced
 def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Forces, loading: Loading) -> np.ndarray:
     """What cam or driver give against the rates of kinetic and potential energy and what friction takes (n,), relative to

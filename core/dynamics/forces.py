@@ -8,7 +8,7 @@ found from the reactions, which are affine in it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from core.cam import CamShape
 from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
-from core.mechanism.kinematics import REVOLUTE, Kinematics, Pair
+from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot
 
@@ -82,8 +82,8 @@ def newton_euler(
     for friction in loading.frictions:
         signs[friction.pair] = _direction(kinematics, friction.pair) * np.sign(omega)
         rubbing[friction.pair] = _case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
-    found = _rubbed(kinematics, loading, case, rubbing, signs)
-    pairs, couples, contact, driver, guide, jam, lost = found
+    total, guide, jam, lost = _rubbed(kinematics, loading, case, rubbing, signs)
+    pairs, contact = dict(total.pairs), total.contact
     n = kinematics.theta.size
     if cam is not None:
         pairs[BEARING] = -contact * cam[1]
@@ -91,17 +91,17 @@ def newton_euler(
     forces = Forces(
         omega=omega,
         pairs=pairs,
-        couples=couples,
+        couples=total.couples,
         contact=np.broadcast_to(contact, n),
         torque=torque,
-        driver=np.broadcast_to(driver, n),
+        driver=np.broadcast_to(total.driver, n),
         lever=np.full(n, np.inf) if press is None else np.broadcast_to(press.needed, n),
         lost=lost * omega,
         jam=jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact),
         guide=guide,
     )
-    return _limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
+    return limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
 
 
 def _case(walk: Walk, press: Walk | None) -> _Case:
@@ -134,60 +134,65 @@ def _direction(kinematics: Kinematics, name: str) -> np.ndarray:
     return np.asarray(kinematics.motion.velocity_sign * np.sign(kinematics.slip(name)))
 
 
-def _normal(pair: Pair, kinematics: Kinematics, force: np.ndarray) -> np.ndarray:
+def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
     """The normal force N of a sliding pair (n,), along its line + 90 deg; of a pin the force itself."""
+    pair = kinematics.pairs[name]
     return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
 def _rubbed(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
-) -> tuple[
-    dict[str, np.ndarray], dict[str, np.ndarray], np.ndarray, np.ndarray, GuideReaction | None, np.ndarray, np.ndarray
-]:
-    """Pairs, couples, contact, driver, guide, jam factor, and what friction takes per radian of the shaft [N m], with the
-    friction that goes with the reactions."""
+) -> tuple[_Case, GuideReaction | None, np.ndarray, np.ndarray]:
+    """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per
+    radian of the shaft [N m]."""
     n, guide = kinematics.theta.size, None
     pairs, couples, contact, driver = dict(case.pairs), dict(case.couples), case.contact, case.driver
-    jam, lost = np.zeros(n), np.zeros(n)
-    normals = {f.pair: _normal(kinematics.pairs[f.pair], kinematics, case.pairs[f.pair]) for f in loading.frictions}
-    if len(loading.frictions) == 1 and kinematics.pairs[loading.frictions[0].pair].kind != REVOLUTE:
-        (friction,) = loading.frictions
-        slope = -_normal(kinematics.pairs[friction.pair], kinematics, _of(rubbing[friction.pair], friction.pair))
-        reaction = guide_reaction(normals[friction.pair], signs[friction.pair], slope, friction.coefficient)
-        sizes, jam = {friction.pair: np.abs(reaction.friction)}, reaction.jam
-    else:
-        gains = {
-            (f.pair, g.pair): signs[g.pair] * _normal(kinematics.pairs[f.pair], kinematics, _of(rubbing[g.pair], f.pair))
-            for f in loading.frictions
-            for g in loading.frictions
-        }
-        names = tuple(normals)
-        coefficients = np.array([f.coefficient * f.radius for f in loading.frictions])
-        jam = jam_factor(names, gains, coefficients, n)
-        found = magnitudes(names, normals, gains, coefficients, jam, n)
-        sizes = {name: coefficient * size for name, coefficient, size in zip(names, coefficients, found, strict=True)}
+    sizes, jam = _sizes(kinematics, loading, case, rubbing, signs)
+    lost = np.zeros(n)
     for name, size in sizes.items():
-        pair, signed = kinematics.pairs[name], signs[name] * size
-        for other, force in rubbing[name].pairs.items():
+        signed, one = signs[name] * size, rubbing[name]
+        for other, force in one.pairs.items():
             pairs[other] = pairs.get(other, 0.0) + signed * force
-        for other, couple in rubbing[name].couples.items():
+        for other, couple in one.couples.items():
             couples[other] = couples.get(other, 0.0) + signed * couple
-        contact, driver = contact + signed * rubbing[name].contact, driver + signed * rubbing[name].driver
+        contact, driver = contact + signed * one.contact, driver + signed * one.driver
         moves = kinematics.motion.y[1] if name == kinematics.driver_name else kinematics.slip(name) * kinematics.motion.y[1]
         lost = lost + signed * moves
-        if pair.kind == REVOLUTE:
+        if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - signed
         else:
-            pairs[name] = pairs[name] - signed * kinematics.line(pair)
+            pairs[name] = pairs[name] - signed * kinematics.line(kinematics.pairs[name])
     if loading.guide:
         name = loading.guide
-        normal = np.broadcast_to(_normal(kinematics.pairs[name], kinematics, pairs[name]), n)
+        normal = np.broadcast_to(_normal(kinematics, name, pairs[name]), n)
         rubs = -signs[name] * sizes[name] if name in sizes else np.zeros(n)
         guide = GuideReaction(normal, np.broadcast_to(rubs, n), jam)
     sliding = (name for name, pair in kinematics.pairs.items() if pair.kind != REVOLUTE)
     pairs = {name: np.broadcast_to(pairs.get(name, 0j), n) for name in kinematics.pairs}
     couples = {name: np.broadcast_to(couples.get(name, 0.0), n) for name in {**dict.fromkeys(sliding), **couples}}
-    return pairs, couples, contact, driver, guide, jam, lost
+    return _Case(pairs, couples, contact, driver), guide, jam, lost
+
+
+def _sizes(
+    kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
+) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """Friction of every pair that rubs (n,) [N; N m in pins], and the jam factor (n,)."""
+    n, frictions = kinematics.theta.size, loading.frictions
+    if not frictions:
+        return {}, np.zeros(n)
+    normals = [_normal(kinematics, f.pair, case.pairs[f.pair]) for f in frictions]
+    gains = [[_normal(kinematics, f.pair, _of(rubbing[g.pair], f.pair)) for g in frictions] for f in frictions]
+    if len(frictions) == 1 and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
+        (friction,) = frictions
+        reaction = guide_reaction(normals[0], signs[friction.pair], -gains[0][0], friction.coefficient)
+        return {friction.pair: np.abs(reaction.friction)}, reaction.jam
+    coefficients = np.array([f.coefficient * f.radius for f in frictions])
+    signed = np.array([[np.broadcast_to(signs[g.pair] * one, n) for g, one in zip(frictions, row, strict=True)] for row in gains])
+    matrix = np.moveaxis(signed, 2, 0)
+    jam = jam_factor(matrix, coefficients)
+    free = np.array([np.broadcast_to(normal, n) for normal in normals]).T.astype(complex)
+    found = magnitudes(free, matrix, coefficients, jam) * coefficients
+    return {f.pair: found[:, i] for i, f in enumerate(frictions)}, jam
 
 
 def _of(case: _Case, name: str) -> np.ndarray:
@@ -203,21 +208,3 @@ def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarra
     if pair.kind != REVOLUTE:
         return -contact * dot(normal, kinematics.line(pair))
     return -contact * cross(shape.reference - kinematics.bodies[pair.body].place(pair.point), normal)
-
-
-def _limitless(forces: Forces) -> Forces:
-    guide = forces.guide
-    if guide is not None:
-        guide = replace(guide, normal=limitless(guide.normal), friction=limitless(guide.friction))
-    told = forces.follower_torque
-    return replace(
-        forces,
-        pairs={name: limitless(force) for name, force in forces.pairs.items()},
-        couples={name: limitless(couple) for name, couple in forces.couples.items()},
-        contact=limitless(forces.contact),
-        torque=limitless(forces.torque),
-        driver=limitless(forces.driver),
-        follower_torque=limitless(told),
-        lost=limitless(forces.lost),
-        guide=guide,
-    )

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -14,19 +15,20 @@ _DONE = 1e-15  # of the largest magnitude
 _BELOW = 1.0 - 1e-9  # of a jam factor: the force beyond a jam is taken in the direction that it has just below
 
 
-def limitless(force: np.ndarray) -> np.ndarray:
-    """Forces and torques with infinity, of the right sign, for what a jammed guide makes of them; complex ones part by
-    part."""
-    if np.iscomplexobj(force):
-        return _complex(limitless(force.real), limitless(force.imag))
-    return np.where(np.abs(force) > _BEYOND, np.copysign(np.inf, force), force)
-
-
-def _complex(real: np.ndarray, imag: np.ndarray) -> np.ndarray:
-    """real + i imag without multiplying: i times infinity would be nan."""
-    made = np.empty(real.shape, dtype=complex)
-    made.real, made.imag = real, imag
-    return made
+def limitless(value: Any) -> Any:
+    """Forces and torques with infinity, of the right sign, for what a jammed guide makes of them; complex ones part by part,
+    and all arrays of a mapping or a dataclass."""
+    if isinstance(value, Mapping):
+        return {name: limitless(part) for name, part in value.items()}
+    if is_dataclass(value) and not isinstance(value, type):
+        return replace(value, **{field.name: limitless(getattr(value, field.name)) for field in fields(value)})
+    if not isinstance(value, np.ndarray):
+        return value
+    if np.iscomplexobj(value):  # i times infinity would be nan
+        made = np.empty(value.shape, dtype=complex)
+        made.real, made.imag = limitless(value.real), limitless(value.imag)
+        return made
+    return np.where(np.abs(value) > _BEYOND, np.copysign(np.inf, value), value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,40 +64,26 @@ def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray
     return GuideReaction(normal, np.where(sign == 0.0, 0.0, friction), np.abs(coefficient * slope))
 
 
-Gains = Mapping[tuple[str, str], np.ndarray]
-"""(pair, rubbing pair) -> G (n,): what one newton of friction in the second adds to the reaction of the first."""
+def jam_factor(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """The spectral radius of |G| c (n,): where it is 1 or more, friction feeds on itself and the mechanism jams.
+
+    gains  (n, k, k) G: what one newton of friction in the second pair adds to the reaction of the first; coefficients c (k,)
+    """
+    matrix = np.abs(gains) * coefficients
+    return np.asarray(np.abs(np.linalg.eigvals(np.where(np.isfinite(matrix), matrix, JAMMED))).max(axis=1))
 
 
-def _matrix(names: tuple[str, ...], gains: Gains, n: int) -> np.ndarray:
-    rows = [[np.broadcast_to(gains[(one, other)], n) for other in names] for one in names]
-    return np.moveaxis(np.array(rows), 2, 0)
-
-
-def jam_factor(names: tuple[str, ...], gains: Gains, coefficients: np.ndarray, n: int) -> np.ndarray:
-    """The spectral radius of |G| c (n,): where it is 1 or more, friction feeds on itself and the mechanism jams."""
-    if not names:
-        return np.zeros(n)
-    matrix = np.abs(_matrix(names, gains, n)) * coefficients
-    matrix = np.where(np.isfinite(matrix), matrix, JAMMED)
-    return np.asarray(np.abs(np.linalg.eigvals(matrix)).max(axis=1))
-
-
-def magnitudes(
-    names: tuple[str, ...], normals: Mapping[str, np.ndarray], gains: Gains, coefficients: np.ndarray, jam: np.ndarray, n: int
-) -> np.ndarray:
-    """|N| of every pair that rubs (k, n) [N], from m = |N0 + G c m|, c the coefficients.
+def magnitudes(normals: np.ndarray, gains: np.ndarray, coefficients: np.ndarray, jam: np.ndarray) -> np.ndarray:
+    """|N| (n, k) [N] of the k pairs that rub, from m = |N0 + G c m|, N0 the reactions without friction (n, k), complex.
 
     Newton on the directions of the reactions, all angles at once, from m = 0; unique where the jam factor is below 1. At
     1 and above there is no limit: ``JAMMED``, in the proportions just below.
     """
-    if not names:
-        return np.zeros((0, n))
-    free = np.array([np.broadcast_to(normals[name], n) for name in names]).T.astype(complex)
     over = np.where(jam < 1.0, 1.0, _BELOW / np.maximum(jam, 1.0))
-    gain = _matrix(names, gains, n) * coefficients * over[:, None, None]
-    m, one = np.zeros(free.shape), np.eye(len(names))
+    gain = gains * coefficients * over[:, None, None]
+    m, one = np.zeros(normals.shape), np.eye(coefficients.size)
     for _ in range(_ROUNDS):
-        reaction = free + (gain @ m[..., None])[..., 0]
+        reaction = normals + (gain @ m[..., None])[..., 0]
         size = np.abs(reaction)
         heading = np.where(size > 0.0, reaction / np.where(size > 0.0, size, 1.0), 0.0)
         slope = (heading.conj()[..., None] * gain).real
@@ -106,4 +94,4 @@ def magnitudes(
     m = np.abs(m)
     largest = m.max(axis=1, keepdims=True)
     beyond = JAMMED * m / np.where(largest > 0.0, largest, 1.0)
-    return np.where((jam < 1.0)[:, None], m, beyond).T
+    return np.where((jam < 1.0)[:, None], m, beyond)

@@ -20,6 +20,7 @@ from core.design import (
 )
 from core.design.parts import SIDES
 from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
+from core.mechanism.mechanism import body_name
 
 
 def _gravity(loads: Loads | LinkageLoads) -> complex:
@@ -65,7 +66,7 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
         CamSliderLoads: cam_slider_loading,
         TranslatingLoads: translating_loading,
         OscillatingLoads: oscillating_loading,
-        LinkageLoads: lambda linkage, loads: link_loading(loads, _body),
+        LinkageLoads: lambda linkage, loads: link_loading(loads),
     }
 )
 
@@ -75,15 +76,11 @@ def loading_of(mechanism: Any, loads: Any) -> Loading:
     return LOADINGS[type(loads)](mechanism, loads)
 
 
-def _body(link: int) -> str:
-    return f"link{link}"
-
-
-def link_loading(loads: LinkageLoads, name: Callable[[int], str]) -> Loading:
-    """The force elements of a linkage; ``name`` gives the body of a link."""
+def link_loading(loads: LinkageLoads) -> Loading:
+    """The force elements of a linkage."""
     gravity, masses = _gravity(loads), []
     for mass in loads.masses:
         m = si(mass)
-        masses.append(Mass(name(mass.link), Inertia(m.mass, complex(m.centre_x, m.centre_y), m.inertia), gravity))
-    forces = (PointForce(name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm)) for f in loads.forces)
+        masses.append(Mass(body_name(mass.link), Inertia(m.mass, complex(m.centre_x, m.centre_y), m.inertia), gravity))
+    forces = (PointForce(body_name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm)) for f in loads.forces)
     return Loading(tuple(masses), tuple(forces))

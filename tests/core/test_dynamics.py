@@ -41,13 +41,14 @@ from scipy.optimize import minimize_scalar
 
 from core.design import Design
 from core.dynamics import (
+    Friction,
     Inertia,
     combined,
     guide_reaction,
-    kinetic_energy,
     limitless,
     loading_of,
     momentum_residual,
+    newton_euler,
     power_residual,
 )
 from core.errors import NoAnswer
@@ -191,7 +192,7 @@ def test_the_kinetic_energy_is_that_of_the_single_bodies() -> None:
     for name in ("a", "f", "lift", "pusher"):
         design = DESIGNS[name]
         study = Study(design, 36)
-        energy = kinetic_energy(study.linkage, study.loading, study.omega)
+        energy = 0.5 * study.omega**2 * study.loading.inertia(study.linkage)[0]
         for i in (3, 14, 29):
             here = solved(design, study.theta[i])
             total = MP.zero
@@ -342,6 +343,26 @@ def test_rounding_does_not_turn_friction_round_beside_a_dwell() -> None:
         assert (np.sign(there.dynamics.guide.friction) == -way).all()
         beside = study.at_theta(np.deg2rad(join - inside * np.array([1e-9, 1e-5])))
         assert (beside.dynamics.guide.friction == 0.0).all()
+
+
+def test_several_pairs_that_rub_are_solved_together() -> None:
+    """A pin that rubs without friction leaves the guide's closed form; one with friction takes power, and all balances."""
+    study = Study(with_loads(LIFT, friction=0.2), 360)
+    parts = (study.linkage, study.cam)
+    for coefficient in (0.0, 0.3):
+        loading = replace(study.loading, frictions=(*study.loading.frictions, Friction("arm_pin", coefficient, 0.02)))
+        forces = newton_euler(*parts, loading, study.omega)
+        assert power_residual(*parts, forces, loading).max() <= 1e-12
+        assert momentum_residual(*parts, forces, loading).max() <= 1e-12
+        more = forces.lost - study.dynamics.lost
+        if coefficient:
+            size = np.abs(forces.pairs["arm_pin"])
+            assert np.abs(np.abs(forces.couples["arm_pin"]) - 0.006 * size * np.abs(study.motion.velocity_sign)).max() <= 1e-12 * size.max()
+            assert more.min() >= 0.0
+        else:
+            assert np.abs(more).max() <= 1e-12 * np.abs(forces.lost).max()
+            assert forces.contact == pytest.approx(study.dynamics.contact, rel=1e-12)
+
 
 
 @pytest.mark.parametrize("n0", [-3.0, 5.0, 0.0])

@@ -66,7 +66,7 @@ def multipliers(design: Design, kinematics: Kinematics, q: float) -> np.ndarray:
 
 
 def check_against_multipliers(design: Design, kinematics: Kinematics, q: float, bound: float) -> None:
-    forces = newton_euler(kinematics, None, link_loading(design.drive.loads, body_name), OMEGA)
+    forces = newton_euler(kinematics, None, link_loading(design.drive.loads), OMEGA)
     found = multipliers(design, kinematics, q)
     scale = np.abs(found).max()
     row = 0
@@ -117,7 +117,7 @@ def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> N
     design, q = drawn
     design = loaded(design, seed)
     kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([q]), course_of(design.drive.mechanism))
-    loading = link_loading(design.drive.loads, body_name)
+    loading = link_loading(design.drive.loads)
     forces = newton_euler(kinematics, None, loading, -OMEGA)
     assert power_residual(kinematics, None, forces, loading).max() <= 1e-11
     assert momentum_residual(kinematics, None, forces, loading).max() <= 1e-11
@@ -126,7 +126,7 @@ def test_power_and_momentum_balance(drawn: tuple[Design, float], seed: int) -> N
 def test_a_balance_sees_a_wrong_torque_and_a_wrong_pin() -> None:
     design = loaded(four_bar(100.0, 30.0, 90.0, 70.0), 3)
     kinematics = unit_speed_kinematics(design.drive.mechanism, np.linspace(0.0, 6.0, 20), course_of(design.drive.mechanism))
-    loading = link_loading(design.drive.loads, body_name)
+    loading = link_loading(design.drive.loads)
     forces = newton_euler(kinematics, None, loading, OMEGA)
     wrong = replace(forces, driver=forces.driver * 1.001)
     assert power_residual(kinematics, None, wrong, loading).max() > 1e-5
@@ -141,7 +141,7 @@ def test_a_press_at_rest_holds_its_force_by_the_lever() -> None:
     design = slider_crank(crank, rod)
     loads = LinkageLoads(gravity_m_s2=0.0, forces=(LinkForce(link=4, point="B", x_n=-push),))
     kinematics = unit_speed_kinematics(design.drive.mechanism, np.array([0.5 * math.pi]), course_of(design.drive.mechanism))
-    forces = newton_euler(kinematics, None, link_loading(loads, body_name), 1e-9)
+    forces = newton_euler(kinematics, None, link_loading(loads), 1e-9)
     slope = crank / math.sqrt(rod**2 - crank**2)
     assert kinematics.bodies["link4"].x[1, 0] < 0.0, "the slider goes back, the force helps, the crank must be held"
     assert forces.driver[0] == pytest.approx(-push * crank * 1e-3, rel=1e-14)
