@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.dynamics.elements import Load
-from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics, Pair
+from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics
 from core.numerics.vectors import cross, dot
 
 Number = float | np.ndarray
@@ -47,17 +47,15 @@ class Walk:
         self.needed = self._driver()
 
     def _driver(self) -> np.ndarray:
-        kinematics = self.kinematics
-        driver, pair = kinematics.output, kinematics.driver_pair
+        driver, name = self.kinematics.output, self.kinematics.driver_name
         if driver not in self.force:
             return np.zeros(1)
-        at, force = self.place(pair), self.force[driver]
-        if pair.kind == REVOLUTE:
-            needed = -self.about(driver, at)
-            self._record(kinematics.driver_name, driver, -force)
-            return np.asarray(needed)
-        line = self.line(pair)
-        self._record(kinematics.driver_name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
+        at, force = self.at(name), self.force[driver]
+        if self.kinematics.pairs[name].kind == REVOLUTE:
+            self._record(name, driver, -force)
+            return np.asarray(-self.about(driver, at))
+        line = self.along(name)
+        self._record(name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
         return np.asarray(-dot(line, force))
 
     def load(self, body: str, at: np.ndarray, force: np.ndarray, couple: Number = 0.0) -> None:
@@ -69,15 +67,16 @@ class Walk:
             force, moment = self.force[body] + force, self.moment[body] + moment
         self.force[body], self.moment[body] = force, moment
 
-    def place(self, pair: Pair) -> np.ndarray:
+    def at(self, name: str) -> np.ndarray:
         """Where the body has its point of a pair (n,), from the origin of moments."""
+        pair = self.kinematics.pairs[name]
         if pair.point not in self._places:
             self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point) - self.origin
         return self._places[pair.point]
 
-    def line(self, pair: Pair) -> np.ndarray:
+    def along(self, name: str) -> np.ndarray:
         """The direction of a sliding pair (n,)."""
-        return self.kinematics.line(pair)
+        return self.kinematics.line(self.kinematics.pairs[name])
 
     def about(self, body: str, at: np.ndarray) -> np.ndarray:
         """Moment of a body's loads about a place."""
@@ -86,23 +85,22 @@ class Walk:
     def react(self, name: str, body: str, force: np.ndarray) -> None:
         """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
         balances what is left of that body's moment."""
-        pair = self.kinematics.pairs[name]
-        at = self.place(pair)
+        at = self.at(name)
         self.load(body, at, force)
         couple: Number = 0.0
-        if pair.kind != REVOLUTE:
+        if self.kinematics.pairs[name].kind != REVOLUTE:
             couple = -self.about(body, at)
             self.moment[body] = self.moment[body] + couple
-        self._pass_on(name, body, at, force, couple)
+        self.pass_on(name, body, at, force, couple)
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
-        pair = self.kinematics.pairs[name]
-        at = self.place(pair)
-        couple = 0.0 if pair.kind == REVOLUTE else -self.about(body, at)
-        self._pass_on(name, body, at, -self.force[body], couple)
+        at = self.at(name)
+        couple = 0.0 if self.kinematics.pairs[name].kind == REVOLUTE else -self.about(body, at)
+        self.pass_on(name, body, at, -self.force[body], couple)
 
-    def _pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
+    def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
+        """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""
         pair = self.kinematics.pairs[name]
         self._record(name, body, force, couple)
         other = pair.on if body == pair.body else pair.body
@@ -130,9 +128,8 @@ def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -
 
 
 def _rrr(walk: Walk, dyad: Dyad) -> None:
-    a, b = dyad.bodies
-    outer_a, inner, outer_b = dyad.pairs
-    pin_a, joint, pin_b = (walk.place(walk.kinematics.pairs[name]) for name in dyad.pairs)
+    (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
+    pin_a, joint, pin_b = (walk.at(name) for name in dyad.pairs)
     force = _cut_force(1j * (joint - pin_a), -1j * (joint - pin_b), walk.about(a, pin_a), walk.about(b, pin_b))
     walk.react(inner, a, force)
     walk.hold(outer_a, a)
@@ -140,21 +137,16 @@ def _rrr(walk: Walk, dyad: Dyad) -> None:
 
 
 def _rrp(walk: Walk, dyad: Dyad) -> None:
-    a, b = dyad.bodies
-    outer, inner, guide = dyad.pairs
-    pin, joint = walk.place(walk.kinematics.pairs[outer]), walk.place(walk.kinematics.pairs[inner])
-    t = walk.line(walk.kinematics.pairs[guide])
-    force = _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b]))
-    walk.react(inner, a, force)
+    (a, b), (outer, inner, guide) = dyad.bodies, dyad.pairs
+    pin, joint, t = walk.at(outer), walk.at(inner), walk.along(guide)
+    walk.react(inner, a, _cut_force(1j * (joint - pin), -t, walk.about(a, pin), dot(t, walk.force[b])))
     walk.hold(outer, a)
     walk.hold(guide, b)
 
 
 def _rpr(walk: Walk, dyad: Dyad) -> None:
-    a, b = dyad.bodies
-    outer_a, inner, outer_b = dyad.pairs
-    pin_a, pin_b = walk.place(walk.kinematics.pairs[outer_a]), walk.place(walk.kinematics.pairs[outer_b])
-    t = walk.line(walk.kinematics.pairs[inner])
+    (a, b), (outer_a, inner, outer_b) = dyad.bodies, dyad.pairs
+    pin_a, pin_b, t = walk.at(outer_a), walk.at(outer_b), walk.along(inner)
     turning = walk.about(a, pin_b) + walk.about(b, pin_b)
     walk.react(outer_a, a, _cut_force(1j * (pin_a - pin_b), t, turning, dot(t, walk.force[a])))
     walk.hold(inner, a)
@@ -162,20 +154,17 @@ def _rpr(walk: Walk, dyad: Dyad) -> None:
 
 
 def _prp(walk: Walk, dyad: Dyad) -> None:
-    a, b = dyad.bodies
-    guide_a, inner, guide_b = dyad.pairs
-    t1, t2 = walk.line(walk.kinematics.pairs[guide_a]), walk.line(walk.kinematics.pairs[guide_b])
+    (a, b), (guide_a, inner, guide_b) = dyad.bodies, dyad.pairs
+    t1, t2 = walk.along(guide_a), walk.along(guide_b)
     walk.react(inner, a, _cut_force(t1, -t2, dot(t1, walk.force[a]), dot(t2, walk.force[b])))
     walk.hold(guide_a, a)
     walk.hold(guide_b, b)
 
 
 def _rpp(walk: Walk, dyad: Dyad) -> None:
-    a, b = dyad.bodies
-    outer, inner, guide = dyad.pairs
-    t1, t2 = walk.line(walk.kinematics.pairs[inner]), walk.line(walk.kinematics.pairs[guide])
-    both = walk.force[a] + walk.force[b]
-    walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, both)))
+    (a, b), (outer, inner, guide) = dyad.bodies, dyad.pairs
+    t1, t2 = walk.along(inner), walk.along(guide)
+    walk.react(outer, a, _cut_force(t1, t2, dot(t1, walk.force[a]), dot(t2, walk.force[a] + walk.force[b])))
     walk.hold(inner, a)
     walk.hold(guide, b)
 
@@ -186,12 +175,9 @@ def _group(walk: Walk, dyad: Dyad) -> None:
     matrix = np.zeros((kinematics.theta.size, size, size))
     columns: list[tuple[str, np.ndarray, np.ndarray]] = []
     for i, name in enumerate(dyad.pairs):
-        pair = kinematics.pairs[name]
-        at = walk.place(pair)
+        pair, at = kinematics.pairs[name], walk.at(name)
         one = np.ones_like(at)
-        pulls = (
-            ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.line(pair), 0.0), (0.0 * one, 1.0))
-        )
+        pulls = ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.along(name), 0.0), (0.0 * one, 1.0))
         for k, (pull, couple) in enumerate(pulls):
             for body, sign in ((pair.body, 1.0), (pair.on, -1.0)):
                 if body in dyad.bodies:
@@ -204,11 +190,8 @@ def _group(walk: Walk, dyad: Dyad) -> None:
     for i, (name, first, second) in enumerate(columns):
         pair = kinematics.pairs[name]
         force = found[2 * i] * first + found[2 * i + 1] * second
-        couple = found[2 * i + 1] if pair.kind != REVOLUTE else 0.0 * found[0]
-        walk.pairs[name] = force
-        if pair.kind != REVOLUTE:
-            walk.couples[name] = couple
-        walk.load(pair.on, walk.place(pair), -force, -couple)
+        couple = 0.0 * found[0] if pair.kind == REVOLUTE else found[2 * i + 1]
+        walk.pass_on(name, pair.body, walk.at(name), force, couple)
 
 
 STATICS: Mapping[str, Callable[[Walk, Dyad], None]] = MappingProxyType(
