@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
-from core.design.topology import Step, driver_pair, is_pin, pins, slider_of, solving_order
+from core.design.topology import GROUP, Step, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
 
 _MM = UNITS["mm"].factor
@@ -72,41 +72,51 @@ def plan_of(linkage: Linkage) -> Plan:
     points = MappingProxyType({
         link.number: MappingProxyType({name: at * _MM for name, at in link.places.items()}) for link in linkage.links
     })  # fmt: skip
+    make = _Joints(linkage, points)
     known = {FRAME_LINK}
-    driver = _joint(linkage, points, pair, known, linkage.driver.link)
+    driver = make.joint(pair, known, linkage.driver.link)
     known.add(linkage.driver.link)
     steps = []
     for step in order.steps:
-        steps.append((step, _joints(linkage, points, step, known)))
+        steps.append((step, tuple(make.of_group(step, known) if step.kind == GROUP else make.of_dyad(step, known))))
         known |= set(step.links)
     return Plan(linkage, points, driver, tuple(steps), MappingProxyType(dict(linkage.sides)), _size(linkage, points))
 
 
-def _joints(
-    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], step: Step, known: set[int]
-) -> tuple[Joint, ...]:
-    if step.kind == "group":
-        return tuple(_group_joints(linkage, points, step, known))
-    a, b = step.links
-    outer_a, inner, outer_b = step.pairs
-    return (
-        _joint(linkage, points, outer_a, known, a),
-        _joint(linkage, points, inner, {a}, b),
-        _joint(linkage, points, outer_b, known, b),
-    )
+class _Joints:
+    """Makes the joints of a linkage from the keys of its pairs."""
 
+    def __init__(self, linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> None:
+        self._linkage, self._points = linkage, points
+        self._pins = {pin.name: pin for pin in pins(linkage)}
 
-def _joint(
-    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], key: str, known: set[int], link: int
-) -> Joint:
-    """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
-    if is_pin(key):
-        pin = next(p for p in pins(linkage) if p.name == key)
-        other = min(n for n in pin.links if n in known and n != link)
-        return Joint(key, True, Held(other, points[other][key]), Held(link, points[link][key]))
-    slider = slider_of(linkage, key)
-    other = slider.on if slider.link == link else slider.link
-    return Joint(key, False, _on_line(slider, other), _on_line(slider, link))
+    def joint(self, key: str, known: set[int], link: int) -> Joint:
+        """The pair ``key`` of a link with one of the known ones, the frame rather than another."""
+        if is_pin(key):
+            other = min(n for n in self._pins[key].links if n in known and n != link)
+            return Joint(key, True, Held(other, self._points[other][key]), Held(link, self._points[link][key]))
+        slider = slider_of(self._linkage, key)
+        other = slider.on if slider.link == link else slider.link
+        return Joint(key, False, _on_line(slider, other), _on_line(slider, link))
+
+    def of_dyad(self, step: Step, known: set[int]) -> Iterator[Joint]:
+        """The two outer pairs with known links, and the inner one between them."""
+        a, b = step.links
+        for key, others, link in zip(step.pairs, (known, {a}, known), (a, b, b), strict=True):
+            yield self.joint(key, others, link)
+
+    def of_group(self, step: Step, known: set[int]) -> Iterator[Joint]:
+        """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
+        for key in step.pairs:
+            if is_pin(key):
+                links = self._pins[key].links
+                own, held = [n for n in links if n in step.links], [n for n in links if n in known]
+                hub, others = (held[0], own) if held else (own[0], own[1:])
+                yield from (self.joint(key, {hub}, n) for n in others)
+            else:
+                slider = slider_of(self._linkage, key)
+                link = slider.link if slider.link in step.links else slider.on
+                yield self.joint(key, {slider.on, slider.link} - {link}, link)
 
 
 def _on_line(slider: Slider, link: int) -> Held:
@@ -115,25 +125,6 @@ def _on_line(slider: Slider, link: int) -> Held:
         return Held(link, 0j)
     s = si(slider)
     return Held(link, complex(s.through_x, s.through_y), cmath.rect(1.0, s.angle))
-
-
-def _group_joints(
-    linkage: Linkage, points: Mapping[int, Mapping[str, complex]], step: Step, known: set[int]
-) -> list[Joint]:
-    """Every pair of the group: a pin of n links is n - 1 pairs with one of them."""
-    joints = []
-    for key in step.pairs:
-        if is_pin(key):
-            pin = next(p for p in pins(linkage) if p.name == key)
-            own = [n for n in pin.links if n in step.links]
-            held = [n for n in pin.links if n in known]
-            hub, others = (held[0], own) if held else (own[0], own[1:])
-            joints += [_joint(linkage, points, key, {hub}, n) for n in others]
-        else:
-            slider = slider_of(linkage, key)
-            link = slider.link if slider.link in step.links else slider.on
-            joints.append(_joint(linkage, points, key, {slider.on, slider.link} - {link}, link))
-    return joints
 
 
 def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:
