@@ -17,7 +17,7 @@ import numpy as np
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
-from core.mechanism import mechanism_of
+from core.mechanism import SINGULAR, mechanism_of
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import Angles
 from core.shaft import Flywheel
@@ -79,32 +79,58 @@ class Quantity:
 
 def _guide(study: Study) -> GuideReaction:
     guide = study.dynamics.guide
-    assert guide is not None, "asked of a mechanism without a guide"
+    assert guide is not None, "the mechanism has no guide"
     return guide
 
 
-def _motion(order: int) -> Quantity:
-    return Quantity("motion", lambda s: s.motion.y[order] * s.omega**order, needs="motion")
+_RATES = ("", "_velocity", "_acceleration")
+_MOTION = ("displacement", "velocity", "acceleration", "jerk")
+_FORCES: Mapping[str, frozenset[str]] = MappingProxyType(
+    {"slider_pin": SLIDER, "arm_pin": SLIDER, "pivot": PIVOTED, "bearing": FOLLOWERS}
+)
+"""Pairs of followers whose forces are tabled, and the kinds that have them."""
 
 
-def _coordinate(name: str, order: int) -> Quantity:
-    return Quantity("linkage", lambda s: s.linkage.coordinates[name][order] * s.omega**order, SLIDER)
+def _of_motion(order: int) -> Callable[[Study], np.ndarray]:
+    return lambda s: s.motion.y[order] * s.omega**order
 
 
-def _singular(code: str) -> Quantity:
-    return Quantity("linkage", lambda s: s.linkage.singular[code], SLIDER)
+def _singular(code: str) -> Callable[[Study], np.ndarray]:
+    return lambda s: s.linkage.singular[code]
 
 
-def _pair_x(name: str, kinds: frozenset[str]) -> Quantity:
-    return Quantity("dynamics", lambda s: s.dynamics.pairs[name].real, kinds)
+def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
+    return lambda s: s.linkage.coordinates[name][order] * s.omega**order
 
 
-def _pair_y(name: str, kinds: frozenset[str]) -> Quantity:
-    return Quantity("dynamics", lambda s: s.dynamics.pairs[name].imag, kinds)
+def body_of(kinematics: Kinematics, point: str) -> str:
+    """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
+    having = [name for name, body in kinematics.bodies.items() if point in body.points]
+    sliding = [pair.body for pair in kinematics.pairs.values() if pair.kind == SLIDING and pair.body in having]
+    return (sliding or having)[0]
 
 
-def _size(name: str, kinds: frozenset[str]) -> Quantity:
-    return Quantity("dynamics", lambda s: np.abs(s.dynamics.pairs[name]), kinds)
+Part = Callable[[np.ndarray], np.ndarray]
+_OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
+    {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
+     "speed": (1, np.abs)}
+)  # fmt: skip
+_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs})
+
+
+def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
+    order, part = _OF_POINT[what]
+
+    def value(study: Study) -> np.ndarray:
+        pose = study.linkage.bodies[body_of(study.linkage, name)]
+        return part(pose.place(name, order) * study.omega**order)
+
+    return value
+
+
+def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
+    part = _OF_FORCE[what]
+    return lambda s: part(s.dynamics.pairs[name])
 
 
 def _polar_angle(study: Study) -> np.ndarray:
@@ -115,19 +141,14 @@ def _polar_angle(study: Study) -> np.ndarray:
 
 QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
     {
-        "displacement": _motion(0),
-        "velocity": _motion(1),
-        "acceleration": _motion(2),
-        "jerk": _motion(3),
-        "slider_position": _coordinate("slider_position", 0),
-        "phi": _coordinate("phi", 0),
-        "phi_velocity": _coordinate("phi", 1),
-        "phi_acceleration": _coordinate("phi", 2),
-        "beta": _coordinate("beta", 0),
-        "beta_velocity": _coordinate("beta", 1),
-        "beta_acceleration": _coordinate("beta", 2),
-        "dead-centre": _singular("dead-centre"),
-        "rod-across-guide": _singular("rod-across-guide"),
+        **{name: Quantity("motion", _of_motion(order), needs="motion") for order, name in enumerate(_MOTION)},
+        "slider_position": Quantity("linkage", _coordinate_of("slider_position", 0), SLIDER),
+        **{
+            name + rate: Quantity("linkage", _coordinate_of(name, order), SLIDER)
+            for name in ("phi", "beta")
+            for order, rate in enumerate(_RATES)
+        },
+        **{code: Quantity("linkage", _singular(code), SLIDER) for code in SINGULAR},
         "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real, needs="cam"),
         "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
         "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real, needs="cam"),
@@ -147,18 +168,12 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "follower_torque": Quantity("dynamics", lambda s: s.dynamics.follower_torque, PIVOTED),
         "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
         "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),
-        "slider_pin_x": _pair_x("slider_pin", SLIDER),
-        "slider_pin_y": _pair_y("slider_pin", SLIDER),
-        "arm_pin_x": _pair_x("arm_pin", SLIDER),
-        "arm_pin_y": _pair_y("arm_pin", SLIDER),
-        "pivot_x": _pair_x("pivot", PIVOTED),
-        "pivot_y": _pair_y("pivot", PIVOTED),
-        "bearing_x": _pair_x("bearing", FOLLOWERS),
-        "bearing_y": _pair_y("bearing", FOLLOWERS),
-        "slider_pin": _size("slider_pin", SLIDER),
-        "arm_pin": _size("arm_pin", SLIDER),
-        "pivot": _size("pivot", PIVOTED),
-        "bearing": _size("bearing", FOLLOWERS),
+        **{
+            f"{name}_{what}": Quantity("dynamics", _force_part(name, what), kinds)
+            for name, kinds in _FORCES.items()
+            for what in ("x", "y")
+        },
+        **{name: Quantity("dynamics", _force_part(name, "size"), kinds) for name, kinds in _FORCES.items()},
     }
 )
 
@@ -169,48 +184,6 @@ OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 
 # -- of a linkage, by name -----------------------------------------------------------------------------------
 
-_RATES = ("", "_velocity", "_acceleration")
-
-
-def _coordinate_of(name: str, order: int) -> Callable[[Study], np.ndarray]:
-    return lambda s: s.linkage.coordinates[name][order] * s.omega**order
-
-
-def body_of(kinematics: Kinematics, point: str) -> str:
-    """The body that a point is read from: the first that has it, but for one that slides, which keeps to its line."""
-    having = [name for name, body in kinematics.bodies.items() if point in body.points]
-    sliding = [pair.body for pair in kinematics.pairs.values() if pair.kind == SLIDING and pair.body in having]
-    return (sliding or having)[0]
-
-
-def _point(name: str, order: int) -> Callable[[Study], np.ndarray]:
-    def value(study: Study) -> np.ndarray:
-        kinematics = study.linkage
-        at: np.ndarray = kinematics.bodies[body_of(kinematics, name)].point(name)[order]
-        return at * study.omega**order
-
-    return value
-
-
-Part = Callable[[np.ndarray], np.ndarray]
-_OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
-    {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
-     "speed": (1, np.abs)}
-)  # fmt: skip
-_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs})
-
-
-def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
-    order, part = _OF_POINT[what]
-    value = _point(name, order)
-    return lambda s: part(value(s))
-
-
-def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
-    part = _OF_FORCE[what]
-    return lambda s: part(s.dynamics.pairs[name])
-
-
 # pattern of the name -> stage, and what gives the value for what the pattern catches
 _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], ...] = (
     (r"(link|slide)\.(\d+)(|_velocity|_acceleration)", "linkage",
@@ -219,13 +192,8 @@ _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], 
     (r"transmission\.(\w+)", "linkage", lambda joint: lambda s: np.arcsin(np.minimum(s.linkage.singular[joint], 1.0))),
     (rf"force\.(\w+)_({'|'.join(_OF_FORCE)})", "dynamics", _force_part),
     (r"couple\.(\w+)", "dynamics", lambda name: lambda s: s.dynamics.couples[name]),
+    (r"driver_(?:torque|force)", "dynamics", lambda: lambda s: s.dynamics.driver),
 )  # fmt: skip
-_OWN: Mapping[str, Quantity] = MappingProxyType(
-    {
-        "driver_torque": Quantity("dynamics", lambda s: s.dynamics.driver),
-        "driver_force": Quantity("dynamics", lambda s: s.dynamics.driver),
-    }
-)
 
 
 @lru_cache(maxsize=1024)
@@ -236,8 +204,6 @@ def quantity(name: str) -> Quantity:
     """
     if name in QUANTITIES:
         return QUANTITIES[name]
-    if name in _OWN:
-        return _OWN[name]
     for pattern, needed, make in _PATTERNS:
         match = re.fullmatch(pattern, name)
         if match:

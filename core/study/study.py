@@ -15,14 +15,15 @@ from core.cam import CamShape
 from core.design import Design, Linkage, si
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
-from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
-from core.instant_centres import CentreTable, all_centres, moving_collinearity
+from core.findings import ERROR, NOTE, WARNING, Finding, Residual
+from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
 from core.mechanism.kinematics import REVOLUTE, Kinematics
-from core.motion import EPS, TURN, Angles, MotionState, degrees, program
+from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.numerics.lazy import locked
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
+from core.study.certificate import certificate
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
 from core.study.stages import crank_grid, crank_state, evaluations, flexible_shaft, grid, memory
@@ -37,15 +38,7 @@ STAGES = ("motion", "linkage", "cam", "dynamics", "stability")
 _ORDER = {ERROR: 0, WARNING: 1, NOTE: 2}
 _AT_END = 1e-9  # [rad] from a dead centre: what grows towards it and has its extreme so near has none
 _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
-_POSITIONS = 120  # at which the centres are proven
-_SAYS_NOTHING = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
 _CONTACT = ("contact_force",)
-
-
-def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
-    """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
-    i = int(np.argmax(residual / np.maximum(bound, LEAST_BOUND)))
-    return Residual(float(residual[i]), float(np.broadcast_to(bound, residual.shape)[i]))
 
 
 class Study:
@@ -245,7 +238,7 @@ class Study:
         return self._cam
 
     @property
-    def _shape(self) -> CamShape | None:
+    def shape(self) -> CamShape | None:
         return self.cam if "cam" in self.stages else None
 
     @cached_property
@@ -257,7 +250,7 @@ class Study:
 
     @cached_property
     def dynamics(self) -> Forces:
-        return self._stage("dynamics", dynamics.newton_euler, self.linkage, self._shape, self.loading, self.omega)
+        return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
     @property
     def jam(self) -> Extreme | None:
@@ -453,7 +446,7 @@ class Study:
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     @property
-    def _undercut(self) -> bool:
+    def undercut(self) -> bool:
         """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
         corners = any(join.jumps[:2].any() for join in self.program.joins)
         return corners or cam.undercut(self._cam_extremes, self.design.drive.cam)
@@ -468,64 +461,9 @@ class Study:
         except NoStability as error:
             return [Finding("no-stability", NOTE, error.field, None, {"why": error.problem, "hint": error.hint})]
 
-    # -- proof ----------------------------------------------------------------------------------------------
-
     def certificate(self, stages: tuple[str, ...] = ()) -> dict[str, Residual]:
         """What proves the figures: each residual with its bound, of the named stages or of all."""
-        wanted = stages or self.stages
-        proof: dict[str, Residual] = {}
-        if "motion" in wanted:
-            last = self.program.joins[-1]
-            stroke = float(np.ptp(self.motion.y[0])) or 1.0
-            proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
-        if "linkage" in wanted:
-            proof["loop_closure"] = _worst(self.linkage.residual, EPS * self.linkage.condition)
-            if self.mechanism.ranged:
-                proof["three_centres"] = self._three_centres()
-        if "cam" in wanted:
-            centre, part = cam.centre_residual(self.cam), self.design.drive.cam
-            proof["instant_centre"] = _worst(centre, 16.0 * EPS * self.linkage.condition * self.cam.centre.error_bound)
-            radius: float = si(part).roller_radius
-            # rounding grows with the distance, which a motion long against the base circle carries beyond it
-            farthest = max(1.0, float(np.abs(self.cam.flank.pitch).max()) / self.reach)
-            proof["roller_tangency"] = cam.tangency(
-                self.cam, radius, self.reach, 64.0 * EPS * farthest, lambda: self._undercut
-            )
-        if "dynamics" in wanted:
-            bound = np.maximum(1e-13, 64.0 * EPS * self.linkage.condition * self._over_lever())
-            parts = (self.linkage, self._shape, self.dynamics, self.loading)
-            proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
-            proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
-        if "stability" in wanted and self.stability is not None:
-            proof.update(self.stability.certificate)
-        return proof
-
-    def _three_centres(self) -> Residual:
-        """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
-        a triple whose bound would say nothing is left out where it is so."""
-        step = max(1, self.theta.size // _POSITIONS)
-        kinematics = unit_speed_kinematics(self.mechanism.linkage, self.drive.y[0, ::step], self.course)
-        found = moving_collinearity(kinematics, self.course.plan.size)
-        bound = 16.0 * EPS * self.linkage.condition[::step] * found.error_bound
-        well = bound <= _SAYS_NOTHING
-        worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
-        return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
-
-    def _over_lever(self) -> np.ndarray:
-        """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
-        is as uncertain."""
-        size = self.course.plan.size if self.course.plan.driver.revolute else 1.0
-        with np.errstate(divide="ignore"):
-            return np.fmax(1.0, size / np.abs(self.dynamics.lever))
-
-    @property
-    def turn_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Where the angle can go [rad]: () for the whole turn, else the ranges between a crank's dead centres.
-
-        Raises NoAnswer where the linkage stands nowhere.
-        """
-        ranges = self.course.ranges if self.by_crank else ()
-        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
+        return certificate(self, stages or self.stages)
 
     @property
     def reach(self) -> float:

@@ -1,0 +1,75 @@
+"""The certificate of a study: each residual that exact arithmetic would make zero, with its bound."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core import cam, dynamics
+from core.design import si
+from core.findings import LEAST_BOUND, Residual
+from core.instant_centres import moving_collinearity
+from core.mechanism import unit_speed_kinematics
+from core.motion import EPS
+
+if TYPE_CHECKING:
+    from core.study.study import Study
+
+_POSITIONS = 120  # at which the centres are proven
+_MEANINGLESS = 1e-6  # a bound above it, of unit vectors, would pass lines that plainly miss each other
+
+
+def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
+    """Name -> residual, of the named stages."""
+    proof: dict[str, Residual] = {}
+    if "motion" in stages:
+        last = study.program.joins[-1]
+        stroke = float(np.ptp(study.motion.y[0])) or 1.0
+        proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
+    if "linkage" in stages:
+        proof["loop_closure"] = _worst(study.linkage.residual, EPS * study.linkage.condition)
+        if study.mechanism.ranged:
+            proof["three_centres"] = _three_centres(study)
+    if "cam" in stages:
+        bound = 16.0 * EPS * study.linkage.condition * study.cam.centre.error_bound
+        proof["instant_centre"] = _worst(cam.centre_residual(study.cam), bound)
+        radius: float = si(study.design.drive.cam).roller_radius
+        # rounding grows with the distance, which a motion long against the base circle carries beyond it
+        farthest = max(1.0, float(np.abs(study.cam.flank.pitch).max()) / study.reach)
+        proof["roller_tangency"] = cam.tangency(study.cam, radius, study.reach, 64.0 * EPS * farthest, lambda: study.undercut)
+    if "dynamics" in stages:
+        bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _over_lever(study))
+        parts = (study.linkage, study.shape, study.dynamics, study.loading)
+        proof["power_balance"] = _worst(dynamics.power_residual(*parts), bound)
+        proof["momentum_balance"] = _worst(dynamics.momentum_residual(*parts), bound)
+    if "stability" in stages and study.stability is not None:
+        proof.update(study.stability.certificate)
+    return proof
+
+
+def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:
+    """Of residuals with their own bounds (n,) the one that comes nearest to its bound, or lies farthest beyond."""
+    i = int(np.argmax(residual / np.maximum(bound, LEAST_BOUND)))
+    return Residual(float(residual[i]), float(np.broadcast_to(bound, residual.shape)[i]))
+
+
+def _three_centres(study: Study) -> Residual:
+    """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
+    a triple whose bound would be meaningless is left out where it is so."""
+    step = max(1, study.theta.size // _POSITIONS)
+    kinematics = unit_speed_kinematics(study.mechanism.linkage, study.drive.y[0, ::step], study.course)
+    found = moving_collinearity(kinematics, study.course.plan.size)
+    bound = 16.0 * EPS * study.linkage.condition[::step] * found.error_bound
+    well = bound <= _MEANINGLESS
+    worst = _worst(found.zero[well], bound[well]) if well.any() else Residual(0.0, 0.0)
+    return replace(worst, left_out=well.size - int(np.count_nonzero(well)), cases=f"{well.size} triples")
+
+
+def _over_lever(study: Study) -> np.ndarray:
+    """How many times longer the linkage is than the contact force's lever on the driver (n,), 1 at least: the force
+    is as uncertain."""
+    size = study.course.plan.size if study.course.plan.driver.revolute else 1.0
+    with np.errstate(divide="ignore"):
+        return np.fmax(1.0, size / np.abs(study.dynamics.lever))
