@@ -9,7 +9,7 @@ import numpy as np
 Function = Callable[[np.ndarray], np.ndarray]
 
 _CUTS = 9  # samples of a bracket of a minimum
-_ROUNDS = 26  # each makes it four times narrower: down to rounding, for a minimum may be a kink, as where guides turn parallel
+_ROUNDS = 13  # each makes it four times narrower; what is lowest is flat there
 
 
 def ranges_where(function: Function, low: float, high: float, samples: int) -> list[tuple[float, float]]:
@@ -72,7 +72,20 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
         y = sign * _known(function(x.ravel())).reshape(x.shape)
         best = y.argmin(axis=0)
         low, high = x[np.maximum(best - 1, 0), rows], x[np.minimum(best + 1, _CUTS - 1), rows]
-    return x[best, rows], sign * y[best, rows]
+    place, value = x[best, rows], y[best, rows]
+    corner = _corner(function, low, high, sign)
+    there = sign * _known(function(corner))
+    lower = there < value
+    return np.where(lower, corner, place), sign * np.where(lower, there, value)
+
+
+def _corner(function: Function, low: np.ndarray, high: np.ndarray, sign: float) -> np.ndarray:
+    """Where two straight flanks down to zero meet between low and high: a minimum with a corner, such as of the sine of
+    guides that turn parallel, is not flat at its bottom."""
+    left, right = sign * _known(function(np.concatenate((low, high)))).reshape(2, -1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        corner = (low * right + high * left) / (left + right)
+    return np.where(np.isfinite(corner) & (low <= corner) & (corner <= high), corner, low)
 
 
 def _bisected(function: Function, a: np.ndarray, b: np.ndarray, a_good: np.ndarray) -> np.ndarray:
