@@ -100,9 +100,9 @@ def test_the_relative_motion_is_the_pitch_curves_own_derivatives(name: str) -> N
 
 @pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
 def test_the_least_distance_from_roller_centre_to_profile_is_the_roller_radius(name: str) -> None:
-    """By search: the profile's nearest point, wherever it is, from 24 positions of the roller."""
+    """By search: the profile's nearest point, wherever it is, from 12 positions of the roller."""
     design = {**DESIGNS, **TURNED}[name]
-    study, dense = Study(design, 24), Study(design, 3600)
+    study, dense = Study(design, 12), Study(design, 3600)
     radius, reach = design.drive.cam.roller_radius_mm * 1e-3, float(reach_of(design))
     points, theta = dense.cam.flank.profile, dense.theta
     for centre, own in zip(study.cam.flank.pitch, study.theta, strict=True):

@@ -220,7 +220,7 @@ def test_the_largest_pressure_angle_of_a_rise_is_the_root_of_its_derivative(desi
     start, end = (float(x) for x in (study.program.starts[study.program.segment == segment][0],
                                      study.program.ends[study.program.segment == segment][-1]))  # fmt: skip
     grid = np.linspace(start, end, 200)[1:-1]
-    best = max(grid, key=lambda t: float(_pressure(design, t)))
+    best = float(grid[np.argmax(study.at_theta(grid).cam.flank.pressure_angle)])
     root = MP.findroot(lambda t: MP.diff(lambda x: _pressure(design, x), t), (best - 1e-3, best + 1e-3), tol=1e-20)
     pieces = np.flatnonzero(study.program.segment == segment)
 

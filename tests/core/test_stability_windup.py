@@ -13,7 +13,6 @@ from shafts import HARD, KIM, by_runge_kutta, coefficients, kim, of
 
 from core.stability import branch, histories, history, mean_wind_up, shoot, steady_response
 from core.stability.integrator import Integrator
-from core.stability.steady_response import SCALE, _tangent
 from core.stability.windup import History
 
 TAU = 2.0 * np.pi
@@ -173,8 +172,7 @@ def test_a_history_satisfies_equation_13(eta: float, q: float, damping: float) -
 # -- derivatives ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["kim", "parabolic", "high dwell", "layout c"])
-@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize(("name", "damping"), [("kim", 0.0), ("parabolic", 0.05), ("high dwell", 0.0), ("layout c", 0.05)])
 def test_the_derivatives_of_a_turn_are_differences_of_turns(name: str, damping: float) -> None:
     """By the state at the start and by η, through joins at which C jumps."""
     found, eta, q = coefficients(HARD[name]), 1.7, 0.2
@@ -334,14 +332,6 @@ def test_the_branch_of_steady_responses_goes_through_its_fold() -> None:
     assert seen[-1].trace > 1.999 > seen[0].trace
     wind_up = [abs(p.state[1] - 1.0) for p in seen]
     assert wind_up[-1] > 10.0 * wind_up[0]
-
-
-def test_along_the_tangent_of_a_branch_nothing_changes() -> None:
-    """In the coordinates in which its arc is measured it has length 1 and is across what both equations change with."""
-    slopes = np.array([[0.3, -1.2, 0.7], [2.0, 0.4, -0.9]])
-    tangent = _tangent(slopes)
-    assert np.linalg.norm(tangent) == pytest.approx(1.0)
-    assert np.abs(slopes @ (tangent / SCALE)).max() < 1e-15
 
 
 def test_a_search_that_runs_wild_finds_nothing() -> None:

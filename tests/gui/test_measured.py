@@ -351,7 +351,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
 
 def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_stays(lift: User, imports: Import) -> None:
     before = lift.design
-    dialog = imports(table(values=20.0 * LIFT))
+    dialog = imports(table(values=1500.0 - 1500.0 * np.cos(np.deg2rad(ANGLES))))
     click(dialog.put_button)
     assert dialog.isVisible()
     assert lift.design is before
