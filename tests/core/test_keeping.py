@@ -14,7 +14,6 @@ from linkages import KINDS, four_bar
 from mechanisms import LIFT, PUSHER
 
 from core.mechanism import at_driver, course_of
-from core.numerics import lazy as keeping
 from core.numerics.lazy import Lazy, keep_freed_memory, locked
 from core.study import Study
 
@@ -163,4 +162,3 @@ def test_freed_memory_is_kept_where_the_c_library_can_and_nothing_happens_elsewh
         monkeypatch.setattr(sys, "platform", platform)
         keep_freed_memory.__wrapped__()
         assert len(told) == calls, platform
-    assert keeping._OWN_PAGES < keeping._KEPT

@@ -48,8 +48,8 @@ def wait_until(condition: Callable[[], bool]) -> None:
 class Wizard:
     """A user of the wizard."""
 
-    def __init__(self, dialog: BlendDialog) -> None:
-        self.dialog, self.questions = dialog, dialog.questions
+    def __init__(self, dialog: BlendDialog, session: Session) -> None:
+        self.dialog, self.session, self.questions = dialog, session, dialog.questions
         self.rows = dialog.questions.settings.rows
 
     def answered(self) -> None:
@@ -124,12 +124,18 @@ class Wizard:
     def table(self) -> list[tuple[str, ...]]:
         return [row.cells for row in self.dialog.panel.table.rows.rows]
 
+    @property
+    def titles(self) -> list[str]:
+        """Of the table's columns."""
+        rows = self.dialog.panel.table.rows
+        return [rows.headerData(i, Qt.Orientation.Horizontal) for i in range(rows.columnCount())]
+
     def put(self) -> Motion:
         """Click the button and return the motion of the design."""
         assert self.can_put
         self.click(self.dialog.put_button)
         assert self.dialog.result() == BlendDialog.DialogCode.Accepted
-        return self.dialog._session.design.drive.motion
+        return self.session.design.drive.motion
 
 
 Ask = Callable[..., Wizard]
@@ -151,7 +157,7 @@ def ask(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
         dialog.show()
         dialog.activateWindow()
         assert QTest.qWaitForWindowActive(dialog)
-        wizard = Wizard(dialog)
+        wizard = Wizard(dialog, session)
         wizard.answered()
         return wizard
 
@@ -334,7 +340,7 @@ def test_the_card_picker_is_designed_with_the_mouse_alone(open_user: Open) -> No
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
     assert dialog.isModal()
-    wizard = Wizard(dialog)
+    wizard = Wizard(dialog, user.session)
     wizard.answered()
     assert wizard.curves == "P1–P2", "a motion without settings is answered at once"
     wizard.click(wizard.questions.kind.types["DRRD"])
@@ -392,7 +398,7 @@ def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
     wizard.answered()
     press(Qt.Key.Key_P, Qt.KeyboardModifier.AltModifier)  # the button is seen to go down
     wait_until(lambda: dialog.result() == BlendDialog.DialogCode.Accepted)
-    check_picker(dialog._session.design.drive.motion)
+    check_picker(wizard.session.design.drive.motion)
 
 
 def test_the_peak_at_250_degrees(ask: Ask) -> None:
@@ -471,7 +477,7 @@ def test_a_wish_that_cannot_be_met_says_what_could_be(ask: Ask) -> None:
     assert wizard.veiled == "The last motion that was feasible"
     assert wizard.table == before, "the last good answer stays"
     wizard.dialog.accept()
-    assert wizard.dialog._session.design == PICKER
+    assert wizard.session.design == PICKER
     wizard.type(row.box, "19")
     wizard.answered()
     assert not row.message.isVisible()
@@ -723,7 +729,7 @@ def test_a_rise_takes_the_place_of_the_chosen_one(ask: Ask) -> None:
     assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
     assert motion.segments[:3] == LIFT.drive.motion.segments[:3]
     assert motion.start == 150.0
-    stack = dialog._session.stack
+    stack = wizard.session.stack
     assert [stack.text(i) for i in range(stack.count())] == ["Blend C5"]
 
 
@@ -747,7 +753,7 @@ def test_a_rise_into_a_standing_motion_comes_back(ask: Ask) -> None:
     )
     motion = wizard.put()
     assert [s.curve.law for s in motion.segments] == ["dwell", "c5", "dwell", "c6", "dwell"]
-    assert faults(wizard.dialog._session.design) == []
+    assert faults(wizard.session.design) == []
 
 
 def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
@@ -809,7 +815,7 @@ def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     user.window.designing.blend()
     dialog = user.window.findChild(BlendDialog)
     assert isinstance(dialog, BlendDialog)
-    wizard = Wizard(dialog)
+    wizard = Wizard(dialog, user.session)
     wizard.answered()
     wizard.type(wizard.questions.stroke, "3000")
     wizard.answered()
@@ -830,8 +836,8 @@ def test_cancelling_leaves_nothing_behind(ask: Ask) -> None:
     wizard.dialog.reject()
     assert not wizard.dialog.isVisible()
     assert not wizard.dialog.busy
-    assert wizard.dialog._session.design == PICKER
-    assert wizard.dialog._session.stack.count() == 0
+    assert wizard.session.design == PICKER
+    assert wizard.session.stack.count() == 0
     wait_until(lambda: threading.active_count() <= before)
 
 
@@ -847,6 +853,6 @@ def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
     wizard.dialog.resize(wizard.dialog.minimumSize())
     settle()
     head = wizard.dialog.panel.table.horizontalHeader()
-    for column, title in enumerate(h.title for h in wizard.dialog.panel.table.rows._headings):
+    for column, title in enumerate(wizard.titles):
         assert head.fontMetrics().horizontalAdvance(title) + 8 <= head.sectionSize(column), title
     assert sum(head.sectionSize(i) for i in range(head.count())) <= wizard.dialog.panel.table.viewport().width()

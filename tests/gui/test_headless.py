@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, with_follower
 from PIL import Image
+from PySide6.QtCore import QSettings
 from PySide6.QtWidgets import QApplication, QWidget
 
 from core.__main__ import main as core_main
@@ -94,7 +95,7 @@ def test_a_picture_waits_no_longer_than_its_patience(monkeypatch: pytest.MonkeyP
 def test_the_users_own_settings_are_neither_read_nor_written(tmp_path: Path, own_settings: Path) -> None:
     kept = Settings()
     kept.add_recent(PICKER)
-    kept._kept.sync()
+    QSettings("KINDYNA", "KINDYNA").sync()
     before = {path: path.read_bytes() for path in own_settings.rglob("*") if path.is_file()}
     window = screenshots.hidden_window(LIFT, (800, 600))
     assert window.settings.recent == []

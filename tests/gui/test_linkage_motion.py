@@ -182,7 +182,7 @@ def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
     user = open_user(example("four_bar"))
     motion = user.window.show_view("motion")
     wait_for(lambda: motion.up_to_date)
-    assert "Compo > Driver" in motion._trouble.text()
+    assert "Compo > Driver" in motion.no_picture
     user.choose("Make", "Blend...")
     assert "Compo > Driver" in user.window.status.currentMessage()
     user.window.status.clearMessage()

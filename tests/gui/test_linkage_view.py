@@ -199,7 +199,7 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
         assert view.not_here
-        assert view._trouble.text().endswith(".")
+        assert view.no_picture.endswith(".")
 
 
 # -- joints drawn elsewhere -------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import weakref
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, Qt, QTimer, QUrl
+from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
 from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
 from window_user import Open, User, settle, wait_for
@@ -359,14 +359,14 @@ def test_the_layout_is_kept_and_can_be_reset(open_user: Open, whole: User) -> No
     wait_for(lambda: again.window.view("findings") is not None)
 
 
-def test_a_layout_of_another_version_is_forgotten(open_user: Open, user: User) -> None:
-    first = shown(user.window)
-    user.window.docks["motion"].close()
-    user.window.close()
-    kept = Settings()
-    kept._kept.setValue("window/state", b"of another program")
-    kept._kept.sync()
-    again = open_user()
+def test_a_layout_of_another_version_is_forgotten(open_user: Open, whole: User) -> None:
+    first = shown(whole.window)
+    whole.window.docks["motion"].close()
+    whole.window.close()
+    kept = QSettings("KINDYNA", "KINDYNA")
+    kept.setValue("window/state", b"of another program")
+    kept.sync()
+    again = open_user(size=None)
     assert shown(again.window) == first
 
 

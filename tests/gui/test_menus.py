@@ -12,6 +12,7 @@ from window_user import User, plain, settle, wait_for
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from kindyna_gui.places import examples
 from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.help_view import HelpWindow
 from kindyna_gui.window.menus import MENUS, TOOLBAR, Item
 
 TITLES = ["File", "Edit", "Make", "Compo", "Kine", "Dyna", "Stability", "Graph", "View", "Help"]
@@ -243,10 +244,15 @@ def test_the_toolbar_has_the_menus_actions(user: User) -> None:
 # -- help -------------------------------------------------------------------------------------------------
 
 
+def help_window(user: User) -> HelpWindow:
+    found = user.window.findChild(HelpWindow)
+    assert isinstance(found, HelpWindow)
+    return found
+
+
 def test_help_has_pages_that_lead_to_each_other(user: User) -> None:
     user.choose("Help", "Tour")
-    pages = user.window._help
-    assert pages is not None
+    pages = help_window(user)
     wait_for(pages.isVisible)
     assert pages.text.toPlainText().startswith("Tour")
     user.choose("Help", "Laws and conventions")
@@ -266,13 +272,13 @@ def test_help_has_pages_that_lead_to_each_other(user: User) -> None:
 def test_a_page_of_the_help_is_laid_out_once(user: User) -> None:
     """Its tables have hundreds of cells, each of which has its room changed."""
     user.choose("Help", "Tour")
-    assert user.window._help is not None
+    pages = help_window(user)
     changes: list[int] = []
-    user.window._help.text.document().contentsChanged.connect(lambda: changes.append(1))
+    pages.text.document().contentsChanged.connect(lambda: changes.append(1))
     user.choose("Help", "Laws and conventions")
-    assert "Modified sine" in user.window._help.text.toPlainText()
+    assert "Modified sine" in pages.text.toPlainText()
     assert len(changes) < 10
-    user.window._help.close()
+    pages.close()
 
 
 def test_shortcuts_work_from_anywhere(user: User) -> None:

@@ -156,7 +156,7 @@ def test_where_there_is_no_answer_the_view_says_why(place: Place) -> None:
     # nothing here tells the session which stages are on screen, so nothing refuses it
     assert place.session.edit("follower.roller_arm_mm", 10.0, "change")
     assert view.in_trouble
-    told = view._trouble.text()
+    told = view.no_picture
     assert told.startswith("Roller arm Zl: the roller cannot reach the base circle"), "not by its key in the file"
     assert "roller_arm_mm" not in told
     place.player.set_theta(1.0)
