@@ -188,8 +188,8 @@ def test_what_happens_within_a_thousandth_of_a_degree_is_seen() -> None:
 
 def test_a_kink_between_uneven_samples_close_to_the_start_of_a_piece_is_found() -> None:
     """Its two neighbours, ten times as far from each other as those before, both stand above another low place."""
-    piece = int(np.flatnonzero(UNEVEN.segment == 2)[0])
-    start, width = UNEVEN.starts[piece], UNEVEN.ends[piece] - UNEVEN.starts[piece]
+    piece = int(np.flatnonzero(UNEVEN.segment == 1)[1])
+    start, width = UNEVEN.starts[piece], math.radians(90.0)
     kink = start + 0.0054 * width
     found = extremes(lambda a: np.where(a.piece == piece, 90.0 + 100.0 * np.abs(a.theta - kink) / (0.005 * width), 150.0), UNEVEN)
     assert found.low.value == pytest.approx(90.0, rel=1e-6)
