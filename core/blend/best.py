@@ -106,14 +106,14 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     if length:
         share = Constraint("length", length / problem.task.span)
         limits = [lambda forms: evaluator.setting(share, forms) / share.value - constant(1.0, forms)]
-    found = least(evaluator, problem.constraints, goals, limits)
-    if found is None:
+    result = least(evaluator, problem.constraints, goals, limits)
+    if result is None:
         return None
-    if min(evaluator.at(evaluator.family.constant, found[1]), default=1.0) <= GONE:  # perhaps others are as gentle
+    if min(evaluator.at(evaluator.family.constant, result[1]), default=1.0) <= GONE:  # perhaps others are as gentle
         limits += [partial(_above, evaluator, name) for name in evaluator.family.constant]
         other = least(evaluator, problem.constraints, goals, limits)
-        found = other if other is not None and other[0] <= found[0] + 1e-9 else found
-    return problem.solution_at(found[1])
+        result = other if other is not None and other[0] <= result[0] + 1e-9 else result
+    return problem.solution_at(result[1])
 
 
 def _above(evaluator: Evaluator, name: str, forms: np.ndarray) -> np.ndarray:
@@ -137,8 +137,8 @@ def _peak(solution: Solution, goal: Goal) -> float:
 
 @lru_cache(maxsize=64)
 def _coefficient(curve: str, which: int) -> float:
-    found = peaks(law_of(curve))
-    return (found.ca, found.cj, found.cm)[which]
+    result = peaks(law_of(curve))
+    return (result.ca, result.cj, result.cm)[which]
 
 
 def _length(solution: Solution) -> float:

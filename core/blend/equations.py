@@ -148,10 +148,10 @@ def solution_spaces(equations: Equations, rows: Iterable[Row]) -> list[SolutionS
         shown = [rounded([p])[0] for p in others]
         values = [t for t in roots(first, 0.0, equations.top) if all(vanishes(p, t, VANISHING) for p in shown)]
         return [space for t in values for space in _at_one_t(equations, rows, t)]
-    found = [_space(equations, None, pivots, below)]
+    result = [_space(equations, None, pivots, below)]
     for t in roots(below, 0.0, equations.top):  # a whole line may meet the equations there
-        found += [s for s in _at_one_t(equations, rows, t) if len(s.free) > len(found[0].free)]
-    return found
+        result += [s for s in _at_one_t(equations, rows, t) if len(s.free) > len(result[0].free)]
+    return result
 
 
 def _lowered(row: Row) -> Row:

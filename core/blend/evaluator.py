@@ -104,7 +104,7 @@ class Evaluator:
 
     def _level(self, at: float, forms: np.ndarray) -> np.ndarray:
         """Displacement above the lowest level at a share of the span: on the first curve that reaches there."""
-        start, level, found = (np.zeros_like(forms[0]) for _ in range(3))
+        start, level, result = (np.zeros_like(forms[0]) for _ in range(3))
         level[0] = self._foot
         waiting = np.ones(forms.shape[2], dtype=bool)
         for curve in self.curves:
@@ -117,10 +117,10 @@ class Evaluator:
                 s, slope = law_of(curve[0])(np.where(np.isfinite(u), u, 0.0))[:2]
                 rise = h * s - h[0] * slope * (begin + u * b) / b[0]
                 rise[0] = h[0] * s
-                found[:, here] = level[:, here] + sign * rise
+                result[:, here] = level[:, here] + sign * rise
                 waiting &= ~here
             start, level = start + span, level + sign * height
-        return found
+        return result
 
     # -- constraints --------------------------------------------------------------------------------------
 
@@ -172,8 +172,8 @@ class Evaluator:
             slopes = self._slopes(constraints, z)[1]
             slopes = slopes / np.linalg.norm(slopes, axis=2, keepdims=True)
         known = np.isfinite(slopes).all(axis=(1, 2))
-        found = np.linalg.svd(np.where(known[:, None, None], slopes, 0.0), compute_uv=False)[:, -1]
-        return known & (found > ALONE)
+        result = np.linalg.svd(np.where(known[:, None, None], slopes, 0.0), compute_uv=False)[:, -1]
+        return known & (result > ALONE)
 
     def _slopes(self, constraints: Sequence[Constraint], z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """By how much constraints are missed at points (1 + numbers, n), as a share of their size (n, constraints), and how

@@ -57,19 +57,19 @@ def ranges_by(
     request: Request, rows: Iterable[Candidate], others: Sequence[Constraint], mine: Constraint
 ) -> list[Range]:
     """What a setting may be beside other constraints by any of the candidates."""
-    found = []
+    result = []
     for candidate in rows:
         checkpoint()
         ranges = candidate.problem(request, [*others, mine]).ranges(len(others))
-        found += [_shown(r, request, candidate) for r in ranges] if mine.name == "peak" else ranges
-    return merged(found)
+        result += [_shown(r, request, candidate) for r in ranges] if mine.name == "peak" else ranges
+    return merged(result)
 
 
-def _shown(found: Range, request: Request, candidate: Candidate) -> Range:
+def _shown(result: Range, request: Request, candidate: Candidate) -> Range:
     """A range of the peak as cam angles."""
     if candidate.backwards:
-        return Range(request.end - found.high, request.end - found.low, found.high_open, found.low_open)
-    return Range(request.start + found.low, request.start + found.high, found.low_open, found.high_open)
+        return Range(request.end - result.high, request.end - result.low, result.high_open, result.low_open)
+    return Range(request.start + result.low, request.start + result.high, result.low_open, result.high_open)
 
 
 # -- which settings are new -------------------------------------------------------------------------------
@@ -88,12 +88,12 @@ def openings(request: Request) -> list[Opening]:
     from h4 and vcv2. Raises BlendError for a request without sense."""
     request.require_sense()
     given = request.constraints
-    found = []
+    result = []
     for candidate in candidates(request):
         if candidate.takes(given) and not dependent(request, candidate, given):
             missing = candidate.freedom - len(given)
-            found.append(Opening(missing, new_settings(request, candidate, given) if missing else ()))
-    return found
+            result.append(Opening(missing, new_settings(request, candidate, given) if missing else ()))
+    return result
 
 
 def dependent(request: Request, candidate: Candidate, constraints: Sequence[Constraint]) -> bool:
@@ -134,10 +134,10 @@ def _directions(family: Family, strokes: float, name: str, at: float) -> np.ndar
     """In which direction a setting grows, at some points (points, free numbers): of length 1, or 0."""
     evaluator = Evaluator(family, Task(1.0, strokes, 1.0))
     z = Region(evaluator, ()).sample()[:, :: 3 * MIXES]
-    found = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(z[0], z[1:], slopes=True))
-    slopes = (found[1:] * z).T
+    result = evaluator.setting(Constraint(name, 1.0, at), evaluator.forms(z[0], z[1:], slopes=True))
+    slopes = (result[1:] * z).T
     sizes = np.linalg.norm(slopes, axis=1, keepdims=True)
-    grows = sizes > _ZERO * np.abs(found[0])[:, None]
+    grows = sizes > _ZERO * np.abs(result[0])[:, None]
     return np.where(grows, slopes / np.where(grows, sizes, 1.0), 0.0)
 
 
@@ -263,18 +263,18 @@ def _is_one(low: float, high: float) -> bool:
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
-def _is_well_within(found: Range, value: float) -> bool:
-    room = SAME * (found.high - found.low) if isfinite(found.high) else SAME * abs(found.low)
-    return found.low + room < value < found.high - room
+def _is_well_within(result: Range, value: float) -> bool:
+    room = SAME * (result.high - result.low) if isfinite(result.high) else SAME * abs(result.low)
+    return result.low + room < value < result.high - room
 
 
-def range_text(found: Range, name: str) -> str:
+def range_text(result: Range, name: str) -> str:
     """``0.1 < vcv <= 0.2``; ends that are reached are rounded inwards, so that they can be typed."""
-    low = _nine_digits(found.low, ROUND_HALF_EVEN if found.low_open else ROUND_CEILING)
-    high = _nine_digits(found.high, ROUND_HALF_EVEN if found.high_open else ROUND_FLOOR)
-    if found.high == inf:
-        return f"{name} {'>' if found.low_open else '>='} {low:.9g}"
-    return f"{low:.9g} {'<' if found.low_open else '<='} {name} {'<' if found.high_open else '<='} {high:.9g}"
+    low = _nine_digits(result.low, ROUND_HALF_EVEN if result.low_open else ROUND_CEILING)
+    high = _nine_digits(result.high, ROUND_HALF_EVEN if result.high_open else ROUND_FLOOR)
+    if result.high == inf:
+        return f"{name} {'>' if result.low_open else '>='} {low:.9g}"
+    return f"{low:.9g} {'<' if result.low_open else '<='} {name} {'<' if result.high_open else '<='} {high:.9g}"
 
 
 def _nine_digits(value: float, rounding: str) -> float:

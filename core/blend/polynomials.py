@@ -160,11 +160,11 @@ def roots(p: Polynomial, low: float = 0.0, high: float = inf) -> list[float]:
     if not p or _one_sign(p.coefficients):
         return []
     row = rounded([p.shifted(-p.lowest_power)])[0]
-    found = _within(row, low, min(high, 1.0)) if low < 1.0 else []
+    result = _within(row, low, min(high, 1.0)) if low < 1.0 else []
     if high > 1.0:
         reciprocals = _within(row[::-1], 0.0 if high == inf else 1.0 / high, 1.0 / max(low, 1.0))
-        found += [1.0 / x for x in reversed(reciprocals) if not found or 1.0 / x > found[-1]]
-    return found
+        result += [1.0 / x for x in reversed(reciprocals) if not result or 1.0 / x > result[-1]]
+    return result
 
 
 def _lowest(p: Sequence[float]) -> int:
@@ -187,13 +187,13 @@ def _within(p: Floats, a: float, b: float) -> list[float]:
     slope = tuple([i * c for i, c in enumerate(p) if i])
     nodes = [a, *(x for x in _within(slope, a, b) if a < x < b), b]
     values = [at(p, x) for x in nodes]
-    found: set[float] = set()
+    result: set[float] = set()
     for i, (x, value) in enumerate(zip(nodes, values, strict=True)):
         if x > 0.0 and vanishes(p, x, TOUCHED):
-            found.add(x)
+            result.add(x)
         if i + 1 < len(nodes) and value * values[i + 1] < 0.0:
-            found.add(_bracketed(p, slope, x, nodes[i + 1], value))
-    return sorted(found)
+            result.add(_bracketed(p, slope, x, nodes[i + 1], value))
+    return sorted(result)
 
 
 def _bracketed(p: Floats, slope_of: Floats, a: float, b: float, fa: float) -> float:

@@ -98,14 +98,14 @@ class Curve:
         """Where every height is what it must be: cut at the roots of all of them, each part tried in its middle."""
         top = self.points.top
         cuts = sorted({p for polynomial in (*self.heights.values(), self.under) for p in roots(polynomial, 0.0, top)})
-        found: list[Stretch] = []
+        result: list[Stretch] = []
         for low, high in pairwise([0.0, *(p for p in cuts if 0.0 < p < top), top]):
             if not self.is_feasible(between(low, high)):
                 continue
-            if found and found[-1][1] == low and self._continues(low):
-                low = found.pop()[0]
-            found.append((low, high))
-        return found
+            if result and result[-1][1] == low and self._continues(low):
+                low = result.pop()[0]
+            result.append((low, high))
+        return result
 
     def is_feasible(self, p: float) -> bool:
         """Whether every height is what it must be."""
@@ -133,11 +133,11 @@ class Curve:
         if name != "acceleration":
             above, below = ratio(name, self.family)
             return [(self.form(above), self.form(below))]
-        found = []
+        result = []
         for row in self.family.accelerations:
             speed = self.form(row.speed)
-            found.append((whole(row.factor) * (speed * speed), UNIT * (self.heights[row.height] * self.under)))
-        return found
+            result.append((whole(row.factor) * (speed * speed), UNIT * (self.heights[row.height] * self.under)))
+        return result
 
     def where(self, constraint: Constraint) -> list[float]:
         """All p at which a setting may have its value, feasible or not; of an acceleration those of every curve."""
@@ -260,15 +260,15 @@ class Region:
         return merged(self._range(name, part) for part in self.parts)
 
     def _range(self, name: str, part: Part) -> Range:
-        found = [(c, e) for c, stretch in part.corners for e in c.extremes(name, stretch)]
-        ends = min(found, key=lambda row: row[1].value), max(found, key=lambda row: row[1].value)
+        result = [(c, e) for c, stretch in part.corners for e in c.extremes(name, stretch)]
+        ends = min(result, key=lambda row: row[1].value), max(result, key=lambda row: row[1].value)
         low, high = (self._sharpened(name, *end) for end in ends)
-        return Range(low, high, *(self._is_open(name, part, found, end.value) for _, end in ends))
+        return Range(low, high, *(self._is_open(name, part, result, end.value) for _, end in ends))
 
-    def _is_open(self, name: str, part: Part, found: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
+    def _is_open(self, name: str, part: Part, result: Sequence[tuple[Curve, Extreme]], value: float) -> bool:
         """Whether a setting has an extreme value only where a height is 0 that must be above: on one corner, or on the face
         between all corners of the same t that have it."""
-        there = [(c, e) for c, e in found if tied(1.0 + e.value, 1.0 + value)]
+        there = [(c, e) for c, e in result if tied(1.0 + e.value, 1.0 + value)]
         if not all(e.open for _, e in there) or value == inf:
             return value == inf
         for t in {c.place(e.p)[0] for c, e in there if 0.0 < e.p < c.points.top}:
@@ -294,14 +294,14 @@ class Region:
     def sample(self) -> np.ndarray:
         """Points (1 + numbers, n), always the same, ``MIXES`` at the same t beside each other."""
         chance = np.random.default_rng(1995)
-        found = [np.empty((1 + len(self._evaluator.equations.numbers), 0))]
+        result = [np.empty((1 + len(self._evaluator.equations.numbers), 0))]
         for part in self.parts:
             for value in _spread(part.low, part.high):
                 corners = part.at(float(value))
                 if len(corners):
                     x = chance.dirichlet(np.ones(len(corners)), MIXES) @ corners
-                    found.append(np.vstack([np.full(MIXES, value), x.T]))
-        return np.concatenate(found, axis=1)
+                    result.append(np.vstack([np.full(MIXES, value), x.T]))
+        return np.concatenate(result, axis=1)
 
 
 def _spread(low: float, high: float) -> np.ndarray:

@@ -78,13 +78,13 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
 
 def equations_of(constraints: Iterable[Constraint], family: Family, equations: Equations) -> list[Row]:
     """The linear constraints as equations, without any rounding: form - value · other form = 0."""
-    found = []
+    result = []
     for constraint in constraints:
         if constraint.linear:
             above, below = (equations.exact[name] for name in ratio(constraint.name, family))
             value = whole(constraint.value)
-            found.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
-    return found
+            result.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
+    return result
 
 
 @dataclass(frozen=True)
@@ -104,16 +104,16 @@ class Range:
 
 def merged(ranges: Iterable[Range]) -> list[Range]:
     """The same values in order, ranges that meet made one."""
-    found: list[Range] = []
+    result: list[Range] = []
     for r in sorted(ranges, key=lambda r: (r.low, r.low_open)):
-        if found and r.low <= found[-1].high + ALIKE * abs(found[-1].high):
-            last = found.pop()
+        if result and r.low <= result[-1].high + ALIKE * abs(result[-1].high):
+            last = result.pop()
             high = max(last.high, r.high)
             low_open = last.low_open and (r.low_open or not tied(r.low, last.low))
             open_ = all(q.high_open for q in (last, r) if tied(q.high, high))
             r = Range(last.low, high, low_open, open_)
-        found.append(r)
-    return found
+        result.append(r)
+    return result
 
 
 def tied(a: float, b: float) -> bool:

@@ -50,7 +50,7 @@ class Subproblem:
             {"type": kind, "fun": lambda y, i=i: rows(y.tobytes())[i][:, 0], "jac": lambda y, i=i: rows(y.tobytes())[i][:, 1:]}
             for i, kind in enumerate(("ineq", "eq") if self.zero else ("ineq",))
         ]
-        found = minimize(
+        result = minimize(
             lambda y: (y[-1], np.append(np.zeros(z.size), 1.0)),
             np.append(z, top),
             jac=True,
@@ -59,7 +59,7 @@ class Subproblem:
             constraints=constraints,
             options={"ftol": 1e-14, "maxiter": 100},
         )
-        z = found.x[:-1]
+        z = result.x[:-1]
         above, equal = self._rows(np.append(z, 0.0))
         reached = self.greatest_goal(z)
         if not (np.isfinite(reached) and (above[len(self.goals) :, 0] >= -KEPT).all() and (np.abs(equal[:, 0]) <= MET).all()):
@@ -89,12 +89,12 @@ class Subproblem:
             above += [evaluator.form(name, forms) - constant(LEAST, forms) for name in evaluator.family.positive]
             above += [evaluator.form(name, forms) for name in evaluator.family.constant]
             above += [limit(forms) for limit in self.limits]
-            found = _stacked(above, y.size + 1), _stacked([quantity(forms) for quantity in self.zero], y.size + 1)
-        found[0][: len(self.goals), 0] += y[-1]
-        found[0][: len(self.goals), -1] = 1.0
-        for made in found:
+            result = _stacked(above, y.size + 1), _stacked([quantity(forms) for quantity in self.zero], y.size + 1)
+        result[0][: len(self.goals), 0] += y[-1]
+        result[0][: len(self.goals), -1] = 1.0
+        for made in result:
             made[~np.isfinite(made).all(axis=1)] = [-_OUTSIDE, *[0.0] * y.size]
-        return found
+        return result
 
 
 def _stacked(quantities: Sequence[np.ndarray], size: int) -> np.ndarray:
@@ -117,12 +117,12 @@ def least(
     best: tuple[float, Place] | None = None
     for start in _starts(evaluator, constraints, goals, limits):
         for subproblem in subproblems:
-            found = subproblem.descended(start)
+            result = subproblem.descended(start)
             for _ in range(RESTARTS):
-                if found is None or (best is not None and best[0] - found[0] <= 1e-13 * abs(best[0])):
+                if result is None or (best is not None and best[0] - result[0] <= 1e-13 * abs(best[0])):
                     break
-                best = found
-                found = subproblem.descended(best[1])
+                best = result
+                result = subproblem.descended(best[1])
     if best is None:
         return None
     place, met = evaluator.solved(constraints, best[1])

@@ -97,7 +97,7 @@ def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: boo
     constant velocity, or without one."""
     if ends is None:
         return [] if constant else [()]
-    found: list[tuple[str, ...]] = []
+    result: list[tuple[str, ...]] = []
     open_chains: list[tuple[tuple[str, ...], State]] = [((), ends[0])]
     while open_chains:
         chain, state = open_chains.pop()
@@ -105,10 +105,10 @@ def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: boo
             if row.velocity_sign != velocity_sign or row.start != state or name in chain:
                 continue
             if row.end == ends[1]:
-                found.append((*chain, name))
+                result.append((*chain, name))
             elif row.end[0] != 0:
                 open_chains.append(((*chain, name), row.end))
-    return sorted((c for c in found if any(n in CONSTANT for n in c) == constant), key=lambda c: (len(c), c))
+    return sorted((c for c in result if any(n in CONSTANT for n in c) == constant), key=lambda c: (len(c), c))
 
 
 def sequences(motion_type: str, constant: str = "none") -> list[CurveSequence]:

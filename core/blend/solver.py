@@ -70,8 +70,8 @@ class Problem:
         """Every solution where there are as many constraints as free numbers, the gentlest first, of equally gentle ones
         that of the least t, x1, ...; none where the constraints leave something free."""
         places = sorted(self._places(), key=lambda place: [float(f"{v:.12g}") for v in (place[0], *place[1])])
-        found = [self.solution_at(place) for place in places]
-        return sorted(found, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(found) > 1 else found
+        result = [self.solution_at(place) for place in places]
+        return sorted(result, key=lambda s: float(f"{s.peak_acceleration:.12g}")) if len(result) > 1 else result
 
     def solution_at(self, place: Place) -> Solution:
         """The motion at a point."""
@@ -82,17 +82,17 @@ class Problem:
         """The points that meet all constraints and are feasible, each once."""
         if not self.family.parameter:
             return [(1.0, ())]
-        found: list[Place] = []
+        result: list[Place] = []
         for start in self._candidates():
             place, met = self.evaluator.solved(self.constraints, start)
             if (
                 met
                 and self.evaluator.is_feasible(place)
-                and not any(_alike(place, p) for p in found)
+                and not any(_alike(place, p) for p in result)
                 and self._is_alone(place)
             ):
-                found.append(place)
-        return found
+                result.append(place)
+        return result
 
     def _is_alone(self, place: Place) -> bool:
         """A point to pass may follow from the other constraints where it lies: then many motions pass it, and none is
@@ -140,13 +140,13 @@ class Problem:
             return []
         nonlinear = [c.name for c in others if not c.linear]
         if not nonlinear and (mine.linear or (missing == 1 and mine.name != POINT)):
-            found = Region(self.evaluator, others).ranges(mine.name)
+            result = Region(self.evaluator, others).ranges(mine.name)
         elif missing == 1 and POINT not in nonlinear:
             values = partial(self.evaluator.values, mine)
-            found = [r for track in self._tracks(others) for r in track.ranges(values)]
+            result = [r for track in self._tracks(others) for r in track.ranges(values)]
         else:
-            found = self._searched(mine, others)
-        return merged(r.times(unit_of(mine.name, self.task)) for r in found)
+            result = self._searched(mine, others)
+        return merged(r.times(unit_of(mine.name, self.task)) for r in result)
 
     def _searched(self, mine: Constraint, others: Sequence[Constraint]) -> list[Range]:
         """What a setting may be at the least and at the most, by search."""
@@ -250,7 +250,7 @@ def candidates(request: Request) -> list[Candidate]:
 def _candidates(
     motion_type: str, constant: str, only: str, wanted_mirrored: bool | None, equal: bool
 ) -> tuple[Candidate, ...]:
-    found = []
+    result = []
     for sequence in sequences(motion_type, constant):
         if only and only != str(sequence):
             continue
@@ -259,10 +259,10 @@ def _candidates(
         if _mirror(solved) == solved and len(solved.rise) > 1 and wanted_mirrored is not False:
             mirrored = Family(solved, mirrored=True)
             if mirrored.freedom < Family(solved).freedom and equal:
-                found.append(Candidate(sequence, mirrored, backwards))
+                result.append(Candidate(sequence, mirrored, backwards))
         if wanted_mirrored is not True:
-            found.append(Candidate(sequence, Family(solved), backwards))
-    return tuple(found)
+            result.append(Candidate(sequence, Family(solved), backwards))
+    return tuple(result)
 
 
 def _mirror(sequence: CurveSequence) -> CurveSequence:

@@ -99,19 +99,19 @@ def _roots(series: Chebyshev) -> np.ndarray:
 
 def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: float) -> list[Chebyshev]:
     """A function of values about 1 as series side by side; nothing where it is nan."""
-    waiting, found = [(low, high, DEPTH)], []
+    waiting, result = [(low, high, DEPTH)], []
     while waiting:
         places = np.concatenate([0.5 * (a + b) + 0.5 * (b - a) * _PLACES for a, b, _ in waiting])
         rows = function(places).reshape(len(waiting), TERMS) @ _TRANSFORM.T
         halved = []
         for (a, b, depth), c in zip(waiting, rows, strict=True):
             if np.isfinite(c).all() and (depth == 0 or np.abs(c[-3:]).max() <= RESOLVED * max(1.0, np.abs(c).max())):
-                found.append(Chebyshev(c, (a, b)))
+                result.append(Chebyshev(c, (a, b)))
             elif depth:
                 middle = 0.5 * (a + b)
                 halved += [(a, middle, depth - 1), (middle, b, depth - 1)]
         waiting = halved
-    return sorted(found, key=lambda series: series.domain[0])
+    return sorted(result, key=lambda series: series.domain[0])
 
 
 # -- where an acceleration is prescribed ------------------------------------------------------------------
@@ -152,12 +152,12 @@ class Arc:
 
 def acceleration_tracks(evaluator: Evaluator, rows: Sequence[Row], acceleration: float) -> list[Track]:
     """All feasible points that meet equations, which leave two numbers free, and have that largest acceleration."""
-    found = []
+    result = []
     for space in solution_spaces(evaluator.equations, rows):
         if space.freedom == 2:
             for row in evaluator.family.accelerations:
-                found += [Track(arc.places, 0.0, 1.0) for arc in _arcs(evaluator, space, row, acceleration)]
-    return found
+                result += [Track(arc.places, 0.0, 1.0) for arc in _arcs(evaluator, space, row, acceleration)]
+    return result
 
 
 def _arcs(evaluator: Evaluator, space: SolutionSpace, row: PeakAcceleration, value: float) -> Iterator[Arc]:

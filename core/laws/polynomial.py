@@ -173,9 +173,9 @@ def states(h: np.ndarray, known: np.ndarray, fixed: np.ndarray) -> np.ndarray:
         k = half.own.shape[0]
         kept = x
         after = np.roll(kept, -1, axis=0)[:k]
-        found = np.linalg.solve(half.own, half.sides - half.left @ kept[:k] - half.right @ after)
+        result = np.linalg.solve(half.own, half.sides - half.left @ kept[:k] - half.right @ after)
         x = np.empty((kept.shape[0] + k, STATES, r))
-        x[0::2], x[1::2] = kept, found
+        x[0::2], x[1::2] = kept, result
     return np.where(fixed[:, :, None], known, x)
 
 
@@ -212,7 +212,7 @@ def _determined(rows: np.ndarray, sides: np.ndarray, usual: np.ndarray) -> np.nd
     size = np.abs(rows).max(axis=0)
     if np.any(size <= ROUNDING * usual):
         raise np.linalg.LinAlgError("a state is left free")
-    found, _, rank, _ = np.linalg.lstsq(rows / size, sides, rcond=ROUNDING)
+    result, _, rank, _ = np.linalg.lstsq(rows / size, sides, rcond=ROUNDING)
     if rank < STATES:
         raise np.linalg.LinAlgError("the curve is left free")
-    return found / size[:, None]
+    return result / size[:, None]

@@ -121,13 +121,13 @@ class _Detection:
         if text.isdecimal() and 1 <= int(text) <= self.sheet.columns:
             return int(text) - 1
         names, word = [name.casefold().strip() for name in self.sheet.names], text.casefold().strip()
-        found = [i for i, name in enumerate(names) if name == word] or [
+        result = [i for i, name in enumerate(names) if name == word] or [
             i for i, name in enumerate(names) if word and name.startswith(word)
         ]
-        if len(found) != 1:
+        if len(result) != 1:
             there = ", ".join(f"{i + 1} {name}".strip() for i, name in enumerate(self.sheet.names))
-            self._refuse(f"column {text!r}: {'several' if found else 'none'} of that name; there are: {there}")
-        return found[0]
+            self._refuse(f"column {text!r}: {'several' if result else 'none'} of that name; there are: {there}")
+        return result[0]
 
     def _angle_column(self) -> int:
         if self.choice.angle_column:
@@ -139,12 +139,12 @@ class _Detection:
             lambda m: m.quantity == TIME,
             lambda m: not m.quantity and (m.unit in ANGLE_UNITS or m.unit in TIME_UNITS),
         )
-        found = [i for fits in fitting for i in free if fits(self.headings[i])]
+        result = [i for fits in fitting for i in free if fits(self.headings[i])]
         if not free:
             self._refuse("only one column of numbers; a column of angles or times is wanted beside it")
-        if not found:
+        if not result:
             self.guesses.append(f"{self._name(free[0])} is taken for the cam angle")
-        return (found or free)[0]
+        return (result or free)[0]
 
     def _value_column(self, angle: int) -> int:
         choice = self.choice
@@ -157,10 +157,10 @@ class _Detection:
         if not others:
             self._refuse("only one column of numbers; a column of values is wanted beside the angles")
         quantities = (choice.quantity,) if choice.quantity else QUANTITIES
-        found = [i for quantity in quantities for i in others if self.headings[i].quantity == quantity]
-        if not found and (len(others) > 1 or choice.quantity):
+        result = [i for quantity in quantities for i in others if self.headings[i].quantity == quantity]
+        if not result and (len(others) > 1 or choice.quantity):
             self.guesses.append(f"{self._name(others[0])} is taken for the values")
-        return (found or others)[0]
+        return (result or others)[0]
 
     def _quantity(self, column: int) -> str:
         stated = self.choice.quantity or self.headings[column].quantity
@@ -179,8 +179,8 @@ class _Detection:
         if heading.quantity == TIME:
             self.guesses.append("the time is taken for seconds")
             return "s"
-        found = [number(row.cells[column], sheet.decimal) for row in sheet.rows if len(row.cells) > column]
-        known = sorted(value for value in found if value is not None) or [0.0]
+        result = [number(row.cells[column], sheet.decimal) for row in sheet.rows if len(row.cells) > column]
+        known = sorted(value for value in result if value is not None) or [0.0]
         reach = known[-1] - known[0]
         unit = "turns" if reach <= 1.01 else "rad" if reach <= 6.35 else "deg"
         self.guesses.append(f"angles from {known[0]:g} to {known[-1]:g} are taken for {unit}")

@@ -45,9 +45,9 @@ def contrasts(x: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray]:
     changes = np.diff(each, axis=0)
     again = np.flatnonzero(~new)
     unit = np.eye(x.size)
-    found = np.concatenate((changes, unit[again] - unit[again - 1]))
-    by_column = np.argsort((found != 0.0).argmax(axis=1), kind="stable")
-    return found[by_column], by_column < len(changes)
+    result = np.concatenate((changes, unit[again] - unit[again - 1]))
+    by_column = np.argsort((result != 0.0).argmax(axis=1), kind="stable")
+    return result[by_column], by_column < len(changes)
 
 
 def precision_matrix(x: np.ndarray, order: int, change: float, error: float) -> np.ndarray:

@@ -105,13 +105,13 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     """
     if error is not None and not 0.0 <= error < np.inf:
         raise FitError(f"measuring error {error:g}: allowed: 0 or more {table.unit}")
-    found = outliers(table, (error or 0.0) * abs(table.size))
+    result = outliers(table, (error or 0.0) * abs(table.size))
     all_kept = keep_all or error == 0.0
-    if found.undecided and not all_kept:
+    if result.undecided and not all_kept:
         raise Contradiction(
-            f"{contradiction(table, found)}; correct them, state a larger measuring error, or keep all rows"
+            f"{contradiction(table, result)}; correct them, state a larger measuring error, or keep all rows"
         )
-    out = () if all_kept else tuple(sorted(found.wrong + found.possible))
+    out = () if all_kept else tuple(sorted(result.wrong + result.possible))
     stated = guess_error(table, out) if error is None else error
     solved = _solved(table, stated, out)
     motion = _motion(table, solved)
@@ -129,7 +129,7 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
         error=stated,
         guessed=error is None,
         residuals=residuals,
-        outliers=found,
+        outliers=result,
         left_out=out,
         offset=solved.offset / table.size if table.layout.order else 0.0,
         smoothing=solved.smoothing,
@@ -140,9 +140,9 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     )
 
 
-def contradiction(table: Table, found: Outliers) -> str:
+def contradiction(table: Table, result: Outliers) -> str:
     """The rows that contradict each other where it cannot be decided which of them are wrong."""
-    rows = [row for stretch in found.undecided for row in stretch]
+    rows = [row for stretch in result.undecided for row in stretch]
     return f"{table.named(rows)}: they contradict each other, and nothing tells which of them are wrong"
 
 
@@ -161,11 +161,11 @@ def guess_error(table: Table, left_out: tuple[int, ...] = ()) -> float:
     is_inside = best > judged[0] or best == 0
     variance = float(rows.mean_square(grid[best])) / free[best] if is_inside else 0.0
     scatter = sqrt(variance) / 360.0**rows.order / abs(table.size)
-    found = max(scatter, 10.0**-table.decimals / sqrt(12.0))
-    if found <= EXACT * float(np.ptp(table.values)) / abs(table.size):
+    result = max(scatter, 10.0**-table.decimals / sqrt(12.0))
+    if result <= EXACT * float(np.ptp(table.values)) / abs(table.size):
         return 0.0
-    power = 10.0 ** (floor(log10(found)) - 1)
-    return float(f"{np.ceil(found / power) * power:.2g}")
+    power = 10.0 ** (floor(log10(result)) - 1)
+    return float(f"{np.ceil(result / power) * power:.2g}")
 
 
 def into_design(design: Design, fit: Fit) -> Design:
@@ -260,10 +260,10 @@ def _through(table: Table, knots: np.ndarray, values: np.ndarray) -> _Solved:
     if order == 2:
         each = natural(knots, 2, np.eye(knots.size)[:, 1:])
         rows = derivative(knots, each, 2, knots)
-        found = np.linalg.solve(np.column_stack((rows, np.ones(knots.size))), given)
-        at = each @ found[:-1]
-        at[:, 2] = given - found[-1]
-        return _Solved(knots, at, float(found[-1]) / 360.0**2, 0.0, float(knots.size))
+        result = np.linalg.solve(np.column_stack((rows, np.ones(knots.size))), given)
+        at = each @ result[:-1]
+        at[:, 2] = given - result[-1]
+        return _Solved(knots, at, float(result[-1]) / 360.0**2, 0.0, float(knots.size))
     both = natural(knots, order, np.stack((given, np.ones(knots.size)), axis=1))
     jerk = jerk_rows(distances(knots), both, np.roll(both, -1, axis=0))
     own, one = jerk[:, :, 0].ravel(), jerk[:, :, 1].ravel()

@@ -174,7 +174,7 @@ class _Search:
             best = float(run_scores(precision, precision @ self.rows.y[number], at[None]).max())
             others = left_out.copy()
             others[run] = False
-            found = run
+            result = run
             for part in (at[end] for k in range(1, at.size) for end in (slice(k), slice(k, None))):
                 kept = np.delete(np.arange(number.size), part)
                 rest, pull, explained = leave_out(precision, self.rows.y[number], part, kept)
@@ -185,9 +185,9 @@ class _Search:
                 score = explained - COST * part.size + float(scores.max()) - START
                 if score > best:
                     row, last = np.unravel_index(np.argmax(scores), scores.shape)
-                    best, found = score, number[np.append(part, kept[tried[row, : last + 1]])]
+                    best, result = score, number[np.append(part, kept[tried[row, : last + 1]])]
             left_out[:] = others
-            left_out[found] = True
+            left_out[result] = True
 
     def probabilities(self, left_out: np.ndarray, ends: set[int]) -> tuple[np.ndarray, list[np.ndarray]]:
         """The probability of each row (n,) that it is wrong; and the stretches where none is wrong for certain.
@@ -219,12 +219,12 @@ class _Search:
 
     def contradicting(self, left_out: np.ndarray, change: float) -> np.ndarray:
         """The rows (n,) of the run that still contradicts the others most, once all that is to be left out is."""
-        kept, found = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
+        kept, result = np.flatnonzero(~left_out), np.zeros(left_out.size, dtype=bool)
         scores = self.scores(kept, change).max(axis=0)
         if scores.max() >= START:
             first, last = np.unravel_index(np.argmax(scores), scores.shape)
-            found[kept[np.mod(np.arange(first, first + last + 1), kept.size)]] = True
-        return found
+            result[kept[np.mod(np.arange(first, first + last + 1), kept.size)]] = True
+        return result
 
     def probability(self, left_out: np.ndarray, run: np.ndarray, change: float) -> tuple[np.ndarray, int | None]:
         """Of each row (n,) that it belongs to a wrong run at the place of one left out; the row behind a step

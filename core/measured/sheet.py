@@ -253,17 +253,17 @@ def _first_row(
 def _names(above: Sequence[str], columns: int, delimiter: str) -> tuple[str, ...]:
     """What stands above each column: the last line above the rows that has as many cells; where it holds only units,
     the line above it too."""
-    found: list[tuple[str, ...]] = []
+    result: list[tuple[str, ...]] = []
     for line in reversed(above):
         cells = _header_cells(line, columns, delimiter)
         if cells is None:
             continue
-        found.insert(0, cells)
-        if len(found) == 2 or not all(unit_of(cell.strip("[]() ")) for cell in cells if cell):
+        result.insert(0, cells)
+        if len(result) == 2 or not all(unit_of(cell.strip("[]() ")) for cell in cells if cell):
             break
-    if not found:
+    if not result:
         return ("",) * columns
-    return tuple(" ".join(filter(None, parts)) for parts in zip(*found, strict=True))
+    return tuple(" ".join(filter(None, parts)) for parts in zip(*result, strict=True))
 
 
 def _header_cells(line: str, columns: int, delimiter: str) -> tuple[str, ...] | None:

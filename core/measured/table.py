@@ -161,20 +161,20 @@ def _out_of_order(raw: np.ndarray, lines: np.ndarray) -> list[RowFault]:
         return []
     sign = 1.0 if (steps > 0.0).sum() >= (steps < 0.0).sum() else -1.0
     rising = sign * raw
-    found: set[int] = set()
+    result: set[int] = set()
     for i in np.flatnonzero(sign * steps < 0.0).tolist():
         continues = i + 2 >= raw.size or rising[i + 2] > rising[i + 1]
         if i + 2 < raw.size and rising[i + 2] > rising[i]:
-            found.add(i + 1)  # too small
+            result.add(i + 1)  # too small
         elif i > 0 and rising[i + 1] > rising[i - 1] and continues:
-            found.add(i)  # too large
-    if len(found) > max(2.0, OUT_OF_ORDER * raw.size):
+            result.add(i)  # too large
+    if len(result) > max(2.0, OUT_OF_ORDER * raw.size):
         return []
     order = "rise" if sign > 0.0 else "fall"
     wanted = f"where the angles {order}; wanted: the rows in order, or this angle mended"
     return [
         RowFault(int(lines[i]), f"angle {raw[i]:g} behind {raw[i - 1]:g} and before {raw[i + 1]:g}, {wanted}")
-        for i in sorted(found)
+        for i in sorted(result)
     ]
 
 

@@ -151,7 +151,7 @@ class Meaning:
 def meaning(name: str) -> Meaning:
     """Quantity and unit that a column's name states; a unit such as mm/s² implies the quantity."""
     unit = unit_in(name)
-    order = max((found.order for motion in BASES if (found := value_unit(unit, motion))), default=0)
+    order = max((result.order for motion in BASES if (result := value_unit(unit, motion))), default=0)
     plain = unicodedata.normalize("NFKC", re.sub(r"[\[({<][^\])}>]*[\])}>]", " ", name)).lower()
     tokens = [t for t in re.split(r"[^\w]+|_|\d+", plain) if t]
     named = next((q for q, words in _WORDS if any(re.fullmatch(words, token) for token in tokens)), "")

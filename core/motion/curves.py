@@ -91,12 +91,12 @@ def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:
         row[: len(piece.polynomial)] = piece.polynomial
     width = np.diff([*(p.start for p in pieces), 1.0])
     speed = (rows * np.arange(powers) * width[:, None] ** np.arange(powers))[:, 1:]  # by powers of w/width
-    found: list[list[float]] = [[] for _ in pieces]
+    result: list[list[float]] = [[] for _ in pieces]
     for i in np.flatnonzero(_both_signs(speed)).tolist():
         roots = np.roots(speed[i, ::-1])
         real = roots[np.abs(roots.imag) < 1e-9].real
-        found[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
-    return found
+        result[i] = sorted(float(x * width[i]) for x in real if 1e-6 < x < 1.0 - 1e-6)
+    return result
 
 
 def _both_signs(polynomials: np.ndarray) -> np.ndarray:

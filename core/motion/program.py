@@ -144,7 +144,7 @@ _JUMPS = (
 
 def findings(compiled: Program) -> list[Finding]:
     """Jumps of displacement, velocity and acceleration; for each join only the first that jumps is named."""
-    found = []
+    result = []
     unit, scale = compiled.motion.unit, compiled.motion.scale
     joins = compiled.joins
     for i, join in enumerate(joins):
@@ -152,6 +152,6 @@ def findings(compiled: Program) -> list[Finding]:
             if join.jumps[order]:
                 values: dict[str, float | str] = {"jump": float(join.jump[order]) / scale, "unit_name": unit}
                 field = f"motion.segments[{(i + 1) % len(joins)}]"
-                found.append(Finding(code, severity, field, float(np.rad2deg(join.theta)), values))
+                result.append(Finding(code, severity, field, float(np.rad2deg(join.theta)), values))
                 break
-    return found
+    return result

@@ -37,9 +37,9 @@ def crossings(quantity: Quantity, angles: Angles, value: np.ndarray) -> Angles:
     # a sample that is zero itself counts where the sign differs on its two sides
     met = (values[1:-1] == 0.0) & (values[:-2] * values[2:] < 0.0) & same[:-1] & same[1:]
     exact = np.flatnonzero(met) + 1
-    found, where = np.append(root, theta[exact]), np.append(piece[turns], piece[exact])
-    order = np.lexsort((found, where))
-    return Angles(found[order], where[order])
+    result, where = np.append(root, theta[exact]), np.append(piece[turns], piece[exact])
+    order = np.lexsort((result, where))
+    return Angles(result[order], where[order])
 
 
 def _dips(angles: Angles, value: np.ndarray) -> np.ndarray:

@@ -33,13 +33,13 @@ def _of_the_fit(fit: Fit) -> Iterator[str]:
     table, unit = fit.table, fit.table.unit
     if fit.guessed:
         yield f"the measuring error is not stated; {digits(fit.error, 2)} {unit} is what the rows themselves tell"
-    found, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
-    if found.wrong:
-        yield f"{table.named(found.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
-    if found.possible:
-        yield f"{table.named(found.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
-    if found.undecided:
-        yield f"{contradiction(table, found)}; {left_out}"
+    result, left_out = fit.outliers, "left out of the fit" if fit.left_out else "fitted with the others"
+    if result.wrong:
+        yield f"{table.named(result.wrong)}: wrong, no smooth curve joins them to the rows beside; {left_out}"
+    if result.possible:
+        yield f"{table.named(result.possible)}: beside wrong rows, they may be wrong too, nothing tells; {left_out}"
+    if result.undecided:
+        yield f"{contradiction(table, result)}; {left_out}"
     if table.closing is not None:
         last, first = table.closing
         apart = (table.values[last] - table.values[first]) / table.size
