@@ -20,7 +20,7 @@ from core.laws import peaks
 from core.numerics.cancellation import checkpoint
 
 MOST_NONLINEAR = 2  # acceleration and points that are solved for at once
-GONE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
+NEGLIGIBLE = 1e-6  # a stretch of constant velocity shorter than this share of the stroke is none
 
 Goal = tuple[int, int, int]
 """Which peak coefficient c of a curve counts, and the powers of height and of span beside it: c h^i / β^k."""
@@ -71,7 +71,7 @@ def best(request: Request, goal: str) -> Blended:
         raise _nothing(request)
     _, candidate, solution = winner
     rows = zip(solution.sequence.curves, solution.heights, strict=True)
-    if any(h <= GONE * max(solution.heights) for name, h in rows if name in CONSTANT):
+    if any(h <= NEGLIGIBLE * max(solution.heights) for name, h in rows if name in CONSTANT):
         raise BlendError(f"best {goal}: the gentlest has no constant velocity left; give its length or height")
     return candidate.answer(request, solution)
 
@@ -109,7 +109,7 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     result = least(evaluator, problem.constraints, goals, limits)
     if result is None:
         return None
-    if min(evaluator.at(evaluator.family.constant, result[1]), default=1.0) <= GONE:  # perhaps others are as gentle
+    if min(evaluator.at(evaluator.family.constant, result[1]), default=1.0) <= NEGLIGIBLE:  # perhaps others are as gentle
         limits += [partial(_above, evaluator, name) for name in evaluator.family.constant]
         other = least(evaluator, problem.constraints, goals, limits)
         result = other if other is not None and other[0] <= result[0] + 1e-9 else result
@@ -117,8 +117,8 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
 
 
 def _above(evaluator: Evaluator, name: str, forms: np.ndarray) -> np.ndarray:
-    """By how much a constant velocity is higher than one that counts as gone."""
-    return evaluator.form(name, forms) - constant(1e3 * GONE, forms)
+    """By how much a constant velocity is higher than one that counts as none."""
+    return evaluator.form(name, forms) - constant(1e3 * NEGLIGIBLE, forms)
 
 
 def _log_peak(evaluator: Evaluator, goal: Goal, curve: tuple[str, str, str], forms: np.ndarray) -> np.ndarray:

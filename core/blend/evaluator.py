@@ -6,12 +6,14 @@ t, x1, ... Everything is for a stroke of the rise and a span of 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property, lru_cache
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 
 import numpy as np
 
+from core.blend.equations import SolutionSpace, solution_spaces
 from core.blend.family import RETURN, RISE, SPEEDS, Family, Task, named
+from core.blend.polynomials import UNIT, whole
 from core.blend.request import POINT, Constraint, ratio
 from core.blend.sequences import ELEMENTS
 from core.laws import LAWS, Law
@@ -27,7 +29,6 @@ Place = tuple[float, tuple[float, ...]]
 """A point of a family: t and x1, x2, ..."""
 
 
-@lru_cache(maxsize=64)
 def law_of(curve: str) -> Law:
     return LAWS[curve.lower()]
 
@@ -48,6 +49,17 @@ class Evaluator:
             return [*rows, (back[0], "h4", "")]
         return rows + [(c, n, "R") for c, n in zip(back, named(back, RETURN) if back else (), strict=True)]
 
+    def spaces(self, constraints: Iterable[Constraint]) -> list[SolutionSpace]:
+        """All points, feasible or not, that meet the linear ones among constraints, which become equations without any
+        rounding: form - value · other form = 0."""
+        rows = []
+        for constraint in constraints:
+            if constraint.linear:
+                above, below = (self.equations.exact[name] for name in ratio(constraint.name, self.family))
+                value = whole(constraint.value)
+                rows.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
+        return solution_spaces(self.equations, rows)
+
     # -- quantities ---------------------------------------------------------------------------------------
 
     def forms(self, t: np.ndarray, x: np.ndarray, slopes: bool = False) -> np.ndarray:
@@ -58,12 +70,9 @@ class Evaluator:
     def form(self, name: str, forms: np.ndarray) -> np.ndarray:
         return forms[self.equations.place[name]]
 
+    @np.errstate(all="ignore")
     def setting(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
         """What the setting of a constraint is; nan or infinite where it does not exist."""
-        with np.errstate(all="ignore"):
-            return self._setting(constraint, forms)
-
-    def _setting(self, constraint: Constraint, forms: np.ndarray) -> np.ndarray:
         if constraint.name == POINT:
             return self._level(constraint.at, forms)
         if constraint.name == "acceleration":

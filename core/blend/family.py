@@ -48,11 +48,6 @@ class Solution:
     back_speed: float
 
     @property
-    def peak_span(self) -> float:
-        """Span of the rise [deg]."""
-        return sum(self.spans[: len(self.sequence.rise)])
-
-    @property
     def peak_acceleration(self) -> float:
         """Largest |acceleration| [per deg²]."""
         parts = zip(self.sequence.curves, self.heights, self.spans, strict=True)
@@ -216,14 +211,16 @@ def _without_freedom(sequence: CurveSequence, task: Task) -> tuple[tuple[float, 
 def _equations(family: Family, g: float) -> Equations:
     """All heights, W, R where there is one, and ``up``, the span of the rise times its speed."""
     numbers = family.linear
-    forms = _rise(family, g)
+    free = {name: term(len(numbers), j) for j, name in enumerate(("", *numbers))}
+    one = free[""]
+    forms = _rise(family, free, g)
     forms["up"] = _work(family.sequence.rise, forms, RISE)
     if family.single_back:
-        forms["h4"] = _number(family, g)
-        root = _t(family, 1) if family.parameter else _number(family, sqrt(0.5))  # √h3
+        forms["h4"] = g * one
+        root = times_t(one, 1) if family.parameter else sqrt(0.5) * one  # √h3
         forms["W"] = forms["up"] + _SINGLE[family.single_back] * sqrt(g) * root
     elif family.sequence.back:
-        forms.update(_back(family, forms, g))
+        forms.update(_back(family, forms, free, g))
         down = _work(family.sequence.back, forms, RETURN)
         if family.parameter == "r":
             forms["W"], forms["R"] = forms["up"] + times_t(down, -1), times_t(forms["up"], 1) + down
@@ -236,47 +233,34 @@ def _equations(family: Family, g: float) -> Equations:
     return Equations(forms, numbers, inf if family.parameter == "r" else 1.0, tops)
 
 
-def _number(family: Family, value: float) -> Form:
-    return value * term(len(family.linear))
-
-
-def _t(family: Family, power: int) -> Form:
-    return term(len(family.linear), 0, power)
-
-
-def _free(family: Family) -> dict[str, Form]:
-    """The free numbers but t."""
-    return {name: term(len(family.linear), j) for j, name in enumerate(family.linear, 1)}
-
-
 def _work(curves: tuple[str, ...], forms: Mapping[str, Form], names: tuple[str, str, str]) -> Form:
     """Span times speed of one stroke: Σ c h."""
     rows = zip(curves, named(curves, names), strict=True)
     return np.sum([SPEEDS[curve] * forms[name] for curve, name in rows], axis=0)
 
 
-def _rise(family: Family, g: float) -> dict[str, Form]:
-    """h1, h2, h3."""
-    free, parameter, one = _free(family), family.parameter, _number(family, 1.0)
+def _rise(family: Family, free: Mapping[str, Form], g: float) -> dict[str, Form]:
+    """h1, h2, h3; free: the free numbers but t, and 1 under an empty name."""
+    parameter, one = family.parameter, free[""]
     if family.single_back == "H6":
-        h1 = h3 = _t(family, 2) if parameter else 0.5 * one
+        h1 = h3 = times_t(one, 2) if parameter else 0.5 * one
     elif parameter == "h1":
-        h1 = _t(family, 1)
+        h1 = times_t(one, 1)
         h3 = one - h1
     elif parameter == "r":
         # of a motion that never dwells, without constant velocity on the return: r² (h1 + h3) = g
-        h3 = free["h3"] if "h3" in free else g * _t(family, -2) - free["h1"]
+        h3 = free["h3"] if "h3" in free else g * times_t(one, -2) - free["h1"]
         h1 = free["h1"] if "h1" in free else one - h3
     else:
-        h3 = _t(family, 2 if parameter == "root of h3" else 1)
+        h3 = times_t(one, 2 if parameter == "root of h3" else 1)
         h1 = free["h1"] if "h1" in free else one - h3
     middle = {"h2": one - h1 - h3} if family.has_constant_rise else {}
     return {"h1": h1, **middle, "h3": h3}
 
 
-def _back(family: Family, rise: Mapping[str, Form], g: float) -> dict[str, Form]:
+def _back(family: Family, rise: Mapping[str, Form], free: Mapping[str, Form], g: float) -> dict[str, Form]:
     """Equal acceleration at the top: h4 = r² h3; for a motion that never dwells also h6 = r² h1."""
-    free, stroke = _free(family), _number(family, g)
+    stroke = g * free[""]
     if family.mirrored:
         h4, h6 = rise["h3"], rise["h1"]
     elif family.parameter == "h1":

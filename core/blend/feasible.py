@@ -23,7 +23,6 @@ from core.blend.request import (
     Range,
     Request,
     hardest_first,
-    hull,
     merged,
 )
 from core.blend.sequences import sequences
@@ -175,11 +174,12 @@ def _redundant(request: Request, fitting: Sequence[Candidate], constraints: Sequ
             by = determining(request, candidate, constraint, others)
             ranges = ranges_by(request, [candidate], by, constraint) if by is not None else []
             if by is not None and ranges and all(_is_one(r.low, r.high) for r in ranges):
-                name, unit = _name(request, constraint), request.unit_of(constraint.name)
+                name, unit = request.spelled(constraint.name), request.unit_of(constraint.name)
+                allowed = ranges[0].low, ranges[-1].high
                 cause = f" by {', '.join(_text(request, c) for c in by)}" if by else ""
                 values = " or ".join(f"{r.low:.9g}" for r in ranges)
                 text = f"{_text(request, constraint)} {unit}: determined already{cause}: {name} = {values} {unit}"
-                return BlendError(f"{text}; {_instead(request, candidate, others)}", name, hull(ranges))
+                return BlendError(f"{text}; {_instead(request, candidate, others)}", name, allowed)
     return None
 
 
@@ -188,7 +188,7 @@ def _instead(request: Request, candidate: Candidate, constraints: Sequence[Const
     new = new_settings(request, candidate, constraints) if not dependent(request, candidate, constraints) else ()
     if not new:
         return "leave it out" if candidate.freedom < len(constraints) + 1 else "set another one"
-    names = [_spelt(request, n) for n in new]
+    names = [request.spelled(n) for n in new]
     ranges = ranges_by(request, [candidate], constraints, request.constraint(new[0], 1.0))
     if ranges:
         text = " or ".join(range_text(r, names[0]) for r in ranges)
@@ -200,7 +200,7 @@ def _out_of_range(
     request: Request, constraint: Constraint, ranges: Sequence[Range], beside: Sequence[Constraint]
 ) -> BlendError:
     """The refusal of a setting, with what it may be."""
-    unit, name, allowed = request.unit_of(constraint.name), _name(request, constraint), hull(ranges)
+    unit, name, allowed = request.unit_of(constraint.name), request.spelled(constraint.name), (ranges[0].low, ranges[-1].high)
     others = ", ".join(_text(request, c) for c in beside)
     tail = f" beside {others}" if others else ""
     text = f"{_text(request, constraint)} {unit}"
@@ -225,11 +225,11 @@ def wrong_number(request: Request) -> BlendError:
     known = set().union(*(c.names for c in rows))
     strange = [name for name in request.settings if request.renamed(name) not in known]
     if strange:
-        allowed = " | ".join(_spelt(request, name) for name in SETTINGS if name in known)
+        allowed = " | ".join(request.spelled(name) for name in SETTINGS if name in known)
         text = f"settings given: {given}; {wants}; {', '.join(strange)}: of no curve here; allowed: {allowed}"
         return BlendError(text, strange[0])
     new = {name for opening in openings(request) for name in opening.settings}
-    more = f"; still open: {', '.join(_spelt(request, n) for n in SETTINGS if n in new)}" if new else ""
+    more = f"; still open: {', '.join(request.spelled(n) for n in SETTINGS if n in new)}" if new else ""
     return BlendError(f"settings given: {given}; {wants}{more}; or ask for the best")
 
 
@@ -240,22 +240,10 @@ def _shown_value(request: Request, constraint: Constraint) -> float:
     return constraint.value + request.start if constraint.name == "peak" else constraint.value
 
 
-def _name(request: Request, constraint: Constraint) -> str:
-    """The setting's name as the request spells it."""
-    return next((name for name in request.settings if request.renamed(name) == constraint.name), constraint.name)
-
-
 def _text(request: Request, constraint: Constraint) -> str:
     """``point at 120 deg = 5``."""
     at = f" at {constraint.at + request.start:.9g} deg" if constraint.name == POINT else ""
-    return f"{_name(request, constraint)}{at} = {_shown_value(request, constraint):.9g}"
-
-
-def _spelt(request: Request, name: str) -> str:
-    """As the request spells it: a return alone may count its curves from 1."""
-    if any(request.renamed(given) != given for given in request.settings):
-        return next((n for n in ("h1", "h2", "h3", "vcv") if request.renamed(n) == name), name)
-    return name
+    return f"{request.spelled(constraint.name)}{at} = {_shown_value(request, constraint):.9g}"
 
 
 def _is_one(low: float, high: float) -> bool:

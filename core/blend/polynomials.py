@@ -17,7 +17,6 @@ from operator import or_
 Floats = tuple[float, ...]
 """Coefficients in floating point, that of the constant first."""
 
-MOST_BITS = 1000  # a longer number has no floating-point value
 BITS = 160  # behind the point, of a coefficient made whole
 TOUCHED = 1e-10  # an extreme that misses zero by no more, as a share of the terms, counts as a root
 STEPS = 200
@@ -108,11 +107,8 @@ def shortened(polynomials: Iterable[Polynomial]) -> list[Polynomial]:
 def rounded(polynomials: Iterable[Polynomial]) -> list[Floats]:
     """The same but for one common factor, a power of 2, in floating point."""
     rows = [p.coefficients for p in polynomials]
-    bits = max([c.bit_length() for row in rows for c in row], default=0)
-    if bits >= MOST_BITS:
-        return [tuple([c / (1 << bits) for c in row]) for row in rows]
-    scale = ldexp(1.0, -bits)
-    return [tuple([c * scale for c in row]) for row in rows]
+    scale = 1 << max([c.bit_length() for row in rows for c in row], default=0)
+    return [tuple([c / scale for c in row]) for row in rows]
 
 
 # -- values in floating point -----------------------------------------------------------------------------

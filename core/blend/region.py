@@ -13,11 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from core.blend.equations import Parametrised, SolutionSpace, solution_spaces
+from core.blend.equations import Parametrised, SolutionSpace
 from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
 from core.blend.family import Family
 from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
-from core.blend.request import Constraint, Range, equations_of, merged, ratio, tied
+from core.blend.request import Constraint, Range, merged, ratio, tied
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
 SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them
@@ -212,7 +212,6 @@ class Region:
 
     def __init__(self, evaluator: Evaluator, constraints: Sequence[Constraint]) -> None:
         self._evaluator, self._constraints = evaluator, tuple(constraints)
-        self._rows = equations_of(constraints, evaluator.family, evaluator.equations)
 
     @cached_property
     def parts(self) -> list[Part]:
@@ -223,11 +222,11 @@ class Region:
 
     def _edges(self) -> Iterable[Curve]:
         """Curves on which as many heights are 0 as numbers are free, but one."""
-        family, equations = self._evaluator.family, self._evaluator.equations
-        missing = family.freedom - 1 - len(self._rows)
+        family = self._evaluator.family
+        missing = family.freedom - 1 - len(self._constraints)
         for names in combinations((*family.positive, *family.constant), missing):
-            spaces = solution_spaces(equations, [*self._rows, *(equations.exact[n] for n in names)])
-            yield from Curve.of(family, spaces, closed=True)
+            zero = [Constraint(name, 0.0) for name in names]
+            yield from Curve.of(family, self._evaluator.spaces([*self._constraints, *zero]), closed=True)
 
     def _along_t(self, pieces: Pieces) -> Iterable[Part]:
         runs: list[Stretch] = []

@@ -9,9 +9,7 @@ from math import fsum, isfinite
 from types import MappingProxyType
 from typing import NamedTuple
 
-from core.blend.equations import Equations, Row
 from core.blend.family import Family, Solution, Task
-from core.blend.polynomials import UNIT, whole
 from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES
 from core.design import Segment
 from core.errors import KindynaError
@@ -76,17 +74,6 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
     return _SPEEDS.get(name, name), ""
 
 
-def equations_of(constraints: Iterable[Constraint], family: Family, equations: Equations) -> list[Row]:
-    """The linear constraints as equations, without any rounding: form - value · other form = 0."""
-    result = []
-    for constraint in constraints:
-        if constraint.linear:
-            above, below = (equations.exact[name] for name in ratio(constraint.name, family))
-            value = whole(constraint.value)
-            result.append(tuple([UNIT * a - value * b for a, b in zip(above, below, strict=True)]))
-    return result
-
-
 @dataclass(frozen=True)
 class Range:
     """What a setting may be, from low to high; an open end can only be approached."""
@@ -118,11 +105,6 @@ def merged(ranges: Iterable[Range]) -> list[Range]:
 
 def tied(a: float, b: float) -> bool:
     return a == b or (isfinite(a - b) and abs(a - b) <= TIED * max(abs(a), abs(b)))
-
-
-def hull(ranges: Sequence[Range]) -> tuple[float, float]:
-    """The ends of all of them."""
-    return ranges[0].low, ranges[-1].high
 
 
 # -- request and answer -----------------------------------------------------------------------------------
@@ -178,6 +160,12 @@ class Request:
     def renamed(self, name: str) -> str:
         """A return alone may count its curves from 1 and call its speed vcv."""
         return _OF_A_RETURN.get(name, name) if MOTION_TYPES[self.type].rise is None else name
+
+    def spelled(self, name: str) -> str:
+        """A setting's name as the request spells it, whose settings may count from 1 where there is a return alone."""
+        counts_from_one = any(self.renamed(given) != given for given in self.settings)
+        able = (*self.settings, *(_OF_A_RETURN if counts_from_one else ()))
+        return next((given for given in able if self.renamed(given) == name), name)
 
     def constraint(self, name: str, value: float, at: float = 0.0) -> Constraint:
         """A setting as a constraint: angles are counted from the start."""

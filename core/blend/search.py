@@ -74,22 +74,22 @@ class Subproblem:
         forms[:, 1:, 0] *= place
         return forms
 
+    @np.errstate(all="ignore")
     def greatest_goal(self, z: np.ndarray) -> float:
         """At log t, log x1, ..."""
         forms = self._forms(z)
-        with np.errstate(all="ignore"):
-            return max(float(goal(forms)[0, 0]) for goal in self.goals)
+        return max(float(goal(forms)[0, 0]) for goal in self.goals)
 
+    @np.errstate(all="ignore")
     def _rows(self, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What must not be below 0: the room between goals and the last of y, heights, limits; and what must be 0. Each a
         row with its derivatives by y behind the value."""
         evaluator, forms = self.evaluator, self._forms(y[:-1])
-        with np.errstate(all="ignore"):
-            above = [-goal(forms) for goal in self.goals]
-            above += [evaluator.form(name, forms) - constant(LEAST, forms) for name in evaluator.family.positive]
-            above += [evaluator.form(name, forms) for name in evaluator.family.constant]
-            above += [limit(forms) for limit in self.limits]
-            result = _stacked(above, y.size + 1), _stacked([quantity(forms) for quantity in self.zero], y.size + 1)
+        above = [-goal(forms) for goal in self.goals]
+        above += [evaluator.form(name, forms) - constant(LEAST, forms) for name in evaluator.family.positive]
+        above += [evaluator.form(name, forms) for name in evaluator.family.constant]
+        above += [limit(forms) for limit in self.limits]
+        result = _stacked(above, y.size + 1), _stacked([quantity(forms) for quantity in self.zero], y.size + 1)
         result[0][: len(self.goals), 0] += y[-1]
         result[0][: len(self.goals), -1] = 1.0
         for made in result:

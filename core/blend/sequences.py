@@ -111,14 +111,10 @@ def _strokes(ends: tuple[State, State] | None, velocity_sign: int, constant: boo
     return sorted((c for c in result if any(n in CONSTANT for n in c) == constant), key=lambda c: (len(c), c))
 
 
-def sequences(motion_type: str, constant: str = "none") -> list[CurveSequence]:
+@lru_cache(maxsize=32)
+def sequences(motion_type: str, constant: str = "none") -> tuple[CurveSequence, ...]:
     """Every sequence the tables admit for a type of motion, fewest curves first; constant: one of
     ``CONSTANT_VELOCITY``."""
-    return list(_sequences(motion_type, constant))
-
-
-@lru_cache(maxsize=32)
-def _sequences(motion_type: str, constant: str) -> tuple[CurveSequence, ...]:
     row = MOTION_TYPES[motion_type]
     rises = _strokes(row.rise, 1, constant in ("rise", "both"))
     backs = _strokes(row.back, -1, constant in ("return", "both"))

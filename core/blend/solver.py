@@ -11,7 +11,6 @@ from math import inf
 
 import numpy as np
 
-from core.blend.equations import Row, solution_spaces
 from core.blend.evaluator import Evaluator, Place, column, logarithm
 from core.blend.family import Family, Solution, Task
 from core.blend.region import OPEN, Curve, Region
@@ -22,7 +21,6 @@ from core.blend.request import (
     Constraint,
     Range,
     Request,
-    equations_of,
     in_units,
     merged,
     unit_of,
@@ -57,12 +55,9 @@ class Problem:
     def evaluator(self) -> Evaluator:
         return Evaluator(self.family, self.task)
 
-    def _rows(self, constraints: Sequence[Constraint]) -> list[Row]:
-        return equations_of(constraints, self.family, self.evaluator.equations)
-
     def _curves(self, constraints: Sequence[Constraint]) -> list[Curve]:
         """The points that meet linear constraints where these leave one number free."""
-        return Curve.of(self.family, solution_spaces(self.evaluator.equations, self._rows(constraints)))
+        return Curve.of(self.family, self.evaluator.spaces(constraints))
 
     # -- solutions ----------------------------------------------------------------------------------------
 
@@ -85,12 +80,8 @@ class Problem:
         result: list[Place] = []
         for start in self._candidates():
             place, met = self.evaluator.solved(self.constraints, start)
-            if (
-                met
-                and self.evaluator.is_feasible(place)
-                and not any(_alike(place, p) for p in result)
-                and self._is_alone(place)
-            ):
+            is_new = met and self.evaluator.is_feasible(place) and not any(_alike(place, p) for p in result)
+            if is_new and self._is_alone(place):
                 result.append(place)
         return result
 
@@ -105,7 +96,7 @@ class Problem:
         nonlinear = [c for c in self.constraints if not c.linear]
         points = [c for c in nonlinear if c.name == POINT]
         if not nonlinear:
-            for space in solution_spaces(self.evaluator.equations, self._rows(self.constraints)):
+            for space in self.evaluator.spaces(self.constraints):
                 if space.freedom == 0 and space.t is not None:
                     yield space.t, space.only
         elif not points:
@@ -127,7 +118,7 @@ class Problem:
         acceleration = next((c.value for c in constraints if not c.linear), None)
         if acceleration is None:
             return [Track.along(curve, stretch) for curve in self._curves(constraints) for stretch in curve.stretches]
-        return acceleration_tracks(self.evaluator, self._rows(constraints), acceleration)
+        return acceleration_tracks(self.evaluator, constraints, acceleration)
 
     # -- ranges -------------------------------------------------------------------------------------------
 

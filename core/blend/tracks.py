@@ -12,12 +12,12 @@ from math import inf, pi
 import numpy as np
 from numpy.polynomial import Chebyshev
 
-from core.blend.equations import Parametrised, Row, SolutionSpace, solution_spaces
+from core.blend.equations import Parametrised, Row, SolutionSpace
 from core.blend.evaluator import Evaluator, Place
 from core.blend.family import PeakAcceleration
 from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
 from core.blend.region import Curve, Stretch, polynomials_at
-from core.blend.request import Range
+from core.blend.request import Constraint, Range
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values (n,) at t (n,) and x (numbers, n)."""
@@ -150,10 +150,10 @@ class Arc:
         return np.where((b >= 0.0) == (self.root < 0), q / a, c / q)
 
 
-def acceleration_tracks(evaluator: Evaluator, rows: Sequence[Row], acceleration: float) -> list[Track]:
-    """All feasible points that meet equations, which leave two numbers free, and have that largest acceleration."""
+def acceleration_tracks(evaluator: Evaluator, constraints: Sequence[Constraint], acceleration: float) -> list[Track]:
+    """All feasible points that meet linear constraints, which leave two numbers free, and have that largest acceleration."""
     result = []
-    for space in solution_spaces(evaluator.equations, rows):
+    for space in evaluator.spaces(constraints):
         if space.freedom == 2:
             for row in evaluator.family.accelerations:
                 result += [Track(arc.places, 0.0, 1.0) for arc in _arcs(evaluator, space, row, acceleration)]

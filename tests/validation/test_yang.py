@@ -328,7 +328,7 @@ def test_the_table_of_fig_4() -> None:
 def test_the_text_asks_for_another_peak_than_fig_4_has() -> None:
     """The text: rise from 30 to 250 deg, constant velocity over at least 150 deg. Fig. 4: top at 233.3 deg."""
     fig_4 = blend(Request(**PICKER, settings={"h1": 1.0, "h3": 1.0})).solution
-    assert 30.0 + fig_4.peak_span == pytest.approx(233.3, abs=0.05)
+    assert 30.0 + sum(fig_4.spans[:3]) == pytest.approx(233.3, abs=0.05)
     assert fig_4.spans[1] >= 150.0
     asked = blend(Request(**PICKER, settings={"h1": 1.0, "peak": 250.0})).solution
     assert asked.spans == pytest.approx((20.632304, 190.118963, 9.248733, 80.0), abs=1e-6)
@@ -347,7 +347,7 @@ def test_both_heights_and_the_peak_want_a_curve_more() -> None:
     five = blend(Request(**PICKER, settings=settings)).solution
     assert five.sequence == CurveSequence(("C1", "CV1", "H2"), ("H3", "C4"))
     assert five.heights[:3] == pytest.approx((1.0, 18.0, 1.0), rel=1e-14)
-    assert 30.0 + five.peak_span == pytest.approx(250.0, rel=1e-14)
+    assert 30.0 + sum(five.spans[:3]) == pytest.approx(250.0, rel=1e-14)
     assert five.spans[1] >= 150.0
 
 
