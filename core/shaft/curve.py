@@ -68,19 +68,16 @@ def to_powers(count: int) -> np.ndarray:
     return out
 
 
-def panel_angles(program: Program) -> tuple[np.ndarray, np.ndarray, Angles]:
-    """Panels (start, width) that never cross a join of pieces, and the nodes of all of them."""
-    start, width, piece = [], [], []
+def panel_angles(program: Program, cuts: Angles | None = None) -> tuple[np.ndarray, np.ndarray, Angles]:
+    """Panels (start, width) that never cross a join of pieces nor one of the cuts, and the nodes of all of them."""
+    edges = []
     for i, (a, b) in enumerate(zip(program.starts, program.ends, strict=True)):
-        count = max(LEAST_PANELS, int(np.ceil((b - a) / PANEL)))
-        cuts = np.linspace(a, b, count + 1)
-        start.append(cuts[:-1])
-        width.append(np.diff(cuts))
-        piece.append(np.full(count, i))
-    starts, widths, pieces = np.concatenate(start), np.concatenate(width), np.concatenate(piece)
+        even = np.linspace(a, b, max(LEAST_PANELS, int(np.ceil((b - a) / PANEL))) + 1)
+        edges.append(even if cuts is None else np.unique(np.append(even, cuts.theta[cuts.piece == i])))
+    start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
     x, _ = _nodes()
-    theta = starts[:, None] + widths[:, None] * x
-    return starts, widths, Angles(theta.ravel(), np.repeat(pieces, NODES))
+    theta = start[:, None] + width[:, None] * x
+    return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
 
 
 def load_curve(load: Load, program: Program, switch: Callable[[Angles], np.ndarray] | None = None) -> LoadCurve:
@@ -90,51 +87,18 @@ def load_curve(load: Load, program: Program, switch: Callable[[Angles], np.ndarr
             torque, and so panels end there
     """
     start, width, angles = panel_angles(program)
-    values = _finite(load, angles)
     if switch is not None:
-        start, width, values = _cut(load, (start, width, angles, values), crossings(switch, angles, switch(angles)))
-    _, to_chebyshev = _nodes()
-    torque, inertia = (to_powers(NODES) @ (to_chebyshev @ row.reshape(-1, NODES).T) for row in values)
-    mean = float((width * (torque / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
-    return LoadCurve(start, width, torque, inertia, mean)
-
-
-def _finite(load: Load, angles: Angles) -> np.ndarray:
+        cuts = crossings(switch, angles, switch(angles))
+        if cuts.theta.size:
+            start, width, angles = panel_angles(program, cuts)
     values = load(angles)
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
         raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
-    return values
-
-
-def _cut(
-    load: Load,
-    panels: tuple[np.ndarray, np.ndarray, Angles, np.ndarray],
-    at: Angles,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Start, width and values (2, n) at the nodes of panels that are cut at these angles."""
-    start, width, angles, values = panels
-    if not at.theta.size:
-        return start, width, values
-    pieces = angles.piece[::NODES]
-    whole = np.ones(start.size, dtype=bool)
-    starts, widths, of = [], [], []
-    inside = np.searchsorted(start, at.theta, side="right") - 1
-    for panel in np.unique(inside):
-        cuts = at.theta[inside == panel]
-        edges = np.unique(np.concatenate(([start[panel]], cuts, [start[panel] + width[panel]])))
-        whole[panel] = False
-        starts.append(edges[:-1])
-        widths.append(np.diff(edges))
-        of.append(np.full(edges.size - 1, pieces[panel]))
-    new_start, new_width = np.concatenate(starts), np.concatenate(widths)
-    x, _ = _nodes()
-    nodes = (new_start[:, None] + new_width[:, None] * x).ravel()
-    new = _finite(load, Angles(nodes, np.repeat(np.concatenate(of), NODES)))
-    all_starts = np.concatenate((start[whole], new_start))
-    order = np.argsort(all_starts, kind="stable")
-    all_values = np.concatenate((values.reshape(2, -1, NODES)[:, whole], new.reshape(2, -1, NODES)), axis=1)
-    return all_starts[order], np.concatenate((width[whole], new_width))[order], all_values[:, order].reshape(2, -1)
+    _, to_chebyshev = _nodes()
+    torque, inertia = (to_powers(NODES) @ (to_chebyshev @ row.reshape(-1, NODES).T) for row in values)
+    mean = float((width * (torque / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
+    return LoadCurve(start, width, torque, inertia, mean)
 
 
 def powers(r: np.ndarray, count: int = NODES) -> np.ndarray:

@@ -8,6 +8,7 @@ from functools import cached_property
 from math import floor, log10
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from core.design import Shaft, si
 from core.errors import NoAnswer
@@ -122,22 +123,18 @@ class Flywheel:
 def _swing(curve: LoadCurve) -> float:
     """max - min of ∫(T - T̄)dθ: at the ends of panels and at the roots of T - T̄ inside them."""
     energy = filtered(curve, 0.0)
-    places = [curve.start]
     power = curve.torque.copy()
     power[0] -= curve.mean
     r = np.linspace(0.0, 1.0, 4 * NODES + 1)
-    values = np.polynomial.polynomial.polyval(r, power)  # (m, points)
-    change = (values[:, :-1] * values[:, 1:]) < 0.0
-    for panel, cell in zip(*np.nonzero(change), strict=True):
-        low, high = r[cell], r[cell + 1]
-        at_low, at_high = values[panel, cell], values[panel, cell + 1]
-        # one secant step is enough: the energy is flat there, its error is of second order in the root's
-        root = low + (high - low) * at_low / (at_low - at_high)
-        slope = np.polynomial.polynomial.polyval(root, np.arange(1, NODES) * power[1:, panel])
-        rest = np.polynomial.polynomial.polyval(root, power[:, panel])
-        root = np.clip(root - (rest / slope if slope else 0.0), low, high)
-        places.append(np.array([curve.start[panel] + root * curve.width[panel]]))
-    at = energy(np.concatenate(places))
+    values = polyval(r, power)  # (m, points)
+    panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+    before, after = values[panel, cell], values[panel, cell + 1]
+    # two steps are enough: the energy is flat there, its error is of second order in the root's
+    root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
+    slope = polyval(root, np.arange(1, NODES)[:, None] * power[1:, panel], tensor=False)
+    rest = polyval(root, power[:, panel], tensor=False)
+    root = np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
+    at = energy(np.concatenate((curve.start, curve.start[panel] + root * curve.width[panel])))
     return float(at.max() - at.min())
 
 

@@ -10,6 +10,8 @@ from core.design import Shaft, si
 from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve, by_blocks, placed, powers
 
+PARTED = 4.0  # z at which the recurrence of ``phi`` changes its direction
+
 
 def lag(shaft: Shaft) -> float:
     """k/(I ω̄) [per radian], at which the motor follows the torque; infinite without a flywheel."""
@@ -22,38 +24,21 @@ def phi(z: np.ndarray) -> np.ndarray:
     """k! φ_{k+1}(-z) for k = 0 ... NODES-1 (NODES, n): I_k = ∫_0^1 e^{-z(1-s)} s^k ds, z >= 0.
 
     By the recurrence z I_k = 1 - k I_{k-1}: downwards it multiplies errors by z/k, upwards by k/z. Where they part, at 4,
-    either way makes at most fifteen roundings of one.
+    either way makes at most fifteen roundings of one; 22 steps above NODES - 1 let the error of the first guess, (z/k)²,
+    vanish.
     """
-    if float(z.max(initial=0.0)) <= _PARTED:
-        return _downwards(z)
-    if float(z.min()) > _PARTED:
-        return _upwards(z)
-    return np.where(z <= _PARTED, _downwards(np.minimum(z, _PARTED)), _upwards(np.maximum(z, _PARTED)))
-
-
-_PARTED = 4.0
-_ABOVE = ((0.0, 1), (1.0, 14), (_PARTED, 22))
-"""Up to which z so many steps before those that are wanted let the error of the first guess, (z/k)², vanish."""
-
-
-def _downwards(z: np.ndarray) -> np.ndarray:
-    top = float(z.max(initial=0.0))
-    first = NODES - 1 + next(steps for most, steps in _ABOVE if top <= most)
-    out = np.empty((NODES, z.size))
-    value = (1.0 - z / (first + 2.0)) / (first + 1.0)
+    small, large = np.minimum(z, PARTED), np.maximum(z, PARTED)
+    down, up = np.empty((NODES, z.size)), np.empty((NODES, z.size))
+    first = NODES + 21
+    value = (1.0 - small / (first + 2.0)) / (first + 1.0)
     for k in range(first, 0, -1):
-        value = (1.0 - z * value) / k
+        value = (1.0 - small * value) / k
         if k <= NODES:
-            out[k - 1] = value
-    return out
-
-
-def _upwards(z: np.ndarray) -> np.ndarray:
-    out = np.empty((NODES, z.size))
-    out[0] = -np.expm1(-z) / z
+            down[k - 1] = value
+    up[0] = -np.expm1(-large) / large
     for k in range(1, NODES):
-        out[k] = (1.0 - k * out[k - 1]) / z
-    return out
+        up[k] = (1.0 - k * up[k - 1]) / large
+    return np.where(z <= PARTED, down, up)
 
 
 def filtered(curve: LoadCurve, rate: float) -> Callable[[np.ndarray], np.ndarray]:

@@ -109,24 +109,23 @@ def shoot(
     coefficients: Coefficients, eta: float, q: float, damping: float, guess: np.ndarray | None
 ) -> SteadyResponse | None:
     """The steady response near a guess (2,), or near an even turn; None where Newton's method does not settle."""
-    integrator = Integrator(coefficients, eta, q, damping)
-    state = (integrator.resting() if guess is None else np.array([guess], dtype=float))[0]
-    best: SteadyResponse | None = None
+    if guess is None:
+        guess = Integrator(coefficients, eta, q, damping).resting()[0]
+    state, best = np.asarray(guess, dtype=float), None
     for _ in range(NEWTON):
         if _wildness(state) > 2.0:
             return None
-        gone = integrator.run(state[None], 0.0, 1.0, change=True)
-        if gone.change is None or not np.isfinite(gone.x).all():
+        miss, slopes = _derivatives(coefficients, np.append(state, eta), q, damping)
+        if not np.isfinite(miss).all():
             return None
-        matrix, miss = gone.change[0, :, :2], gone.x[0] - state
         residual = float(np.abs(miss).max())
         if best is not None and residual >= best.residual and residual <= 1e3 * CLOSE:
             return best  # rounding is all that is left
-        best = SteadyResponse(eta, q, damping, state, matrix, residual)
+        best = SteadyResponse(eta, q, damping, state, slopes[:, :2] + np.eye(2), residual)
         if residual <= CLOSE * (1.0 + np.abs(state).max()):
             return best
         try:
-            step = np.linalg.solve(np.eye(2) - matrix, miss)
+            step = np.linalg.solve(-slopes[:, :2], miss)
         except np.linalg.LinAlgError:
             return None
         state = state + step * min(1.0, FARTHEST / max(float(np.abs(step).max()), 1e-300))

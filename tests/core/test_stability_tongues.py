@@ -124,14 +124,6 @@ def test_more_harmonics_bring_the_stated_error_down_and_it_stays_above_the_true_
         assert stated[-1] < 1e-6 * stated[0] if name == "kim" else stated[-1] < 1e-2 * stated[0]
 
 
-def test_what_the_outer_harmonics_do_is_worth_many_of_them() -> None:
-    found = coefficients(KIM)
-    best = refined(found, harmonic_tongues(found, np.array([0.05]), 11)).edges
-    plain = np.abs(tongues_of_order(found, np.array([0.05]), 11, 12, corrected=False).edges - best).max()
-    corrected = np.abs(tongues_of_order(found, np.array([0.05]), 11, 12).edges - best).max()
-    assert corrected < 2e-3 * plain < 2e-3 * 1e-6
-
-
 def test_the_order_is_the_least_that_reaches_the_wanted_error() -> None:
     orders = [harmonic_tongues(coefficients(KIM), np.array([0.05]), 11, error=e) for e in (1e-8, 1e-10, 5e-12)]
     assert orders[0].order < orders[1].order < orders[2].order

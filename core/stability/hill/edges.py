@@ -94,19 +94,18 @@ def with_rows(all_rows: Tongues, at: np.ndarray, better: Tongues) -> Tongues:
 
 
 def tongues_of_order(
-    coefficients: Coefficients, q: np.ndarray, count: int, order: int, equation: str = EXACT, corrected: bool = True
+    coefficients: Coefficients, q: np.ndarray, count: int, order: int, equation: str = EXACT
 ) -> Tongues:
-    """The same with harmonics up to ``order``; corrected: what those above do, up to three times as high, is added.
+    """The same with harmonics up to ``order``; what those above do, up to three times as high, is added.
 
-    Uncorrected with the order 5 it is the 11 x 11 matrix of Kim1990. Raises ValueError where the order has no room for so
-    many tongues.
+    Raises ValueError where the order has no room for so many tongues.
     """
     q = np.atleast_1d(np.asarray(q, dtype=float))
     if (count + 1) // 2 > order:
         raise ValueError(f"order {order}: {count} tongues need harmonics up to {(count + 1) // 2}")
     w, p = weight_and_potential(coefficients, equation, q)
     panels = coefficients.panels
-    reach = 3 * order if corrected else order
+    reach = 3 * order
     # a harmonic of the outer block times one of the inner
     both = fourier(panels, np.stack((w, p)), reach + order)
     lost = truncation(panels, np.stack((w, p)))
@@ -115,7 +114,7 @@ def tongues_of_order(
     bottom = np.zeros(q.size)
     for half in (False, True):
         checkpoint()
-        inner, outer = basis(-1, order, half), basis(order, reach, half) if corrected else None
+        inner, outer = basis(-1, order, half), basis(order, reach, half)
         pairs = count // 2 if not half else (count + 1) // 2
         skip = 0 if half else 1  # the lowest of the whole harmonics has no partner
         wanted = 2 * pairs + skip
@@ -143,7 +142,7 @@ def tongues_of_order(
 
 
 def _lowest(
-    fourier_of: np.ndarray, lost: np.ndarray, inner: Basis, outer: Basis | None, wanted: int, skip: int
+    fourier_of: np.ndarray, lost: np.ndarray, inner: Basis, outer: Basis, wanted: int, skip: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """The lowest η² (rows, wanted) in rising order, and what they may be wrong by; Fourier coefficients of w and p (2,
     rows, order + 1) and what is wrong with these (2, rows)."""
@@ -155,10 +154,8 @@ def _lowest(
     square = 1.0 / mu - shift
     wrong = ROUNDING * EPS * (square + shift) ** 2 * np.abs(mu[:, :1])
     wrong += lost[1][:, None] + np.abs(square) * lost[0][:, None]
-    if outer is not None:
-        added = _beyond(fourier_of, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)
-        square, wrong = added[0], wrong + added[1]
-    return square, wrong
+    square, left_out = _beyond(fourier_of, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)
+    return square, wrong + left_out
 
 
 def _inverted(tw: np.ndarray, tp: np.ndarray, inner: Basis, top: float) -> tuple[np.ndarray, np.ndarray, float]:

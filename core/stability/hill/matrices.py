@@ -81,16 +81,6 @@ def product(c: np.ndarray, left: Basis, right: Basis) -> np.ndarray:
     return out
 
 
-def slope(numbers: Basis) -> np.ndarray:
-    """Matrix (n, n) of d/dθ: cos iθ -> -i sin iθ, sin iθ -> i cos iθ."""
-    a = numbers.cosines.size
-    out = np.zeros((numbers.numbers.size, numbers.numbers.size))
-    for j, n in enumerate(numbers.sines):
-        i = int(np.flatnonzero(numbers.cosines == n)[0])
-        out[a + j, i], out[i, a + j] = -n, n
-    return out
-
-
 # -- Kim1990's own matrices, as printed: (27), (28) with harmonics -5 ... 5 whichever the period is ------------
 
 KIM_ORDER = 5  # 11 x 11
