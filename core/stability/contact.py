@@ -39,8 +39,8 @@ class Contact:
 
     def force(self, values: np.ndarray, eta: float | np.ndarray, speed: np.ndarray, acceleration: np.ndarray) -> np.ndarray:
         """f from the rows ``values`` (3, ...) at the cam angles, speed θ̇/ω and acceleration θ̈/ω²."""
-        still = values[0] * (eta * eta if self.fixed else 1.0)
-        return still + values[1] * speed * speed + values[2] * acceleration
+        standing = values[0] * (eta * eta if self.fixed else 1.0)
+        return standing + values[1] * speed * speed + values[2] * acceleration
 
 
 def contact(

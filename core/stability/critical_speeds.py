@@ -17,7 +17,7 @@ from core.stability.hill.coefficients import EXACT, LOAD, LOAD_SLOPE, RETUNED, C
 from core.stability.hill.edges import Tongues
 
 RPM = 30.0 / pi
-LOOKS = 9  # η looked at in each tongue, again and again closer
+SAMPLES = 9  # of η in each tongue, again and again closer
 ROUNDS = 4
 NOTICEABLE = 1e-3  # growth per turn below which a band is left to the smallest damping of any real shaft
 CLEAR = 0.02  # relative distance from a band within which a speed is near it
@@ -92,18 +92,18 @@ class Band:
 
 
 def bands(
-    coefficients: Coefficients, machine: Machine, found: Tongues, row: int = 0, within: float | None = None
+    coefficients: Coefficients, machine: Machine, result: Tongues, row: int = 0, within: float | None = None
 ) -> tuple[Band, ...]:
     """The forbidden bands of one row of tongues, the fastest first; ``within``: only those no farther from the machine's own
     speed, as a relative distance (``Band.distance``)."""
-    edges = found.edges[row]
+    edges = result.edges[row]
     wanted = (edges[:, 1] > edges[:, 0]) & (edges[:, 1] > 0.0)  # nan is not
     if within is not None:
         wanted &= (machine.eta <= edges[:, 1] * (1.0 + within)) & (machine.eta >= edges[:, 0] * (1.0 - within))
     n = np.flatnonzero(wanted)
     if n.size == 0:
         return ()
-    worst, rate = peaks(coefficients, edges[n], float(found.q[row]), found.equation, found.damping)
+    worst, rate = peaks(coefficients, edges[n], float(result.q[row]), result.equation, result.damping)
     return tuple(
         Band(
             int(k) + 1,
@@ -125,17 +125,17 @@ def peaks(
     """Where in tongues (n, 2) the growth per turn is largest, and its logarithm there (n,), refined."""
     low, high = edges[:, 0].copy(), edges[:, 1].copy()
     at = np.arange(low.size)
-    part = np.linspace(0.0, 1.0, LOOKS)
+    part = np.linspace(0.0, 1.0, SAMPLES)
     eta, rate = 0.5 * (low + high), np.zeros(low.size)
     for _ in range(ROUNDS):
-        looks = low[:, None] + (high - low)[:, None] * part
-        seen = monodromy(coefficients, looks.ravel(), np.full(looks.size, q), equation, damping).growth.reshape(
-            looks.shape
+        samples = low[:, None] + (high - low)[:, None] * part
+        rates = monodromy(coefficients, samples.ravel(), np.full(samples.size, q), equation, damping).growth.reshape(
+            samples.shape
         )
-        top = seen.argmax(axis=1)
-        better = seen[at, top] >= rate
-        eta, rate = np.where(better, looks[at, top], eta), np.maximum(rate, seen[at, top])
-        low, high = looks[at, np.maximum(top - 1, 0)], looks[at, np.minimum(top + 1, LOOKS - 1)]
+        top = rates.argmax(axis=1)
+        better = rates[at, top] >= rate
+        eta, rate = np.where(better, samples[at, top], eta), np.maximum(rate, rates[at, top])
+        low, high = samples[at, np.maximum(top - 1, 0)], samples[at, np.minimum(top + 1, SAMPLES - 1)]
     return eta, rate
 
 
@@ -154,7 +154,7 @@ class Stiffness:
     """The shafts that a speed allows.
 
     rpm        the speed
-    forbidden  (n, K_lo, K_hi) [N m/rad] by tongue, for the tongues looked at, the softest first
+    forbidden  (n, K_lo, K_hi) [N m/rad] by tongue, for the tongues computed, the softest first
     now        K_s of the machine; ``allowed`` whether it keeps clear of what is forbidden
     stiffer    the least K_s above the present one that keeps clear, which may be the present one
     softer     the greatest below it, None where there is none
@@ -178,11 +178,11 @@ def stiffness_for(coefficients: Coefficients, machine: Machine, rpm: float, coun
     noticeably, and is kept clear of by ``CLEAR`` in η."""
     omega = rpm / RPM
     held = loads_at(coefficients, machine.natural / omega)
-    found = tongues(held, np.array([machine.q]), count, EXACT, machine.damping)
-    there = bands(held, replace(machine, omega=omega), found)
+    result = tongues(held, np.array([machine.q]), count, EXACT, machine.damping)
+    near = bands(held, replace(machine, omega=omega), result)
     unit = machine.camshaft_inertia * omega * omega
-    taken = [b for b in there if b.growth >= NOTICEABLE]
-    bottom = float(found.bottom[0])
+    taken = [b for b in near if b.growth >= NOTICEABLE]
+    bottom = float(result.bottom[0])
     forbidden = [(0, 0.0, unit * bottom**2)] if bottom > 0.0 else []
     forbidden += [(b.n, unit * b.eta_lo**2, unit * b.eta_hi**2) for b in sorted(taken, key=lambda b: b.n)]
     wide = [(lo * (1.0 - CLEAR) ** 2, hi * (1.0 + CLEAR) ** 2) for _, lo, hi in forbidden]

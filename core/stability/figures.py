@@ -1,4 +1,4 @@
-"""What is drawn of a flexible shaft, its chart and other plots, as plain data: whoever draws it needs nothing else."""
+"""What is drawn of a flexible shaft, its chart and other plots, as plain data that a painter needs nothing beside."""
 
 from __future__ import annotations
 
@@ -67,38 +67,38 @@ def coefficients_plot(coefficients: Coefficients, only: Sequence[str] = ("ψ", "
     return Plot(CAM_ANGLE, "Terms", curves)
 
 
-def averages_plots(found: Averages) -> tuple[Plot, Plot]:
+def averages_plots(averages: Averages) -> tuple[Plot, Plot]:
     """Mean |β| and mean |β'| by η (Kim1990 Figs. 6, 7); dashed where the follower leaves the cam meanwhile."""
-    note = "dashed: leaves the cam" if found.lost is not None and found.lost.any() else ""
+    note = "dashed: leaves the cam" if averages.lost is not None and averages.lost.any() else ""
     return (
-        Plot("Frequency ratio η", "Mean |β|, turns", _by_contact(found, found.wind_up), note=note),
-        Plot("Frequency ratio η", "Mean |dβ/dy|", _by_contact(found, found.slope), note=note),
+        Plot("Frequency ratio η", "Mean |β|, turns", _by_contact(averages, averages.wind_up), note=note),
+        Plot("Frequency ratio η", "Mean |dβ/dy|", _by_contact(averages, averages.slope), note=note),
     )
 
 
-def _by_contact(found: Averages, means: np.ndarray) -> tuple[Curve, ...]:
+def _by_contact(averages: Averages, means: np.ndarray) -> tuple[Curve, ...]:
     """Each row of Q solid where contact is kept, dashed where it is lost; the two meet halfway."""
     curves = []
-    for number, (q, row) in enumerate(zip(found.q, means, strict=True)):
-        lost = np.zeros(row.size, dtype=bool) if found.lost is None else found.lost[number]
+    for number, (q, row) in enumerate(zip(averages.q, means, strict=True)):
+        lost = np.zeros(row.size, dtype=bool) if averages.lost is None else averages.lost[number]
         label = f"{q:.3g}" if number else f"Q = {q:.3g}"
-        curves.append(Curve(found.eta, np.where(lost, np.nan, row), label, number))
+        curves.append(Curve(averages.eta, np.where(lost, np.nan, row), label, number))
         if lost.any():
             # with the neighbours, so that no piece of the curve is missing
             near = lost | np.append(lost[1:], False) | np.append(False, lost[:-1])
-            curves.append(Curve(found.eta, np.where(near, row, np.nan), "", number, dashed=True))
+            curves.append(Curve(averages.eta, np.where(near, row, np.nan), "", number, dashed=True))
     return tuple(curves)
 
 
-def history_plot(gone: History) -> Plot:
+def history_plot(run: History) -> Plot:
     """The wind-up in time (Kim1990 Figs. 9 to 12); a mark where the follower leaves the cam."""
-    y = np.linspace(0.0, gone.ended, round(gone.ended * PER_TURN) + 1)
-    curve = Curve(y, gone.at(y)[0], f"η = {gone.eta:.4g}, Q = {gone.q:.4g}")
-    return Plot("Turns of the input", "Twist β, turns", (curve,), contact_marks(gone))
+    y = np.linspace(0.0, run.ended, round(run.ended * PER_TURN) + 1)
+    curve = Curve(y, run.at(y)[0], f"η = {run.eta:.4g}, Q = {run.q:.4g}")
+    return Plot("Turns of the input", "Twist β, turns", (curve,), contact_marks(run))
 
 
-def contact_marks(gone: History) -> tuple[tuple[float, str], ...]:
-    return () if gone.contact_lost is None else ((gone.contact_lost, f"leaves the cam at {gone.contact_lost:.4g}"),)
+def contact_marks(run: History) -> tuple[tuple[float, str], ...]:
+    return () if run.contact_lost is None else ((run.contact_lost, f"leaves the cam at {run.contact_lost:.4g}"),)
 
 
 # -- the chart ---------------------------------------------------------------------------------------------
@@ -118,7 +118,7 @@ class Chart:
     eta_max      the η axis goes from 0 to here
     machine      None where the chart belongs to no machine; else its operating point is (``machine.eta``, ``machine.q``)
                  and it runs up along Q = ``machine.q`` from η = ∞
-    marked       rows of Q that were asked for by name
+    marked       rows of Q that were requested
     """
 
     name: str
@@ -150,10 +150,10 @@ class Chart:
 def _top(coefficients: Coefficients, machine: Machine | None, marked: Sequence[float]) -> float:
     """How far the chart goes in Q: above the machine and the marked rows, but no farther than these where a fixed load
     would be stiffer than the shaft, 1 + Qψ1 < 0."""
-    asked = (machine.q,) if machine is not None else ()
-    top = max((MOST_Q, *(ROOM * q for q in asked), *(1.1 * q for q in marked)))
+    own = (machine.q,) if machine is not None else ()
+    top = max((MOST_Q, *(ROOM * q for q in own), *(1.1 * q for q in marked)))
     softest = -float(coefficients.panels.values[LOAD_SLOPE].min()) if coefficients.fixed else 0.0
-    return min(top, max((1.0 / softest, *asked, *marked))) if softest > 0.0 else top
+    return min(top, max((1.0 / softest, *own, *marked))) if softest > 0.0 else top
 
 
 def chart(
@@ -176,5 +176,5 @@ def chart(
         q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     rising = np.sort(np.asarray(q, dtype=float))
     count = count_up_to(eta_max)
-    found = {equation: tongues(coefficients, rising, count, equation, damping, error) for equation in equations}
-    return Chart(name, rising, found, eta_max, machine, tuple(marked))
+    by_equation = {equation: tongues(coefficients, rising, count, equation, damping, error) for equation in equations}
+    return Chart(name, rising, by_equation, eta_max, machine, tuple(marked))

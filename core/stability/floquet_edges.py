@@ -49,24 +49,24 @@ def tongues(
     monodromy matrices from there. Where these do not find to an edge, for so few harmonics begin too far from it, again
     from more. ``error`` of the answer says what was reached.
     """
-    found = harmonic_tongues(coefficients, q, count, equation, error, most_order)
-    if damping == 0.0 and float(found.error.max(initial=0.0)) <= error:
-        return found
-    found = refined(coefficients, found, damping)
-    lost = np.flatnonzero(np.nanmax(found.error, axis=1, initial=0.0) > max(error, ASTRAY))
+    result = harmonic_tongues(coefficients, q, count, equation, error, most_order)
+    if damping == 0.0 and float(result.error.max(initial=0.0)) <= error:
+        return result
+    result = refined(coefficients, result, damping)
+    lost = np.flatnonzero(np.nanmax(result.error, axis=1, initial=0.0) > max(error, ASTRAY))
     if lost.size and most_order < FARTHEST_ORDER:
         order = min(ONWARDS * most_order, FARTHEST_ORDER)
-        return with_rows(found, lost, tongues(coefficients, found.q[lost], count, equation, damping, error, order))
-    return found
+        return with_rows(result, lost, tongues(coefficients, result.q[lost], count, equation, damping, error, order))
+    return result
 
 
-def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) -> Tongues:
+def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0) -> Tongues:
     """The same tongues to the accuracy of the monodromy matrices; with damping nan where it has closed them."""
-    rows, count = found.edges.shape[:2]
-    q, sign = np.repeat(found.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
-    edges = found.edges.reshape(-1, 2).copy()
+    rows, count = harmonic.edges.shape[:2]
+    q, sign = np.repeat(harmonic.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
+    edges = harmonic.edges.reshape(-1, 2).copy()
     wrong = np.zeros((edges.shape[0], 2))
-    pencil = partial(_pencil, coefficients, found.equation, damping)
+    pencil = partial(_pencil, coefficients, harmonic.equation, damping)
     if damping:
         middle, half = edges.mean(axis=1), 0.5 * (edges[:, 1] - edges[:, 0])
         at = np.flatnonzero(half > NARROW * damping * middle)
@@ -75,24 +75,24 @@ def refined(coefficients: Coefficients, found: Tongues, damping: float = 0.0) ->
     for side in (0, 1):
         at = np.flatnonzero(edges[:, side] > 0.0)
         edges[at, side], wrong[at, side] = _newton(pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0)
-    _unproven_zeros(coefficients, found, edges, wrong)
+    _unproven_zeros(coefficients, harmonic, edges, wrong)
     closed = np.isnan(edges).any(axis=1)
     edges[closed] = wrong[closed] = np.nan
     shape = (rows, count, 2)
     error = wrong.reshape(shape).max(axis=2)
-    return replace(found, edges=edges.reshape(shape), error=error, damping=damping, method=BY_MONODROMY)
+    return replace(harmonic, edges=edges.reshape(shape), error=error, damping=damping, method=BY_MONODROMY)
 
 
-def _unproven_zeros(coefficients: Coefficients, found: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
+def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
     """An edge stands at 0 where its η² is negative, as the harmonics say. Where these say nothing (``UNKNOWN``) and zeros of
     the solution do not prove it either, it is as wrong as they are: into ``wrong`` (rows count, 2)."""
-    rows, count = found.error.shape
+    rows, count = harmonic.error.shape
     numbers = np.tile(np.arange(1, count + 1), rows)
-    unsure = (edges == 0.0) & (found.error.reshape(-1, 1) > UNKNOWN)
+    unsure = (edges == 0.0) & (harmonic.error.reshape(-1, 1) > UNKNOWN)
     for row in np.unique(np.flatnonzero(unsure.any(axis=1)) // count):
-        proven = numbers + 2 <= zeros_at_standstill(coefficients, float(found.q[row]), found.equation)
+        proven = numbers + 2 <= zeros_at_standstill(coefficients, float(harmonic.q[row]), harmonic.equation)
         unsure[row * count : (row + 1) * count] &= ~proven[:count, None]
-    wrong[unsure] = np.repeat(found.error.reshape(-1, 1), 2, axis=1)[unsure]
+    wrong[unsure] = np.repeat(harmonic.error.reshape(-1, 1), 2, axis=1)[unsure]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,13 +136,13 @@ def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.nd
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = pencil(eta[at], q[at], sign[at])
-        there = found.room >= 0.0
-        centre, half = eta[at] + found.middle, np.sqrt(np.abs(found.room))
-        out[at[there]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[there]
-        clearly = ~there & (np.abs(found.middle) <= CLEARLY * half + CLOSE)
-        eta[at] += np.clip(found.middle, -FARTHEST, FARTHEST)
-        at = at[~there & ~clearly]
+        pair = pencil(eta[at], q[at], sign[at])
+        real = pair.room >= 0.0
+        centre, half = eta[at] + pair.middle, np.sqrt(np.abs(pair.room))
+        out[at[real]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[real]
+        clearly = ~real & (np.abs(pair.middle) <= CLEARLY * half + CLOSE)
+        eta[at] += np.clip(pair.middle, -FARTHEST, FARTHEST)
+        at = at[~real & ~clearly]
     return out
 
 
@@ -157,16 +157,16 @@ def _newton(
     for _ in range(STEPS):
         if at.size == 0:
             break
-        found = pencil(eta[at], q[at], sign[at])
-        step = found.middle + side * np.sqrt(np.maximum(found.room, 0.0))
+        pair = pencil(eta[at], q[at], sign[at])
+        step = pair.middle + side * np.sqrt(np.maximum(pair.room, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
         length = np.abs(step)
-        # the next step would be the square of this one; where steps wander, nobody knows
-        wrong[at] = found.wrong + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
+        # the next step would be the square of this one; where steps wander, its error is not known
+        wrong[at] = pair.wrong + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
         stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
         last[at] = length
         done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
         if damped:
-            eta[at[done & (found.room < -found.wrong * (np.abs(found.middle) + np.sqrt(found.wrong)))]] = np.nan
+            eta[at[done & (pair.room < -pair.wrong * (np.abs(pair.middle) + np.sqrt(pair.wrong)))]] = np.nan
         at = at[~done]
     return eta, wrong

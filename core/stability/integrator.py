@@ -73,9 +73,9 @@ class Step:
     def powers(self) -> np.ndarray:
         """Coefficients (n, 2, STAGES + 1) of t**k, t = -1 ... 1 over the step, of the polynomials of β and Π: the integrals of
         those through the rates at the nodes."""
-        found = self.h[:, None, None] * integrals(self.rate.swapaxes(1, 2))
-        found[..., 0] += self.x
-        return np.asarray(found)
+        result = self.h[:, None, None] * integrals(self.rate.swapaxes(1, 2))
+        result[..., 0] += self.x
+        return np.asarray(result)
 
     def within(self, part: np.ndarray) -> np.ndarray:
         """β and Π (n, k, 2) at fractions ``part`` (n or 1, k) of the steps, 0 ... 1; at 0 exactly those of the start."""

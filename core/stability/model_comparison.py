@@ -30,7 +30,7 @@ class Verdict:
     growth   ln of the growth per turn, nan where the model has none
     trace    of its monodromy matrix, nan where it has none
     largest  largest |β| of the response [turns], nan where the model has none
-    lost     y at which the follower first leaves the cam [turns], None where it stays on it or nobody knows
+    lost     y at which the follower first leaves the cam [turns], None where it stays on it or no contact is known
     """
 
     model: str

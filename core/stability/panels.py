@@ -1,6 +1,6 @@
-"""Functions of the cam angle as polynomials on short panels: one table that every method of this package reads.
+"""Functions of the cam angle as polynomials on short panels, the table that every method of this package reads.
 
-A panel never crosses a join of the motion's pieces, so that what jumps there is no trouble to anybody.
+A panel never crosses a join of the motion's pieces, so that polynomials hold on both sides of what jumps there.
 """
 
 from __future__ import annotations

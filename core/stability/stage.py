@@ -1,4 +1,4 @@
-"""The stability of one machine: what a study keeps of it. Each part is computed when it is asked for."""
+"""The stability of one machine: what a study keeps of it. Each part is computed when it is read."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from core.stability.steady_response import TOLERANCE, SteadyResponse
 from core.stability.windup import Averages, History, etas, history, mean_wind_up
 
 TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.05 ... 1 of Kim1990 where that is 0.05
-FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is looked for up to here
+FARTHEST_ETA = 60.0  # the tongue next to the machine's own speed is computed up to here
 FARTHEST_CHART, BEYOND = 20.0, 1.06  # of a chart: beyond, tongues stand too close to be told apart
 MOST_SWINGS = 1e4  # of the shaft in a turn, η
 STEADY_ETA = 12.0  # and the true steady response: a slow shaft in a hurry would take long
@@ -118,7 +118,7 @@ class Stability:
         m = self.machine
         periods = self.turns if periods is None else periods
         key = periods, m.eta if eta is None else eta, m.q if q is None else q
-        last = self._last  # another thread may ask for another point meanwhile
+        last = self._last  # another thread may request another point meanwhile
         if last is None or last[0] != key:
             last = self._last = key, history(self.coefficients, *key[1:], m.damping, periods, contact=self.contact)
         return last[1]
@@ -152,7 +152,7 @@ class Stability:
 
     def stiffness_for(self, rpm: float) -> Stiffness:
         """How stiff the shaft must be for a speed [1/min]. Raises NoStability where η is so large there that the tongue next
-        to it is not looked for."""
+        to it is not computed."""
         wanted = self.machine.natural / (rpm / RPM)
         if wanted > FARTHEST_ETA:
             raise NoStability(
@@ -170,13 +170,13 @@ class Stability:
         there are none.
         """
         try:
-            found = harmonic_tongues(self.coefficients, np.array([self.machine.q]), count_up_to(ETA_MAX), EXACT)
+            harmonic = harmonic_tongues(self.coefficients, np.array([self.machine.q]), count_up_to(ETA_MAX), EXACT)
         except NoStability:
             return {}
-        again = refined(self.coefficients, found)
-        known = found.error[0] <= UNKNOWN
-        room = np.maximum(found.error + again.error, LEAST_BOUND)[0]
-        apart = np.abs(found.edges - again.edges).max(axis=2)[0]
+        again = refined(self.coefficients, harmonic)
+        known = harmonic.error[0] <= UNKNOWN
+        room = np.maximum(harmonic.error + again.error, LEAST_BOUND)[0]
+        apart = np.abs(harmonic.edges - again.edges).max(axis=2)[0]
         worst = int((np.where(known, apart, 0.0) / room).argmax())
         residual = Residual(float(apart[worst]), float(room[worst])) if known.any() else Residual(0.0, 0.0)
         zero, slack = liouville(self.coefficients, again.edges.ravel(), self.machine.q, EXACT, self.machine.damping)
@@ -224,16 +224,16 @@ def stability(
 FIELD = "shaft.stiffness_nm_per_rad"
 
 
-def findings(found: Stability) -> list[Finding]:
+def findings(shaft: Stability) -> list[Finding]:
     """Where the machine's own speed stands among the forbidden bands. In a band that grows noticeably: an error; in one that
     the slightest damping would close: a warning; near one: a note."""
-    rpm = found.machine.omega * 30.0 / math.pi
-    if rpm >= found.top_rpm:
-        values = {"rpm": rpm, "top_rpm": found.top_rpm}
+    rpm = shaft.machine.omega * 30.0 / math.pi
+    if rpm >= shaft.top_rpm:
+        values = {"rpm": rpm, "top_rpm": shaft.top_rpm}
         return [Finding("above-all-speeds", ERROR, FIELD, None, values)]
-    growth = found.linear[-1].growth
-    inside = [b for b in found.near_bands if b.holds(rpm)]
-    if not inside and growth > TOLERANCE:  # beyond the bands looked for
+    growth = shaft.linear[-1].growth
+    inside = [b for b in shaft.near_bands if b.holds(rpm)]
+    if not inside and growth > TOLERANCE:  # beyond the bands computed
         severity = ERROR if growth >= NOTICEABLE else WARNING
         return [
             Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})
@@ -242,7 +242,7 @@ def findings(found: Stability) -> list[Finding]:
         band = max(inside, key=lambda b: b.growth)
         severity = ERROR if band.growth >= NOTICEABLE else WARNING
         return [Finding("unstable-speed", severity, FIELD, None, _values(band, rpm))]
-    near = [b for b in found.near_bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
+    near = [b for b in shaft.near_bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
     if near:
         band = min(near, key=lambda b: b.distance(rpm))
         return [Finding("near-unstable-speed", NOTE, FIELD, None, _values(band, rpm))]

@@ -72,11 +72,11 @@ def steady_response(coefficients: Coefficients, eta: float, q: float, damping: f
     straight = shoot(coefficients, eta, q, damping, None)
     if straight is not None and (np.abs(straight.state - (0.0, 1.0)) < CALM).all():
         return straight
-    found = straight
+    best = straight
     for calm in sorted({np.floor(eta) + 0.5, np.ceil(eta) - 0.5}):
-        led = _led(coefficients, max(float(calm), 0.25), eta, q, damping, found)
-        found = led if led is not None else found
-    return found
+        led = _led(coefficients, max(float(calm), 0.25), eta, q, damping, best)
+        best = led if led is not None else best
+    return best
 
 
 def _wildness(state: np.ndarray) -> float:
@@ -136,20 +136,20 @@ def branch(
     coefficients: Coefficients, start: SteadyResponse, direction: float, longest: float = LONGEST_ARC
 ) -> Iterator[SteadyResponse]:
     """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
-    folds; ends where the branch cannot be followed or becomes wild. Whoever asks stops when it has seen enough."""
+    folds; ends where the branch cannot be followed or becomes wild. The caller stops the iteration."""
     q, damping = start.q, start.damping
     point = np.array([*start.state, start.eta])
     tangent = _tangent(_derivatives(coefficients, point, q, damping)[1])
     tangent *= np.sign(tangent[2]) * direction
     arc = min(ARC, longest)
     for _ in range(MOST_POINTS):
-        found = _corrected(coefficients, point, tangent, arc, q, damping)
-        if found is None:
+        corrected = _corrected(coefficients, point, tangent, arc, q, damping)
+        if corrected is None:
             arc *= 0.5
             if arc < SHORTEST_ARC:
                 return
             continue
-        new, miss, slopes, sweeps = found
+        new, miss, slopes, sweeps = corrected
         turned = _tangent(slopes)
         turned *= np.sign(turned @ tangent)
         if turned @ tangent < 0.9 and arc > SHORTEST_ARC:  # the branch bends too sharply for such a step
@@ -167,9 +167,9 @@ def _derivatives(
 ) -> tuple[np.ndarray, np.ndarray]:
     """What a turn misses its start by (2,), and its derivatives (2, 3) by β, Π and η."""
     integrator = Integrator(coefficients, point[2], q, damping)
-    gone = integrator.run(point[None, :2], 0.0, 1.0, change=True)
-    assert gone.change is not None
-    return gone.x[0] - point[:2], gone.change[0] - np.eye(2, 3)
+    turn = integrator.run(point[None, :2], 0.0, 1.0, change=True)
+    assert turn.change is not None
+    return turn.x[0] - point[:2], turn.change[0] - np.eye(2, 3)
 
 
 def _tangent(slopes: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The chart of stability under the hand: a point is looked at, picked, or drawn away from the machine's own."""
+"""The chart of stability under the hand: a point is hovered, picked, or drawn away from the machine's own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The pages below the chart of stability: verdicts, speeds, and plots of the point that is looked at."""
+"""The pages below the chart of stability: verdicts, speeds, and plots of the chosen point."""
 
 from __future__ import annotations
 
@@ -29,14 +29,14 @@ AVERAGING = "Following the shaft from rest at many speeds …"
 
 
 @dataclass
-class Looked:
-    """What is known of the point that is looked at; ``own``: it is the machine's."""
+class ChartPoint:
+    """What is known of a point of the chart; ``own``: it is the machine's."""
 
     eta: float
     q: float
     own: bool
-    gone: History | None = None
-    said: tuple[Verdict, ...] = ()
+    history: History | None = None
+    verdicts: tuple[Verdict, ...] = ()
 
 
 class StabilityPages(QTabWidget):
@@ -50,7 +50,7 @@ class StabilityPages(QTabWidget):
     def __init__(self) -> None:
         super().__init__(documentMode=True)
         self.found: Stability | None = None
-        self.looked: Looked | None = None
+        self.chosen: ChartPoint | None = None
         self._drawn: set[int] = set()
         self.verdicts, self.speeds = _text(), _text()
         self.addTab(_rolled(self.verdicts), "Verdicts")
@@ -78,15 +78,15 @@ class StabilityPages(QTabWidget):
 
     # -- what is shown --------------------------------------------------------------------------------------
 
-    def show_shaft(self, found: Stability, looked: Looked) -> None:
-        """Another shaft, and the point of its chart that is looked at."""
+    def show_shaft(self, found: Stability, point: ChartPoint) -> None:
+        """Another shaft, and the point of its chart that is chosen."""
         self.found = found
         self.speed.show_value(round(found.machine.rpm(found.machine.eta), 6))
-        self.look(looked)
+        self.show_point(point)
 
-    def look(self, looked: Looked) -> None:
+    def show_point(self, point: ChartPoint) -> None:
         """Another point, or more of it is known."""
-        self.looked = looked
+        self.chosen = point
         self.redraw()
 
     def redraw(self) -> None:
@@ -105,32 +105,32 @@ class StabilityPages(QTabWidget):
 
     def _draw(self, *_: object) -> None:
         index = self.currentIndex()
-        if self.found is None or self.looked is None or index in self._drawn:
+        if self.found is None or self.chosen is None or index in self._drawn:
             return
         self._drawn.add(index)
         name = self.tabText(index)
         if name == "Verdicts":
-            self._show_verdicts(self.found, self.looked)
+            self._show_verdicts(self.found, self.chosen)
         elif name == "Speeds":
             self._show_speeds(self.found)
         else:
-            self._show_plots(self.found, self.looked, name)
+            self._show_plots(self.found, self.chosen, name)
 
-    def _show_plots(self, found: Stability, looked: Looked, name: str) -> None:
+    def _show_plots(self, found: Stability, point: ChartPoint, name: str) -> None:
         row = PLOTS[name]
-        if looked.gone is None if row.of_point else self.lacks:
+        if point.history is None if row.of_point else self.lacks:
             for plot in self.plots[name]:
                 plot.show_message(FOLLOWING if row.of_point else AVERAGING)
             if row.needs:
                 self.lacking.emit(row.needs)
         else:
-            row.draw(self.plots[name], found, looked)
+            row.draw(self.plots[name], found, point)
 
-    def _show_verdicts(self, found: Stability, looked: Looked) -> None:
-        told = looked.said or found.linear_at(looked.eta, looked.q)
-        where = "" if looked.own else "the picked point, "
-        wait = "" if looked.said else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
-        self.verdicts.setText(f"<p>{where}η = {looked.eta:.5g}, Q = {looked.q:.5g}</p>{verdict_table(told)}{wait}")
+    def _show_verdicts(self, found: Stability, point: ChartPoint) -> None:
+        verdicts = point.verdicts or found.linear_at(point.eta, point.q)
+        where = "" if point.own else "the picked point, "
+        wait = "" if point.verdicts else f"<p style='color:{QUIET}'>The nonlinear models are still to come.</p>"
+        self.verdicts.setText(f"<p>{where}η = {point.eta:.5g}, Q = {point.q:.5g}</p>{verdict_table(verdicts)}{wait}")
 
     def _show_speeds(self, found: Stability) -> None:
         if "bands" in vars(found):
@@ -186,51 +186,51 @@ def _beside(plots: tuple[XYPlot, ...]) -> QWidget:
 # -- plots --------------------------------------------------------------------------------------------------
 
 
-def _samples(gone: History, begin: float = 0.0) -> np.ndarray:
-    return np.linspace(begin, gone.ended, POINTS)
+def _samples(run: History, begin: float = 0.0) -> np.ndarray:
+    return np.linspace(begin, run.ended, POINTS)
 
 
-def _wind_up(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
-    gone = _gone(looked)
-    y = _samples(gone)
-    plots[0].show_lines([Line(y, TURN * gone.at(y)[0], LIGHT.ink)], contact_marks(gone))
+def _wind_up(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    run = _history(point)
+    y = _samples(run)
+    plots[0].show_lines([Line(y, TURN * run.at(y)[0], LIGHT.ink)], contact_marks(run))
 
 
-def _phase(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
-    gone = _gone(looked)
-    beta, rate = gone.at(_samples(gone, max(0.0, gone.ended - LAST_TURNS)))
+def _phase(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    run = _history(point)
+    beta, rate = run.at(_samples(run, max(0.0, run.ended - LAST_TURNS)))
     plots[0].show_lines([Line(TURN * beta, TURN * rate, LIGHT.ink)], square=True)
 
 
-def _spectrum(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
-    order, size = _gone(looked).spectrum(max(12.0, 1.25 * looked.eta))
+def _spectrum(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    order, size = _history(point).spectrum(max(12.0, 1.25 * point.eta))
     plots[0].show_lines([Line(order, TURN * size, VERMILION)])
 
 
-def _contact(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
-    gone = _gone(looked)
-    if gone.contact is None:
+def _contact(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
+    run = _history(point)
+    if run.contact is None:
         plots[0].show_message("No contact force: the follower has no cam that it could leave.")
         return
-    y = _samples(gone)
-    unit = gone.contact.unit * found.machine.omega_at(gone.eta) ** 2
-    force = unit * gone.force(y)
+    y = _samples(run)
+    unit = run.contact.unit * found.machine.omega_at(run.eta) ** 2
+    force = unit * run.force(y)
     name, per = ("kN", 1e3) if np.abs(force).max() >= KILO else ("N", 1.0)
     plots[0].name_axes("Turns of the input", f"Force, {name}")
-    plots[0].show_lines([Line(y, force / per, LIGHT.ink)], contact_marks(gone))
+    plots[0].show_lines([Line(y, force / per, LIGHT.ink)], contact_marks(run))
 
 
-def _gone(looked: Looked) -> History:
-    assert looked.gone is not None
-    return looked.gone
+def _history(point: ChartPoint) -> History:
+    assert point.history is not None
+    return point.history
 
 
-def _averages(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+def _averages(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
     for plot, drawn in zip(plots, averages_plots(found.first_turn), strict=True):
         plot.show_plot(drawn)
 
 
-def _terms(plots: tuple[XYPlot, ...], found: Stability, looked: Looked) -> None:
+def _terms(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> None:
     plots[0].show_plot(coefficients_plot(found.coefficients))
 
 
@@ -240,7 +240,7 @@ class Page:
     ``needs``: for a cached property of ``Stability``."""
 
     axes: tuple[tuple[str, str], ...]
-    draw: Callable[[tuple[XYPlot, ...], Stability, Looked], None]
+    draw: Callable[[tuple[XYPlot, ...], Stability, ChartPoint], None]
     of_point: bool = True
     needs: str = ""
 
@@ -256,4 +256,4 @@ PLOTS: Mapping[str, Page] = MappingProxyType(
     }
 )
 
-__all__ = ["Looked", "StabilityPages"]
+__all__ = ["ChartPoint", "StabilityPages"]

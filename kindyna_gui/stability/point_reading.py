@@ -1,4 +1,4 @@
-"""What is told of the point under the mouse: at once what is quickly known, the rest where the mouse rests."""
+"""What is shown of the point under the mouse: at once what is quickly known, the rest where the mouse rests."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Reading(QLabel):
         self._pause.timeout.connect(self._ask)
         self._found: Stability | None = None
         self.point: tuple[float, float] | None = None
-        self.told: tuple[Verdict, ...] = ()
+        self.verdicts: tuple[Verdict, ...] = ()
         self._tongue: int | None = None
 
     @property
@@ -49,23 +49,23 @@ class Reading(QLabel):
         return self._pause.isActive() or self.background.busy
 
     def stop(self) -> None:
-        """Give up what is being computed; what is told stays."""
+        """Give up what is being computed; what is shown stays."""
         self._pause.stop()
         self.background.stop()
         self.changed.emit()
 
-    def say(self, text: str) -> None:
+    def show_text(self, text: str) -> None:
         """Something else than a point."""
         self.stop()
-        self.point, self.told = None, ()
+        self.point, self.verdicts = None, ()
         self.setText(text)
 
-    def tell(self, found: Stability, point: tuple[float, float]) -> None:
+    def show_point(self, found: Stability, point: tuple[float, float]) -> None:
         """Tell of a point (η, Q)."""
         self.stop()
         self._found, self.point = found, point
         eta, q = point
-        self.told = found.linear_at(eta, q)
+        self.verdicts = found.linear_at(eta, q)
         self._tongue = tongue_of(found.tongues(EXACT, max(eta + 0.5, 1.0), q, UNSEEN), eta)
         self._pause.start()
         self._show()
@@ -85,15 +85,15 @@ class Reading(QLabel):
 
     def _answered(self, point: tuple[float, float], verdict: Any) -> None:
         if point == self.point and isinstance(verdict, Verdict):
-            self.told = (*self.told, verdict)
+            self.verdicts = (*self.verdicts, verdict)
         self._show()
         self.changed.emit()
 
     def _show(self) -> None:
         assert self._found is not None
         if self.point is not None:
-            first = point_text(*self.point, self._found.machine, self.told, self._tongue)
-            self.setText(f"{first}\n{waiting_text(self.told, self.busy)}")
+            first = point_text(*self.point, self._found.machine, self.verdicts, self._tongue)
+            self.setText(f"{first}\n{waiting_text(self.verdicts, self.busy)}")
 
 
 __all__ = ["Reading"]

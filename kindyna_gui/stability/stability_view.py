@@ -30,7 +30,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.plots.stability_chart import ACROSS, UPWARDS
 from kindyna_gui.requirements import NO_SHAFT, NotHere, with_shaft
 from kindyna_gui.stability.chart import StabilityChart
-from kindyna_gui.stability.pages import Looked, StabilityPages
+from kindyna_gui.stability.pages import ChartPoint, StabilityPages
 from kindyna_gui.stability.point_reading import Reading
 from kindyna_gui.stability.texts import machine_text, wanted_text
 from kindyna_gui.view import View
@@ -45,7 +45,7 @@ RIGID = "The camshaft is rigid. Stability > Flexible shaft gives it a stiffness 
 class StabilityView(View):
     """The page of stability.
 
-    The coarse chart is drawn at once; the fine one, the verdicts and the history of the point that is looked at are
+    The coarse chart is drawn at once; the fine one, the verdicts and the history of the chosen point are
     computed beside the window and given up where the design changes or the page leaves the screen.
     """
 
@@ -54,12 +54,12 @@ class StabilityView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.found: Stability | None = None
-        self.looked: Looked | None = None
-        self.picked: tuple[float, float] | None = None  # None: the machine's own point is looked at
+        self.chosen: ChartPoint | None = None
+        self.picked: tuple[float, float] | None = None  # None: the machine's own point is chosen
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
         self.chart, self.reading, self.pages = StabilityChart(), Reading(), StabilityPages()
         self.chart.setMinimumHeight(180)
-        self.fine, self.looks, self.means = Background(), Background(), Background()
+        self.fine, self.point_jobs, self.means = Background(), Background(), Background()
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self._begin)
         self._lay_out()
@@ -124,7 +124,7 @@ class StabilityView(View):
         self.reading.changed.connect(self._rest)
         self.pages.lacking.connect(self._lacks)
         self.fine.result.connect(self._refined)
-        self.looks.result.connect(self._known)
+        self.point_jobs.result.connect(self._known)
         self.means.result.connect(self._known)
         self.across.currentIndexChanged.connect(self._draw_chart)
         self.upwards.currentIndexChanged.connect(self._draw_chart)
@@ -142,12 +142,12 @@ class StabilityView(View):
             raise NotHere(RIGID)
         self.found = found = study.flexible_shaft()
         self.head.setText(machine_text(found))
-        self.reading.say("")
+        self.reading.show_text("")
         self.drawn = self._chart(found, study.design.name, COARSE, UNSEEN)()
-        self.looked = self._unknown(found)
+        self.chosen = self._unknown(found)
         self._draw_chart()
         self._pause.start()
-        self.pages.show_shaft(found, self.looked)
+        self.pages.show_shaft(found, self.chosen)
 
     @staticmethod
     def _chart(found: Stability, name: str, rows: int, error: float) -> Callable[[], Chart]:
@@ -159,9 +159,9 @@ class StabilityView(View):
     def _another_design(self) -> None:
         self.picked = None
 
-    def _unknown(self, found: Stability) -> Looked:
-        """The point that is looked at, of which nothing is known yet: one that was picked, or the machine's own."""
-        return Looked(*(self.picked or (found.machine.eta, found.machine.q)), own=self.picked is None)
+    def _unknown(self, found: Stability) -> ChartPoint:
+        """The chosen point, of which nothing is known yet: one that was picked, or the machine's own."""
+        return ChartPoint(*(self.picked or (found.machine.eta, found.machine.q)), own=self.picked is None)
 
     def _draw_chart(self, *_: object) -> None:
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
@@ -180,11 +180,11 @@ class StabilityView(View):
 
     @property
     def _background(self) -> tuple[Background, ...]:
-        return self.fine, self.looks, self.means, self.reading.background
+        return self.fine, self.point_jobs, self.means, self.reading.background
 
     def _stop(self) -> None:
         self._pause.stop()
-        for each in (self.fine, self.looks, self.means, self.reading):  # which stops its own
+        for each in (self.fine, self.point_jobs, self.means, self.reading):  # which stops its own
             each.stop()
         self._rest()
 
@@ -205,11 +205,11 @@ class StabilityView(View):
 
     @property
     def _lacking(self) -> bool:
-        """Something that is shown has been given up, or never asked for."""
-        if self.found is None or self.looked is None:
+        """Something that is shown has been given up, or never requested."""
+        if self.found is None or self.chosen is None:
             return False
         whole = self.drawn.q.size >= FINE and not self.pages.lacks
-        return not whole or bool(self._jobs(self.found, self.looked))
+        return not whole or bool(self._jobs(self.found, self.chosen))
 
     def settle(self) -> None:
         """Do now what waits for a pause."""
@@ -227,18 +227,18 @@ class StabilityView(View):
         self.pages.redraw()
 
     def _ask_for_point(self, found: Stability) -> None:
-        assert self.looked is not None
-        self.looks.start(self._jobs(found, self.looked))
+        assert self.chosen is not None
+        self.point_jobs.start(self._jobs(found, self.chosen))
         self._rest()
 
     @staticmethod
-    def _jobs(found: Stability, looked: Looked) -> list[Job]:
-        """What is not known yet of the point that is looked at, and of the shaft."""
-        eta, q = looked.eta, looked.q
+    def _jobs(found: Stability, point: ChartPoint) -> list[Job]:
+        """What is not known yet of the chosen point, and of the shaft."""
+        eta, q = point.eta, point.q
         rows: list[tuple[bool, Job]] = [
             ("bands" in vars(found), ("bands", lambda: found.bands)),  # kept there once they are known
-            (looked.gone is not None, ("gone", partial(found.history, eta=eta, q=q))),
-            (bool(looked.said), ("said", partial(found.verdicts, eta, q))),
+            (point.history is not None, ("history", partial(found.history, eta=eta, q=q))),
+            (bool(point.verdicts), ("verdicts", partial(found.verdicts, eta, q))),
         ]
         return [job for known, job in rows if not known]
 
@@ -248,7 +248,7 @@ class StabilityView(View):
             self.means.start([(name, partial(getattr, self.found, name))])
             self._rest()
 
-    def _refined(self, asked: str, found: Chart | KindynaError) -> None:
+    def _refined(self, name: str, found: Chart | KindynaError) -> None:
         if isinstance(found, Chart):
             self.drawn = found
             self._draw_chart()
@@ -257,10 +257,10 @@ class StabilityView(View):
     def _rest(self) -> None:
         self.progress.setVisible(self._computing)
 
-    def _known(self, asked: str, found: Any) -> None:
-        """More is known of the point that is looked at, or of the shaft."""
-        if self.looked is not None and not isinstance(found, KindynaError) and asked in ("gone", "said"):
-            setattr(self.looked, asked, found)
+    def _known(self, name: str, found: Any) -> None:
+        """More is known of the chosen point, or of the shaft."""
+        if self.chosen is not None and not isinstance(found, KindynaError) and name in ("history", "verdicts"):
+            setattr(self.chosen, name, found)
         self.pages.redraw()
         self._rest()
 
@@ -271,28 +271,28 @@ class StabilityView(View):
         self.picked = (eta, q)
         self.chart.look_at(eta, q)
         if self.found is not None:
-            self.looked = self._unknown(self.found)
-            self.pages.look(self.looked)
+            self.chosen = self._unknown(self.found)
+            self.pages.show_point(self.chosen)
             self._ask_for_point(self.found)
 
     def _hover(self, point: tuple[float, float] | None) -> None:
         if self.found is None or self.wanted is not None:
             return
         if point is None:
-            self.reading.say("")
+            self.reading.show_text("")
         else:
-            self.reading.tell(self.found, point)
+            self.reading.show_point(self.found, point)
 
     def _pulled(self, eta: float, q: float) -> None:
         assert self.found is not None
         self.wanted = (eta, q)
         self.chart.move_own(eta, q)
-        self.reading.say(wanted_text(self.found.machine, eta, q))
+        self.reading.show_text(wanted_text(self.found.machine, eta, q))
 
     def _released(self, kept: bool) -> None:
         if not kept:
             self.wanted = None
-            self.reading.say("")
+            self.reading.show_text("")
             if self.found is not None:
                 self._draw_chart()
         self.use.setVisible(self.wanted is not None)

@@ -50,25 +50,25 @@ def tongue_of(found: Tongues, eta: float, row: int = 0) -> int | None:
     return None
 
 
-def point_text(eta: float, q: float, machine: Machine | None, told: Sequence[Verdict], tongue: int | None) -> str:
+def point_text(eta: float, q: float, machine: Machine | None, verdicts: Sequence[Verdict], tongue: int | None) -> str:
     """One line for what is under the mouse."""
     at = f"η = {eta:.4g}, Q = {q:.4g}"
     if machine is not None:
         at += f", {speed(machine.rpm(eta))} rpm"
     place = f"tongue {tongue}" if tongue is not None else "between tongues"
-    said = "; ".join(
-        f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}" for v in told if v.model in BRIEF
+    models = "; ".join(
+        f"{BRIEF[v.model]} {'stable' if v.stable else f'grows {percent(v.growth)}'}" for v in verdicts if v.model in BRIEF
     )
-    return f"{at}: {place}; {said}"
+    return f"{at}: {place}; {models}"
 
 
-def waiting_text(told: Sequence[Verdict], waiting: bool) -> str:
+def waiting_text(verdicts: Sequence[Verdict], waiting: bool) -> str:
     """A line for each nonlinear model at what is under the mouse, as far as they have answered."""
-    by_model = {verdict.model: verdict for verdict in told}
-    said = [words(by_model[model]) for model, words in SLOW.items() if model in by_model]
+    by_model = {verdict.model: verdict for verdict in verdicts}
+    parts = [words(by_model[model]) for model, words in SLOW.items() if model in by_model]
     if waiting:
-        said.append("still computing …" if said else "nonlinear models: computing …")
-    return "\n".join(said)
+        parts.append("still computing …" if parts else "nonlinear models: computing …")
+    return "\n".join(parts)
 
 
 def _steady_words(verdict: Verdict) -> str:
@@ -110,29 +110,29 @@ LOST = "contact lost"
 """Of a response that would be stable, had the follower stayed on the cam."""
 
 
-def verdict_table(told: Sequence[Verdict]) -> str:
+def verdict_table(verdicts: Sequence[Verdict]) -> str:
     """All models side by side. Where one of them finds that the follower leaves the cam, none is shown in green: each
     equation holds only while it stays on it."""
     rows = []
-    good = GOOD if all(verdict.lost is None for verdict in told) else ""
-    for verdict in told:
-        said = {True: ("stable", good), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
+    good = GOOD if all(verdict.lost is None for verdict in verdicts) else ""
+    for verdict in verdicts:
+        state = {True: ("stable", good), False: ("unstable", WRONG), None: ("cannot say", QUIET)}[verdict.stable]
         if verdict.stable and verdict.lost is not None:
-            said = LOST, WRONG
+            state = LOST, WRONG
         growth = percent(verdict.growth) if verdict.stable is False and isfinite(verdict.growth) else "–"
         trace = f"{verdict.trace:.4f}" if isfinite(verdict.trace) else "–"
         largest = f"{360.0 * verdict.largest:.4g}°" if isfinite(verdict.largest) else "–"
         lost = f"at turn {verdict.lost:.4g}" if verdict.lost is not None else "–"
         name = SHORT.get(verdict.model, verdict.label)
         rows.append(
-            _cell(name) + _cell(*said) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
+            _cell(name) + _cell(*state) + "".join(_cell(text, right=True) for text in (growth, trace, largest, lost))
         )
     return _table(("model", "verdict", "grows", "trace", "largest twist", "off the cam"), rows)
 
 
 def bands_table(rows: Sequence[Band], rpm: float) -> str:
     """The forbidden bands of speed, the one that holds the machine's speed in red."""
-    told = []
+    lines = []
     for band in rows:
         colour = WRONG if band.holds(rpm) else ""
         cells = (
@@ -142,10 +142,10 @@ def bands_table(rows: Sequence[Band], rpm: float) -> str:
             percent(band.growth),
             f"{digits(band.rate, 3)} /s",
         )
-        told.append("".join(_cell(text, colour, right=True) for text in cells))
-    if not told:
+        lines.append("".join(_cell(text, colour, right=True) for text in cells))
+    if not lines:
         return "<p>No speed is forbidden.</p>"
-    return _table(("tongue", "speeds, rpm", "η", "twist grows by", "rate"), told)
+    return _table(("tongue", "speeds, rpm", "η", "twist grows by", "rate"), lines)
 
 
 def shaft_text(found: Stiffness) -> str:

@@ -35,8 +35,8 @@ def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
     wait_until(lambda: not view.busy)
     gone = shown(view)
     assert (gone.eta, gone.q) == view.picked
-    assert view.looked is not None
-    assert len(view.looked.said) == 4
+    assert view.chosen is not None
+    assert len(view.chosen.verdicts) == 4
     text = view.pages.verdicts.text()
     assert text.count("<tr>") == 5
     assert "unstable" in text
@@ -51,9 +51,9 @@ def test_a_click_shows_verdicts_and_history_there(kim: User) -> None:
 
 
 def shown(view: StabilityView) -> History:
-    assert view.looked is not None
-    assert view.looked.gone is not None
-    return view.looked.gone
+    assert view.chosen is not None
+    assert view.chosen.history is not None
+    return view.chosen.history
 
 
 def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -52,7 +52,7 @@ def test_where_the_mouse_rests_every_model_tells_its_verdict(kim: User, monkeypa
     assert not view.progress.isVisible()
     place, *slow = view.reading.text().split("\n")
     assert place.startswith("η = 0.7")
-    assert [v.model for v in view.reading.told] == ["approx_22", "exact_21", "from_rest", "steady"]
+    assert [v.model for v in view.reading.verdicts] == ["approx_22", "exact_21", "from_rest", "steady"]
     assert [line.split(":")[0] for line in slow] == ["steady", "from rest"]
     assert slow[0].startswith("steady: stable, ")
     width = max(view.reading.fontMetrics().horizontalAdvance(line) for line in (place, *slow))
@@ -60,7 +60,7 @@ def test_where_the_mouse_rests_every_model_tells_its_verdict(kim: User, monkeypa
     assert view.found is not None
     eta, q = view.reading.point
     gone = view.found.history(None, eta, q)
-    assert view.reading.told[2].largest == gone.largest[0]
+    assert view.reading.verdicts[2].largest == gone.largest[0]
     assert len(threads) >= 1
     assert threading.get_ident() not in threads
     QTest.mouseMove(view.chart.viewport(), QPoint(2, 2))

@@ -119,14 +119,14 @@ def test_a_rigid_shaft_is_told_and_can_be_made_flexible(open_user: Open) -> None
 def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
     view = page(kim, rest=False)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
-    assert view.looks.busy
+    assert view.point_jobs.busy
     view.picked = None  # near a resonance the steady response takes long
     with unhurried(view._pause):
         kim.session.edit("shaft.speed_rpm", 1234.0, "Change speed")
         settle()
-        assert not view.looks.busy
-        assert view.looked is not None
-        assert view.looked.gone is None
+        assert not view.point_jobs.busy
+        assert view.chosen is not None
+        assert view.chosen.history is None
     view.settle()
     wait_until(lambda: not view.busy)
     assert view.found is not None
@@ -136,7 +136,7 @@ def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
 def test_a_closed_window_computes_no_more(kim: User) -> None:
     view = page(kim, rest=False)
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.0, 0.1))
-    assert view.looks.busy
+    assert view.point_jobs.busy
     assert any(isinstance(each, Worker) for each in enumerate_threads())
     kim.window.close()
     assert not view.busy
@@ -161,7 +161,7 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
     counts = counted(view, monkeypatch)
     view.pages.show_page("Averages")
     QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.7, 0.05))
-    assert view.looks.busy
+    assert view.point_jobs.busy
     counts.clear()
     kim.window.show_view("mechanism")
     settle()
@@ -178,9 +178,9 @@ def test_a_page_that_leaves_the_screen_gives_up_and_asks_again_when_it_returns(k
     kim.window.show_view("stability")
     wait_until(lambda: view.up_to_date and not view.busy)
     assert view.drawn.q.size == FINE
-    assert view.looked is not None
-    assert view.looked.gone is not None
-    assert view.looked.said
+    assert view.chosen is not None
+    assert view.chosen.history is not None
+    assert view.chosen.verdicts
     assert not view.pages.lacks
     counts.clear()
     for name in ("mechanism", "stability"):
@@ -212,7 +212,7 @@ def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: Us
     view = page(kim, rest=False)
     with unhurried(view._pause):
         QTest.mouseClick(view.chart.viewport(), LEFT, pos=pixel(view, 2.7, 0.05))
-        assert view.looks.busy
+        assert view.point_jobs.busy
         kim.window.show_view("mechanism")
         settle()
         assert not view.busy
@@ -220,13 +220,13 @@ def test_a_page_left_unchanged_while_it_computes_goes_on_when_it_returns(kim: Us
         kim.window.show_view("stability")
         settle()
         assert view.busy, "it is to be asked for again"
-        assert not view.looks.busy
+        assert not view.point_jobs.busy
     view.settle()
-    assert view.looks.busy
+    assert view.point_jobs.busy
     wait_until(lambda: not view.busy)
-    assert view.looked is not None
-    assert view.looked.gone is not None
-    assert (view.looked.eta, view.looked.q) == view.picked
+    assert view.chosen is not None
+    assert view.chosen.history is not None
+    assert (view.chosen.eta, view.chosen.q) == view.picked
 
 
 def test_a_chart_of_no_machine_has_no_point() -> None:

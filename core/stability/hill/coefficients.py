@@ -87,14 +87,14 @@ def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Si
         y = kinematics.motion.y
         return {"inertia": loading.inertia(kinematics)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
 
-    found = find_extremes(quantities, program)
-    top = found["inertia"].high.value
-    stroke = found["y"].high.value - found["y"].low.value
+    extremes = find_extremes(quantities, program)
+    top = extremes["inertia"].high.value
+    stroke = extremes["y"].high.value - extremes["y"].low.value
     if not stroke > 0.0:
         raise NoStability("nothing moves, so nothing excites the shaft", "motion.segments", "give a segment that rises")
     if not top > 0.0:
         raise NoStability("nothing that moves has mass, so nothing excites the shaft", "loads", "give the moved masses")
-    return Sizes(top, stroke, found["slope"].high.value, found["curvature"].high.value, found["y"].low.value)
+    return Sizes(top, stroke, extremes["slope"].high.value, extremes["curvature"].high.value, extremes["y"].low.value)
 
 
 def coefficients(

@@ -24,7 +24,7 @@ from core.stability.hill.matrices import Basis, basis, product
 ETA_MAX = 5.6  # of a chart, as Kim1990 Fig. 8 has it
 EDGE_ERROR = 1e-8  # wanted of an edge η
 LEAST_ORDER, MOST_ORDER = 8, 40
-SPARE = 6  # harmonics above those of the highest tongue asked for
+SPARE = 6  # harmonics above those of the highest requested tongue
 GROWTH = 1.4
 ROUNDING = 32.0  # times eps times the condition
 SHIFTS = (1.0, 4.0, 16.0, 0.25, 64.0, 0.05, 1e3, 2e4, 4e5)  # tried in turn; a load that does much needs a large one
@@ -77,13 +77,13 @@ def harmonic_tongues(
     """
     q = np.atleast_1d(np.asarray(q, dtype=float))
     order = max(LEAST_ORDER, (count + 1) // 2 + SPARE)
-    found = tongues_of_order(coefficients, q, count, order, equation)
+    result = tongues_of_order(coefficients, q, count, order, equation)
     while True:
-        poor = np.flatnonzero(found.error.max(axis=1, initial=0.0) > error)
+        poor = np.flatnonzero(result.error.max(axis=1, initial=0.0) > error)
         if poor.size == 0 or order >= most_order:
-            return found
+            return result
         order = min(most_order, int(np.ceil(order * GROWTH)))
-        found = with_rows(found, poor, tongues_of_order(coefficients, q[poor], count, order, equation))
+        result = with_rows(result, poor, tongues_of_order(coefficients, q[poor], count, order, equation))
 
 
 def with_rows(all_rows: Tongues, at: np.ndarray, better: Tongues) -> Tongues:
