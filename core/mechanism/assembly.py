@@ -43,7 +43,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     _require(mechanism, course, solved, motion)
     if mechanism.require is not None:
         mechanism.require(motion)
-    names, points = mechanism.pair_names(), _points(mechanism)
+    names, points = mechanism.pair_names, _points(mechanism)
     own = {link: _spread(pose, points[link], n) for link, pose in solved.poses.items()}
     bodies = {name: _placed(own[link], mechanism) for link, name in mechanism.bodies.items()}
     output = mechanism.bodies[plan.linkage.driver.link]
@@ -56,11 +56,8 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     return Kinematics(
         motion=motion,
         bodies=bodies,
-        pairs={name: _pair(mechanism, joint) for joint, name in names.items()},
-        dyads=tuple(
-            Dyad(step.kind, tuple(mechanism.bodies[n] for n in step.links), tuple(names[j] for j in joints))
-            for step, joints in reversed(plan.steps)
-        ),
+        pairs=_pairs(mechanism),
+        dyads=_dyads(mechanism),
         output=output,
         follower_body=follower,
         ground=ground,
@@ -124,6 +121,22 @@ def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: Motio
         raise NoPosition(f"links {links} do not meet{joint}", "linkage.links", hint, angle_ranges(motion.theta, lost))
 
 
+@lru_cache(maxsize=64)
+def _pairs(mechanism: Mechanism) -> Mapping[str, Pair]:
+    return MappingProxyType({name: _pair(mechanism, joint) for joint, name in mechanism.pair_names.items()})
+
+
+@lru_cache(maxsize=64)
+def _dyads(mechanism: Mechanism) -> tuple[Dyad, ...]:
+    """Dyads and groups, those that are solved last first."""
+    names, bodies = mechanism.pair_names, mechanism.bodies
+    return tuple(
+        Dyad(step.kind, tuple(bodies[n] for n in step.links), tuple(names[j] for j in joints))
+        for step, joints in reversed(mechanism.plan.steps)
+    )
+
+
+@lru_cache(maxsize=64)
 def _points(mechanism: Mechanism) -> Points:
     """Link -> name -> point in its frame [m]; of sliding pairs too."""
     plan = mechanism.plan
@@ -145,8 +158,11 @@ def _placed(pose: Pose, mechanism: Mechanism) -> Pose:
     place, turn = mechanism.place, mechanism.turn
     if place == 0.0 and turn == 0.0:
         return pose
-    along = cmath.rect(1.0, turn)
     origin, angle = pose.origin, pose.turn
+    if turn == 0.0:
+        moved = Derivatives(lambda order: origin[order] if order else place + origin[0], origin.constant)
+        return Pose(moved, angle, pose.points, lambda: pose.unit)
+    along = cmath.rect(1.0, turn)
     return Pose(
         Derivatives(lambda order: origin[order] * along if order else place + origin[0] * along, origin.constant),
         Derivatives(lambda order: angle[order] if order else angle[0] + turn, angle.constant),
@@ -188,7 +204,7 @@ def _travel(
     if not ground:
         path = course.solve(at_driver(q)).poses[reference.link].derivative(at, 1) * cmath.rect(1.0, mechanism.turn)
         return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
-    held = next(j for j, name in mechanism.pair_names().items() if name == ground)
+    held = next(j for j, name in mechanism.pair_names.items() if name == ground)
     own = held.second if held.second.link == reference.link else held.first
     arm = 1j * (at - own.point) if held.revolute else own.along
     return np.asarray(bodies[mechanism.bodies[reference.link]].unit * (arm / abs(arm)))

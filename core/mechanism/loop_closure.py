@@ -9,7 +9,7 @@ import numpy as np
 from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held
 from core.numerics.derivatives import Chain, Derivatives, difference, earlier, scaled, sum_of, turning
-from core.numerics.vectors import cross
+from core.numerics.vectors import by_real, cross
 
 Bodies = Mapping[int, Pose]
 
@@ -76,7 +76,7 @@ def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
         return np.zeros_like(u)
     w = angle[1]
     if order == 2:
-        return -(w * w) * u
+        return by_real(-(w * w), u)
     factor = np.empty(u.shape, dtype=complex)
     factor.real, factor.imag = -3.0 * w * angle[2], -(w * w * w)
     return factor * u
@@ -94,7 +94,11 @@ def loop(
 
     def follow(order: int, x: Chain) -> np.ndarray:
         right = known(order, x)
-        return np.array(np.broadcast_arrays(cross(right, c2) * inverse, cross(c1, right) * inverse))
+        x1, x2 = cross(right, c2), cross(c1, right)
+        rows = np.empty((2, max(x1.size, x2.size, inverse.size)))
+        np.multiply(x1, inverse, out=rows[0])
+        np.multiply(x2, inverse, out=rows[1])
+        return rows
 
     return Chain(follow)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
@@ -74,10 +75,11 @@ class Mechanism:
     refuse: Callable[[MotionState, Solved, np.ndarray], NoAnswer] | None = None
     require: Callable[[MotionState], None] | None = None
 
-    @property
+    @cached_property
     def plan(self) -> Plan:
         return plan_of(self.linkage)
 
+    @cached_property
     def pair_names(self) -> Mapping[Joint, str]:
         """Every pair with its name, the driver's first; further links on one pin add theirs."""
         names: dict[Joint, str] = {}

@@ -59,11 +59,20 @@ class Derivatives:
 
     def spread(self, n: int) -> Derivatives:
         """The same with n values in every row, which take no memory."""
-        return Derivatives(lambda order: np.broadcast_to(self[order], n), self.constant)
+        def row(order: int) -> np.ndarray:
+            short = self[order]
+            return short.view() if short.size == n else np.broadcast_to(short, n)
+
+        return Derivatives(row, self.constant)
 
     def quiet(self) -> Derivatives:
         """The same where derivatives may be infinite, as at a dead centre: none of its rows warns of that."""
-        return Derivatives(np.errstate(divide="ignore", invalid="ignore", over="ignore")(self.__getitem__))
+
+        def row(order: int) -> np.ndarray:
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                return self[order]
+
+        return Derivatives(row, self.constant)
 
 
 class Chain:

@@ -248,7 +248,7 @@ def _pairs(design: Design) -> Iterator[str]:
     pair = driver_pair(linkage)
     if design.drive.cam is None:
         yield "driver_torque" if pair is not None and is_pin(pair) else "driver_force"
-    for joint, name in mechanism_of(linkage).pair_names().items():
+    for joint, name in mechanism_of(linkage).pair_names.items():
         yield from (f"force.{name}_{what}" for what in ("x", "y", "size"))
         if not joint.revolute:
             yield f"couple.{name}"
