@@ -23,14 +23,14 @@ MOST_LINES = 100
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the words in one line. Learns its own words when it is asked for the first time."""
+    """Says what is wrong with the arguments in one line. Adds its own options when it parses for the first time."""
 
-    learn: Callable[[argparse.ArgumentParser], None] | None = None
+    add_options: Callable[[argparse.ArgumentParser], None] | None = None
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        learn, self.learn = self.learn, None
-        if learn is not None:
-            learn(self)
+        add_options, self.add_options = self.add_options, None
+        if add_options is not None:
+            add_options(self)
         return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
@@ -38,12 +38,12 @@ class _Parser(argparse.ArgumentParser):
 
 
 def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.ArgumentParser:
-    """All commands; each with its words once it is chosen."""
+    """All commands; each with its options once it is chosen."""
     made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
     made.add_argument("--version", action="version", version=f"kindyna {__version__}")
     commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command")
     for name, row in rows.items():
-        commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).learn = row.words
+        commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).add_options = row.options
     return made
 
 
@@ -62,9 +62,9 @@ def _run(argv: Sequence[str] | None, painter: Painter | None, program: str, rows
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    words = parser(program, rows).parse_args(argv)
+    arguments = parser(program, rows).parse_args(argv)
     try:
-        return rows[words.command].run(words, painter)
+        return rows[arguments.command].run(arguments, painter)
     except KindynaError as error:
         lines = str(error).split("\n")
         rest = len(lines) - MOST_LINES

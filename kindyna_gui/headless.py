@@ -54,20 +54,20 @@ def film(text: str) -> Path:
     return path
 
 
-def _screenshots_words(parser: argparse.ArgumentParser) -> None:
+def _screenshot_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
     parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
     parser.add_argument("--size", type=size, default=USUAL_SIZE, metavar="WxH", help="of the window (1440x900)")
 
 
-def _animation_words(parser: argparse.ArgumentParser) -> None:
+def _animation_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
     parser.add_argument("--out", type=film, default=Path("out.gif"), metavar="FILE", help=".gif or .webp (out.gif)")
     parser.add_argument("--frames", type=frames, default=FRAMES, metavar="N", help=f"per turn ({FRAMES})")
     parser.add_argument("--size", type=size, default=FILM_SIZE, metavar="WxH", help="in pixels (800x600)")
 
 
-def _no_words(parser: argparse.ArgumentParser) -> None:
+def _no_options(parser: argparse.ArgumentParser) -> None:
     """Takes none."""
 
 
@@ -96,40 +96,40 @@ def _verdict(study: Study) -> int:
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
 
 
-def screenshots(words: argparse.Namespace, painter: Painter | None) -> int:
+def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
-    design = load(words.design)
+    design = load(arguments.design)
     code = _verdict(Study(design))
     never_shown()
     from kindyna_gui.screenshots import shots
 
     with quiet():
-        made = shots(design, words.size)
-    write_all(words.out, made)
+        made = shots(design, arguments.size)
+    write_all(arguments.out, made)
     for name in made:
-        print(words.out / name)
+        print(arguments.out / name)
     return code
 
 
-def animation(words: argparse.Namespace, painter: Painter | None) -> int:
+def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
-    design = load(words.design)
+    design = load(arguments.design)
     study = Study(design)
     code = _verdict(study)
     never_shown()
     from kindyna_gui.pictures.film import Film, shoot
     from kindyna_gui.window.player_speeds import usual
 
-    wanted = Film(words.out.suffix.lower(), words.frames, *words.size, usual(study.omega).seconds)
+    wanted = Film(arguments.out.suffix.lower(), arguments.frames, *arguments.size, usual(study.omega).seconds)
     with quiet():
         data = shoot(design, wanted)
     assert data is not None
-    write(words.out, data)
-    print(words.out)
+    write(arguments.out, data)
+    print(arguments.out)
     return code
 
 
-def selftest(words: argparse.Namespace, painter: Painter | None) -> int:
+def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Every example through the window: edit, undo, turn, export, compare."""
     never_shown()
     from kindyna_gui.selftest import verdicts
@@ -144,8 +144,8 @@ def selftest(words: argparse.Namespace, painter: Painter | None) -> int:
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
-        "screenshots": Command("every view of the window as PNG", _screenshots_words, screenshots),
-        "animation": Command("one turn of the mechanism as GIF or WebP", _animation_words, animation),
-        "selftest": Command("try every example through the window and compare with the core", _no_words, selftest),
+        "screenshots": Command("every view of the window as PNG", _screenshot_options, screenshots),
+        "animation": Command("one turn of the mechanism as GIF or WebP", _animation_options, animation),
+        "selftest": Command("try every example through the window and compare with the core", _no_options, selftest),
     }
 )

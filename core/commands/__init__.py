@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
 
 if TYPE_CHECKING:
-    from core.output.centres import Snapshot
+    from core.output.position import Snapshot
     from core.stability import Chart, Figure
     from core.study import Study
 
@@ -26,24 +26,24 @@ Painter = Callable[[Drawn], Mapping[str, bytes]]
 
 @dataclass(frozen=True)
 class Command:
-    """One row: its help, the words it takes, what it does; ``run`` returns the exit code."""
+    """One row: its help, the options it takes, what it does; ``run`` returns the exit code."""
 
     help: str
-    words: Callable[[argparse.ArgumentParser], None]
+    options: Callable[[argparse.ArgumentParser], None]
     run: Callable[[argparse.Namespace, Painter | None], int]
 
 
 def _row(help: str, module: str) -> Command:
-    """The command of a module of this room: its functions ``words`` and ``run``."""
+    """The command of a module of this room: its functions ``options`` and ``run``."""
 
-    def words(parser: argparse.ArgumentParser) -> None:
-        import_module(f"{__name__}.{module}").words(parser)
+    def options(parser: argparse.ArgumentParser) -> None:
+        import_module(f"{__name__}.{module}").options(parser)
 
-    def run(words: argparse.Namespace, painter: Painter | None) -> int:
-        code: int = import_module(f"{__name__}.{module}").run(words, painter)
+    def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+        code: int = import_module(f"{__name__}.{module}").run(arguments, painter)
         return code
 
-    return Command(help, words, run)
+    return Command(help, options, run)
 
 
 COMMANDS: Mapping[str, Command] = MappingProxyType(

@@ -33,14 +33,14 @@ def _point(text: str) -> tuple[float, float]:
 
 def _settings(given: Sequence[tuple[str, float]]) -> dict[str, float]:
     """By name; raises BlendError where a name is given two values."""
-    found = dict(given)
+    settings = dict(given)
     for name, value in given:
-        if value != found[name]:
-            raise BlendError(f"{name} = {value:g}, {name} = {found[name]:g}: a setting has one value; give one", name)
-    return found
+        if value != settings[name]:
+            raise BlendError(f"{name} = {value:g}, {name} = {settings[name]:g}: a setting has one value; give one", name)
+    return settings
 
 
-def words(parser: argparse.ArgumentParser) -> None:
+def options(parser: argparse.ArgumentParser) -> None:
     types = "; ".join(f"{slug}: {row.label[:1].lower()}{row.label[1:]}" for slug, row in MOTION_TYPES.items())
     angle = number("cam angle in degrees", "0 ... 360")
     parser.add_argument("--type", required=True, choices=tuple(MOTION_TYPES), help=types)
@@ -48,26 +48,12 @@ def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--return-stroke", type=number("return stroke", "above 0"), default=0.0, metavar="S", help="where it differs")
     parser.add_argument("--start", required=True, type=angle, metavar="DEG", help="cam angle where it starts")
     parser.add_argument("--end", required=True, type=angle, metavar="DEG", help="cam angle where it ends")
-    parser.add_argument(
-        "--constant-velocity",
-        nargs="?",
-        const="rise",
-        default="none",
-        choices=CONSTANT_VELOCITY[1:],
-        help="plain = rise",
-    )
-    parser.add_argument(
-        "--set", action="append", default=[], type=_setting, metavar="NAME=VALUE",
-        help=f"{' | '.join(SETTINGS)}; with --best, length is the least length of the stretch at constant velocity"
-    )
-    parser.add_argument(
-        "--point",
-        action="append",
-        default=[],
-        type=_point,
-        metavar="DEG=S",
-        help="a displacement to pass at a cam angle, above the lowest; counts as a setting",
-    )
+    where = CONSTANT_VELOCITY[1:]
+    parser.add_argument("--constant-velocity", nargs="?", const="rise", default="none", choices=where, help="plain = rise")
+    names = f"{' | '.join(SETTINGS)}; with --best, length is the least length of the stretch at constant velocity"
+    parser.add_argument("--set", action="append", default=[], type=_setting, metavar="NAME=VALUE", help=names)
+    point = "a displacement to pass at a cam angle, above the lowest; counts as a setting"
+    parser.add_argument("--point", action="append", default=[], type=_point, metavar="DEG=S", help=point)
     parser.add_argument("--sequence", default="", metavar="C1-H2-P2", help="this sequence and no other")
     parser.add_argument("--best", choices=tuple(GOALS), help="the gentlest, over what the settings leave free")
     parser.add_argument("--unit", choices=("mm", "deg"), default="mm", help="of the stroke (mm)")
@@ -75,29 +61,29 @@ def words(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
 
 
-def run(words: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """A blended motion, printed and perhaps written into a design."""
-    constant = words.constant_velocity
-    if constant == "rise" and words.type == "DRD-return":
+    constant = arguments.constant_velocity
+    if constant == "rise" and arguments.type == "DRD-return":
         constant = "return"  # plain: of the one stroke there is
     request = Request(
-        type=words.type,
-        stroke=words.stroke,
-        start=words.start,
-        end=words.end,
+        type=arguments.type,
+        stroke=arguments.stroke,
+        start=arguments.start,
+        end=arguments.end,
         constant=constant,
-        settings=_settings(words.set),
-        return_stroke=words.return_stroke,
-        points=tuple(words.point),
-        sequence=words.sequence,
-        unit=words.unit,
+        settings=_settings(arguments.set),
+        return_stroke=arguments.return_stroke,
+        points=tuple(arguments.point),
+        sequence=arguments.sequence,
+        unit=arguments.unit,
     )
-    found = best(request, words.best) if words.best else blend(request)
+    blended = best(request, arguments.best) if arguments.best else blend(request)
     beside = ""
-    if words.into is not None:
-        before = load(words.into)
-        made = into_design(before, found)
-        save(made, words.into)
-        beside = beside_text(before, made, found)
-    print(to_json(curves_data(found)) if words.json else blend_text(found) + beside, end="")
+    if arguments.into is not None:
+        before = load(arguments.into)
+        made = into_design(before, blended)
+        save(made, arguments.into)
+        beside = beside_text(before, made, blended)
+    print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
     return DONE

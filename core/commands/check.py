@@ -10,20 +10,20 @@ from core.output.report import finding_line, printable
 from core.project import load
 from core.study import Study
 
-words = design_file
+options = design_file
 
 
-def run(words: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
-    study = Study(load(words.design))
-    found, proof = study.findings(), study.certificate()
-    for finding in found:
+    study = Study(load(arguments.design))
+    findings, proof = study.findings(), study.certificate()
+    for finding in findings:
         print(finding_line(finding, study.angle_name))
     for name, residual in proof.items():
         if not residual.kept:
             print(f"certificate: {name} = {residual.value:.3g} exceeds its bound {residual.bound:.3g}")
     kept = sum(residual.kept for residual in proof.values())
     print(
-        f"{printable(study.design.name)}: {len(found)} findings, {kept} of {len(proof)} residuals within their bounds"
+        f"{printable(study.design.name)}: {len(findings)} findings, {kept} of {len(proof)} residuals within their bounds"
     )
     return verdict(study)

@@ -1,4 +1,4 @@
-"""Words that several commands take, and the exit code that findings ask for."""
+"""Options that several commands take, and the exit code that findings ask for."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
 
 def number(what: str, allowed: str, fits: Callable[[float], bool] = math.isfinite) -> Callable[[str], float]:
-    """Reads a number, with a decimal point; what it is and what is allowed are told where it is none, or does not fit."""
+    """Reads a number, with a decimal point; says what it is and what is allowed where it is none, or does not fit."""
 
     def read(text: str) -> float:
         try:
@@ -29,6 +29,11 @@ def number(what: str, allowed: str, fits: Callable[[float], bool] = math.isfinit
         return value
 
     return read
+
+
+def within(low: float, high: float, what: str) -> Callable[[str], float]:
+    """Reads a number above low and not above high."""
+    return number(what, f"above {low:g} ... {high:g}", lambda value: low < value <= high)
 
 
 def samples(text: str) -> int:
@@ -60,13 +65,18 @@ def design_and_samples(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--samples", type=samples, default=SAMPLES, metavar="N", help=f"cam angles per turn ({SAMPLES})")
 
 
+def out_folder(parser: argparse.ArgumentParser, help: str) -> None:
+    """A folder for files, beside what is printed."""
+    parser.add_argument("--out", type=folder, metavar="DIR", help=help)
+
+
 def verdict(study: Study, stages: Sequence[str] = ()) -> int:
     """The exit code: whether a finding of the stages (all where none is named) is an error."""
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
 
 
 def pictures(painter: Painter | None, *drawn: Drawn) -> Mapping[str, bytes]:
-    """File name -> content; where nobody paints, that is said."""
+    """File name -> content; where nobody paints, a line says so."""
     if painter is None:
         print("pictures left out: they need kindyna --headless", file=sys.stderr)
         return {}

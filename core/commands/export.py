@@ -12,15 +12,15 @@ from core.project import load
 from core.study import Study
 
 
-def words(parser: argparse.ArgumentParser) -> None:
+def options(parser: argparse.ArgumentParser) -> None:
     design_and_samples(parser)
     parser.add_argument("--out", type=folder, default=Path("out"), metavar="DIR", help="folder to write to (out)")
     parser.add_argument("--only", nargs="+", default=[], metavar="STAGE", help="stages to compute and write")
 
 
-def run(words: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Tables and summary into a folder."""
-    study = Study(load(words.design), words.samples)
-    for path in export(study, words.out, words.only):
+    study = Study(load(arguments.design), arguments.samples)
+    for path in export(study, arguments.out, arguments.only):
         print(path)
-    return verdict(study, words.only)
+    return verdict(study, arguments.only)

@@ -27,50 +27,39 @@ from core.project import load, save
 from core.project.files import read_bytes
 
 
-def words(parser: argparse.ArgumentParser) -> None:
+def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("table", metavar="TABLE", type=Path, help="CSV or text file with a row for each cam angle")
-    parser.add_argument(
-        "--error",
-        type=number("measuring error", "0 or more", lambda v: v >= 0.0),
-        metavar="E",
-        help="measuring error of a value, in the table's unit; 0 = through all rows (what the rows tell)",
-    )
+    error = number("measuring error", "0 or more", lambda v: v >= 0.0)
+    exact = "measuring error of a value, in the table's unit; 0 = through all rows (what the rows tell)"
+    parser.add_argument("--error", type=error, metavar="E", help=exact)
     parser.add_argument("--column", default="", metavar="NAME", help="of the values: its name, or number from 1")
     parser.add_argument("--angle-column", default="", metavar="NAME", help="of the angles or times")
-    parser.add_argument(
-        "--angle-unit", default="", choices=(*ANGLE_UNITS, *TIME_UNITS), help="where the header does not say"
-    )
+    units = (*ANGLE_UNITS, *TIME_UNITS)
+    parser.add_argument("--angle-unit", default="", choices=units, help="where the header does not say")
     parser.add_argument("--value-unit", default="", metavar="UNIT", help="mm, in, mm/s, mm/deg2, g, ...")
     parser.add_argument("--quantity", default="", choices=QUANTITIES, help="what was measured")
     parser.add_argument("--delimiter", choices=tuple(DELIMITERS), help="between cells (detected)")
     parser.add_argument("--decimal", choices=tuple(DECIMALS), help="decimal mark (detected)")
-    parser.add_argument(
-        "--speed",
-        type=number("speed in rpm", "above 0", lambda v: v > 0.0),
-        metavar="RPM",
-        help="of the shaft, for times and values per second (that of the design)",
-    )
-    parser.add_argument(
-        "--lowest",
-        type=number("lowest position", "any number"),
-        metavar="Y",
-        help="lowest position of the motion (as measured)",
-    )
+    speed = number("speed in rpm", "above 0", lambda v: v > 0.0)
+    shaft = "of the shaft, for times and values per second (that of the design)"
+    parser.add_argument("--speed", type=speed, metavar="RPM", help=shaft)
+    lowest = number("lowest position", "any number")
+    parser.add_argument("--lowest", type=lowest, metavar="Y", help="lowest position of the motion (as measured)")
     parser.add_argument("--keep-all", action="store_true", help="fit wrong rows, too, and rows that contradict each other")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write the motion into a design file")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
-def run(words: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
-    design = load(words.into) if words.into is not None else None
+    design = load(arguments.into) if arguments.into is not None else None
     unit = "mm" if design is None else require_motion(design).unit
-    speed = words.speed if words.speed is not None or design is None else design.speed_rpm
-    wish = ColumnChoice(words.column, words.angle_column, words.angle_unit, words.value_unit, words.quantity)
-    sheet = read_sheet(read_bytes(words.table), words.table.name, words.delimiter, words.decimal)
+    speed = arguments.speed if arguments.speed is not None or design is None else design.speed_rpm
+    wish = ColumnChoice(arguments.column, arguments.angle_column, arguments.angle_unit, arguments.value_unit, arguments.quantity)
+    sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
-    found = fit(table, words.error, words.lowest, words.keep_all)
+    fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)
     if design is not None:
-        save(into_design(design, found), words.into)
-    print(to_json(fit_data(sheet, found)) if words.json else fit_text(sheet, found), end="")
+        save(into_design(design, fitted), arguments.into)
+    print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")
     return DONE

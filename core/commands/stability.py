@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
-from collections.abc import Callable
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, folder, pictures, verdict
+from core.commands.common import design_file, out_folder, pictures, verdict, within
 from core.design import require_follower
 from core.errors import NoStability
 from core.output.report import finding_line, stability_text
-from core.output.stability_files import paper_files, stability_files
-from core.output.stability_tables import claims_text, needed_text
+from core.output.stability_files import claims_text, needed_text, paper_files, stability_files
 from core.project import load
 from core.project.files import write_all
 from core.stability import ETA_MAX, Stability, claims, flexible
@@ -22,21 +19,8 @@ from core.study import Study
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
 
 
-def _number(low: float, high: float, what: str) -> Callable[[str], float]:
-    def read(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = math.nan
-        if not low < value <= high:  # nan is not
-            raise argparse.ArgumentTypeError(f"{text!r}: {what}; allowed: above {low:g} ... {high:g}")
-        return value
-
-    return read
-
-
-_q = _number(0.0, MOST_Q, "inertia ratio Q")
-_eta = _number(0.0, MOST_ETA, "frequency ratio")
+_q = within(0.0, MOST_Q, "inertia ratio Q")
+_eta = within(0.0, MOST_ETA, "frequency ratio")
 
 
 def _point(text: str) -> tuple[float, float]:
@@ -46,75 +30,47 @@ def _point(text: str) -> tuple[float, float]:
     return _eta(eta), _q(q)
 
 
-def words(parser: argparse.ArgumentParser) -> None:
+def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
-    parser.add_argument("--out", type=folder, metavar="DIR", help="write tables, report and chart there")
-    parser.add_argument(
-        "--q",
-        action="append",
-        default=[],
-        type=_q,
-        metavar="Q",
-        help="rows of the tables (tongues: the machine's own; averages: it and multiples of it)",
-    )
-    parser.add_argument(
-        "--eta-max",
-        type=_eta,
-        metavar="ETA",
-        help=f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)",
-    )
-    parser.add_argument(
-        "--at",
-        action="append",
-        default=[],
-        type=_point,
-        metavar="ETA,Q",
-        help="histories from rest (the machine's own point)",
-    )
-    periods = _number(0.0, MOST_PERIODS, "turns")
+    out_folder(parser, "write tables, report and chart there")
+    rows = "rows of the tables (tongues: the machine's own; averages: it and multiples of it)"
+    parser.add_argument("--q", action="append", default=[], type=_q, metavar="Q", help=rows)
+    limit = f"tongues up to there ({ETA_MAX:g}; the chart shows the machine too)"
+    parser.add_argument("--eta-max", type=_eta, metavar="ETA", help=limit)
+    points = "histories from rest (the machine's own point)"
+    parser.add_argument("--at", action="append", default=[], type=_point, metavar="ETA,Q", help=points)
+    periods = within(0.0, MOST_PERIODS, "turns")
     parser.add_argument("--periods", type=periods, default=30.0, metavar="N", help="turns of a history (30)")
-    parser.add_argument(
-        "--rpm",
-        action="append",
-        default=[],
-        type=_number(0.0, 1e5, "speed"),
-        metavar="RPM",
-        help="tell how stiff the shaft must be to run at this speed",
-    )
-    parser.add_argument(
-        "--guess",
-        action="store_true",
-        help=f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}",
-    )
-    parser.add_argument(
-        "--claims",
-        action="store_true",
-        help="what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures",
-    )
+    speed, stiffness = within(0.0, 1e5, "speed"), "tell how stiff the shaft must be to run at this speed"
+    parser.add_argument("--rpm", action="append", default=[], type=speed, metavar="RPM", help=stiffness)
+    usual = f"where the shaft is rigid, take a usual one, Q = {USUAL_Q:g} and η = {USUAL_ETA:g}"
+    parser.add_argument("--guess", action="store_true", help=usual)
+    claimed = "what Kim1990 says of its cam against what comes out here; with --out its Figs. 4-12 as tables and pictures"
+    parser.add_argument("--claims", action="store_true", help=claimed)
 
 
-def run(words: argparse.Namespace, painter: Painter | None) -> int:
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
-    study = Study(require_follower(load(words.design)))
-    if words.guess and study.design.camshaft.elastic is None:
+    study = Study(require_follower(load(arguments.design)))
+    if arguments.guess and study.design.camshaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     try:
-        found = study.flexible_shaft()
+        shaft = study.flexible_shaft()
     except NoStability as error:
         if study.design.camshaft.elastic is not None:
             raise
         raise NoStability(error.problem, error.field, f"{error.hint}, or take usual ones with --guess") from None
-    return (_claims if words.claims else _machine)(study, found, words, painter)
+    return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
-def _machine(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
+def _machine(study: Study, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
-    found.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
-    needed = [needed_text(found.stiffness_for(rpm)) for rpm in words.rpm]
+    shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
+    needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]
     text = stability_text(study)
-    if words.out is not None:
-        made, drawn = stability_files(study, found, words.q, words.at, words.periods, words.eta_max)
-        write_all(words.out, {**made, **pictures(painter, *drawn)})
+    if arguments.out is not None:
+        made, drawn = stability_files(study, shaft, arguments.q, arguments.at, arguments.periods, arguments.eta_max)
+        write_all(arguments.out, {**made, **pictures(painter, *drawn)})
     print(text, end="")
     for line in needed:
         print(line)
@@ -123,13 +79,13 @@ def _machine(study: Study, found: Stability, words: argparse.Namespace, painter:
     return verdict(study, ("stability",))
 
 
-def _claims(study: Study, found: Stability, words: argparse.Namespace, painter: Painter | None) -> int:
+def _claims(study: Study, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
     """What the paper says of its cam, and its figures."""
-    text = claims_text(claims(found))
-    if words.out is not None:
-        made, chart, figures = paper_files(study, found, words.periods, words.eta_max or ETA_MAX)
+    text = claims_text(claims(shaft))
+    if arguments.out is not None:
+        made, chart, figures = paper_files(study, shaft, arguments.periods, arguments.eta_max or ETA_MAX)
         painted = pictures(painter, chart, *figures)
         named = {name.replace("stability", "figure_8"): data for name, data in painted.items()}
-        write_all(words.out, {"claims.txt": text, **made, **named})
+        write_all(arguments.out, {"claims.txt": text, **made, **named})
     print(text, end="")
     return DONE

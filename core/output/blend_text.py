@@ -24,11 +24,11 @@ class CurveRow:
 def curve_rows(blended: Blended) -> list[CurveRow]:
     """The curves in order; the motion starts at level 0, or falls to it."""
     angle, level = blended.request.start, blended.first_level
-    found = []
+    rows = []
     for segment in blended.segments:
-        found.append(CurveRow(segment.curve.law.upper(), angle, segment.span_deg, level, segment.rise))
+        rows.append(CurveRow(segment.curve.law.upper(), angle, segment.span_deg, level, segment.rise))
         angle, level = angle + segment.span_deg, level + segment.rise
-    return found
+    return rows
 
 
 def curves_data(blended: Blended) -> list[dict[str, Any]]:

@@ -48,10 +48,10 @@ def names(design: Design) -> tuple[str, ...]:
     return (*(name for name in TABLES if name in there), *([TONGUES] if tongues else []), SUMMARY)
 
 
-def tongues_table(found: Sequence[Tongues]) -> str:
+def tongues_table(rows_of_q: Sequence[Tongues]) -> str:
     """The instability tongues of some rows of Q, one a line, those that are open."""
     lines = ["model,q,n,eta_lo,eta_hi"]
-    for each in sorted(found, key=lambda t: t.equation):
+    for each in sorted(rows_of_q, key=lambda t: t.equation):
         for q, edges in zip(each.q.tolist(), each.edges.tolist(), strict=True):
             lines += [f"{each.equation},{q!r},{n},{lo!r},{hi!r}" for n, (lo, hi) in enumerate(edges, 1) if hi > 0.0]
     return "\n".join(lines) + "\n"
@@ -62,18 +62,18 @@ def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     for name in stages:
         study.require_stage(name)
-    made = {name: table(study, name, wanted) for name in TABLES}
-    told = {name: text for name, text in made.items() if text is not None}
+    tables = {name: table(study, name, wanted) for name in TABLES}
+    texts = {name: text for name, text in tables.items() if text is not None}
     if "stability" in wanted and study.stability is not None:
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it
 
-        told[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    told[SUMMARY] = to_json(summary(study, wanted))
-    return told
+        texts[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
+    texts[SUMMARY] = to_json(summary(study, wanted))
+    return texts
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
     """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
-    told = files(study, stages)
-    write_all(folder, told)
-    return [folder / name for name in told]
+    texts = files(study, stages)
+    write_all(folder, texts)
+    return [folder / name for name in texts]

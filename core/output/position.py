@@ -1,19 +1,32 @@
-"""A linkage at one position, as tables: its instant centres, what its links do, where its points are and go."""
+"""A linkage at one position: its instant centres, what its links do, where its points are and go; as tables, as what the
+command ``centres`` prints, and to be drawn."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 
-from core.instant_centres import Centres, angular_ratio, mechanical_advantage, velocity_differences
+from core.design import require_linkage
+from core.instant_centres import (
+    CHAINS,
+    Centres,
+    RatioArms,
+    angular_ratio,
+    mechanical_advantage,
+    ratio_arms,
+    velocity_differences,
+)
 from core.mechanism import body_name, link_number
 from core.mechanism.kinematics import FRAME
 from core.study import Study, quantity
 
 Links = tuple[int, int]
+_MM = 1e3
 
 
 @dataclass(frozen=True)
@@ -82,19 +95,22 @@ class Position:
 
 def position(study: Study, angle: float) -> Position:
     """At this driver angle [rad]. Raises NoPosition where the linkage cannot stand there."""
-    there = study.at_theta(np.array([angle]))
+    return _position(study.at_theta(np.array([angle])))
+
+
+def _position(there: Study) -> Position:
+    """At the first angle of a study."""
     names = [n for n in there.quantities("linkage") if n.startswith("transmission.")]
     return Position(
         tuple(_centres(there)),
         tuple(_links(there)),
         tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in there.points().items()),
         tuple((n.removeprefix("transmission."), float(quantity(n).value(there)[0])) for n in names),
-        tuple(differences(there)),
+        tuple(_differences(there)),
     )
 
 
-def differences(study: Study) -> Iterator[DifferenceRow]:
-    """The velocity differences of a linkage at the first of its angles."""
+def _differences(study: Study) -> Iterator[DifferenceRow]:
     for d in velocity_differences(study.linkage):
         v_a, v_pa, v_p = (complex(v[0]) * study.omega for v in (d.v_a, d.v_pa, d.v_p))
         yield DifferenceRow(d.kind, link_number(d.body), link_number(d.on), d.a, d.p, v_a, v_pa, v_p)
@@ -129,3 +145,79 @@ def _links(study: Study) -> Iterator[LinkRow]:
             ratio = 1.0 if body == driver else float(angular_ratio(study.centres, body, driver)[0])
             advantage = 1.0 if body == driver else float(mechanical_advantage(study.centres, body, driver)[0])
         yield LinkRow(number, float(omega[0]), ratio, advantage)
+
+
+# -- what the command ``centres`` prints, and what is painted beside it ------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """A linkage at one driver angle [deg], to be drawn with its centres and its velocity polygon."""
+
+    study: Study
+    angle_deg: float
+
+
+def snapshot(study: Study, angle_deg: float) -> Snapshot:
+    """Raises DesignError for a design that is no linkage."""
+    require_linkage(study.design)
+    return Snapshot(study, angle_deg)
+
+
+def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
+    """At this driver angle [deg]; links by their numbers, the frame included.
+
+    A centre is [x, y] in mm, or its direction where it is at infinity; null where the links have no motion against each
+    other. A velocity difference is V_to = V_from + V_difference, of two points of one link, or of two links that slide on
+    each other at the same place. Raises NoPosition where the linkage cannot stand there, DesignError for a design that is no linkage.
+    """
+    require_linkage(study.design)
+    there = study.at_theta(np.array([math.radians(angle_deg)]))
+    rows, table = _position(there), there.centres
+    driver = body_name(there.design.drive.linkage.driver.link)
+    return {
+        "angular_velocity_rad_s": {str(n): float(w[0]) for n, w in there.angular_velocities().items()},
+        "centres": {f"{row.links[0]},{row.links[1]}": _centre(row) for row in rows.centres},
+        "points": {
+            row.name: {
+                "x_mm": row.place.real * _MM,
+                "y_mm": row.place.imag * _MM,
+                "vx_mm_s": row.velocity.real * _MM,
+                "vy_mm_s": row.velocity.imag * _MM,
+            }
+            for row in rows.points
+        },
+        "velocity_ratios": {
+            f"{link_number(body)},{link_number(base)}": _ratio(ratio_arms(table, body, base))
+            for body, base in dict.fromkeys(pair for pairs in CHAINS.values() for pair in pairs(table, driver))
+        },
+        "velocity_differences": [
+            {
+                "kind": row.kind,
+                "link": row.link,
+                "on": row.on,
+                "from": row.a,
+                "to": row.p,
+                "v_from_mm_s": _vector(row.v_a),
+                "v_difference_mm_s": _vector(row.v_pa),
+                "v_to_mm_s": _vector(row.v_p),
+            }
+            for row in rows.differences
+        ],
+    }
+
+
+def _ratio(arms: RatioArms) -> dict[str, float]:
+    """ω_body/ω_base and the directed distances that tell it; infinite, as of a link that does not turn."""
+    lengths = {"base_arm_mm": arms.base_arm, "body_arm_mm": arms.body_arm}
+    return {"ratio": float(arms.ratio[0]), **{name: float(arm[0]) * _MM for name, arm in lengths.items()}}
+
+
+def _vector(vector: complex) -> list[float]:
+    return [vector.real * _MM, vector.imag * _MM]
+
+
+def _centre(row: CentreRow) -> list[float] | dict[str, float] | None:
+    if row.direction is not None:
+        return {"direction_deg": math.degrees(row.direction)}
+    return None if row.place is None else _vector(row.place)

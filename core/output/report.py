@@ -18,7 +18,7 @@ _ASSUMED = "*"
 
 def digits(value: float | None, most: int = 6) -> str:
     """A number for reading: six significant digits, never an exponent where a plain number will do."""
-    if value is None:
+    if value is None or not math.isfinite(value):
         return "infinite"
     if value == 0.0:
         return "0"
@@ -81,8 +81,8 @@ def linkage_inputs(study: Study) -> list[str]:
         for place in link.points:
             at = f"linkage.links[{i}].points"
             marked = any(path in assumed for path in (at, f"{at}.{place.name}", f"{at}.{place.name}.x_mm"))
-            told = f"{place.x_mm:.10g}", f"{place.y_mm:.10g}"
-            rows.append((str(link.number), place.name, *told, _ASSUMED if marked else ""))
+            place_mm = f"{place.x_mm:.10g}", f"{place.y_mm:.10g}"
+            rows.append((str(link.number), place.name, *place_mm, _ASSUMED if marked else ""))
     lines = _heading("Linkage") + columns(rows, left=2)
     if linkage.sliders:
         rows = [("Slider", "on link", "through x mm", "y mm", "angle °")]
@@ -90,8 +90,8 @@ def linkage_inputs(study: Study) -> list[str]:
             rows.append((str(s.link), str(s.on), *(f"{v:.10g}" for v in (s.through_x_mm, s.through_y_mm, s.angle_deg))))
         lines += ["", *columns(rows)]
     driver, facts = linkage.driver, mechanism(study)
-    told_by = "turns" if driver.kind == CRANK else "follows the motion"
-    lines += ["", f"Link {driver.link} {told_by}, {driver.speed_rpm:.10g} rpm"]
+    moved_by = "turns" if driver.kind == CRANK else "follows the motion"
+    lines += ["", f"Link {driver.link} {moved_by}, {driver.speed_rpm:.10g} rpm"]
     lines += [f"Branch {', '.join(f'{s.joint} {s.side:+d}' for s in linkage.branch)}"] if linkage.branch else []
     lines += [f"Solved as {', '.join(d['kind'] + ' ' + '-'.join(map(str, d['links'])) for d in facts['dyads'])}"]
     if facts["four_bar"]:
@@ -116,9 +116,9 @@ def _motion(study: Study) -> list[str]:
         rows.append((_law_label(segment.curve.law), f"{at:.10g}", f"{end:.10g}", f"{segment.rise:.10g}"))
         at = end
     lines = _heading("Motion") + columns(rows)
-    told: list[Sequence[str]] = [("Join at °", "s", "v", "a", "j")]
-    told += [(digits(j["cam_angle_deg"]), *(digits(j[k]) for k in "svaj")) for j in joins(study)]
-    return [*lines, "", f"Jumps at the joins, {unit} per radian of cam angle", *columns(told, left=0)]
+    jumps: list[Sequence[str]] = [("Join at °", "s", "v", "a", "j")]
+    jumps += [(digits(j["cam_angle_deg"]), *(digits(j[k]) for k in "svaj")) for j in joins(study)]
+    return [*lines, "", f"Jumps at the joins, {unit} per radian of cam angle", *columns(jumps, left=0)]
 
 
 def _base(study: Study) -> list[str]:
@@ -129,16 +129,16 @@ def _base(study: Study) -> list[str]:
 
 
 def _extremes(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> list[str]:
-    found = extremes(study, stages)
-    told: list[Sequence[str]] = [("", "unit", "lowest", "at °", "highest", "at °")]
+    values = extremes(study, stages)
+    table: list[Sequence[str]] = [("", "unit", "lowest", "at °", "highest", "at °")]
     for row in rows:
-        if row.slug in found:
-            low, high = found[row.slug]["min"], found[row.slug]["max"]
-            told.append(
+        if row.slug in values:
+            low, high = values[row.slug]["min"], values[row.slug]["max"]
+            table.append(
                 (row.label, row.unit.symbol, digits(low["value"]), digits(low["cam_angle_deg"]),
                  digits(high["value"]), digits(high["cam_angle_deg"]))
             )  # fmt: skip
-    return _heading("Extremes over one turn") + columns(told, left=2)
+    return _heading("Extremes over one turn") + columns(table, left=2)
 
 
 def _flywheel(study: Study) -> list[str]:
@@ -168,34 +168,34 @@ def _flywheel(study: Study) -> list[str]:
 
 
 def _stability(study: Study) -> list[str]:
-    told = stability(study)
-    if not told:
+    values = stability(study)
+    if not values:
         return []
     from core.stability import LABELS  # no design without a flexible shaft loads it
 
     rows = [
-        ("Frequency ratio η", digits(told["eta"]), ""),
-        ("Inertia ratio Q", digits(told["q"]), ""),
-        ("Natural frequency of the shaft", digits(told["natural_rpm"]), "rpm"),
-        ("Harmonics", str(told["harmonics"]), ""),
-        ("Error of an edge η", f"{told['edge_error']:.0e}", ""),
+        ("Frequency ratio η", digits(values["eta"]), ""),
+        ("Inertia ratio Q", digits(values["q"]), ""),
+        ("Natural frequency of the shaft", digits(values["natural_rpm"]), "rpm"),
+        ("Harmonics", str(values["harmonics"]), ""),
+        ("Error of an edge η", f"{values['edge_error']:.0e}", ""),
     ]
-    lines = _heading("Stability of the flexible shaft") + columns(rows) + _forbidden(told)
-    said: list[Sequence[str]] = [("At the speed of the machine", "", "growth a turn %", "wind-up °")]
-    for verdict in told["verdicts"]:
+    lines = _heading("Stability of the flexible shaft") + columns(rows) + _forbidden(values)
+    verdicts: list[Sequence[str]] = [("At the speed of the machine", "", "growth a turn %", "wind-up °")]
+    for verdict in values["verdicts"]:
         word = {True: "stable", False: "unstable", None: "no answer"}[verdict["stable"]]
         numbers = (verdict["growth_percent_per_turn"], verdict["largest_wind_up_deg"])
-        said.append((LABELS[verdict["model"]], word, *("" if v is None else digits(v, 4) for v in numbers)))
-    return [*lines, "", *columns(said, left=2), *_needed(study, told)]
+        verdicts.append((LABELS[verdict["model"]], word, *(digits(v, 4) if math.isfinite(v) else "" for v in numbers)))
+    return [*lines, "", *columns(verdicts, left=2), *_needed(study, values)]
 
 
-def _forbidden(told: dict[str, Any]) -> list[str]:
-    if not told["bands"]:
+def _forbidden(values: dict[str, Any]) -> list[str]:
+    if not values["bands"]:
         return ["", "No forbidden band of speed"]
     rows: list[Sequence[str]] = [
         ("Forbidden speeds", "from rpm", "to rpm", "from η", "to η", "growth a turn %", "turns to double")
     ]
-    for band in told["bands"]:
+    for band in values["bands"]:
         growth = band["growth_percent_per_turn"]
         edges = (digits(band[k], 8) for k in ("rpm_lo", "rpm_hi", "eta_hi", "eta_lo"))
         rows.append(
@@ -204,8 +204,8 @@ def _forbidden(told: dict[str, Any]) -> list[str]:
     return ["", *columns(rows)]
 
 
-def _needed(study: Study, told: dict[str, Any]) -> list[str]:
-    needed, now = told["stiffness"], study.design.camshaft.elastic
+def _needed(study: Study, values: dict[str, Any]) -> list[str]:
+    needed, now = values["stiffness"], study.design.camshaft.elastic
     if now is None or needed["allowed"]:
         return ["", "At this speed the shaft keeps clear of the forbidden bands."]
     softer = needed["greatest_softer_nm_per_rad"]
@@ -217,8 +217,8 @@ def _needed(study: Study, told: dict[str, Any]) -> list[str]:
 
 
 def _findings(study: Study, stages: Sequence[str]) -> list[str]:
-    found = study.findings(tuple(stages))
-    return _heading("Findings") + ([finding_line(f, study.angle_name) for f in found] or ["none"])
+    findings = study.findings(tuple(stages))
+    return _heading("Findings") + ([finding_line(f, study.angle_name) for f in findings] or ["none"])
 
 
 def _certificate(study: Study, stages: Sequence[str]) -> list[str]:

@@ -26,7 +26,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "kind": "linkage" if study.design.drive.links else "cam",
         "assumed": list(study.design.assumed),
         "base": {} if linkage is None else {
-            f"{name}_{unit}": _number(value / UNITS[unit].factor) for name, (value, unit) in linkage.base.items()
+            f"{name}_{unit}": value / UNITS[unit].factor for name, (value, unit) in linkage.base.items()
         },
         "joins": joins(study),
         **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
@@ -39,13 +39,13 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
                 "severity": f.severity,
                 "field": f.field,
                 "cam_angle_deg": f.cam_angle_deg,
-                "values": {k: _number(v) for k, v in f.values.items()},
+                "values": dict(f.values),
                 "message": f.message,
             }
             for f in study.findings(tuple(stages))
         ],
         "certificate": {
-            name: {"value": _number(r.value), "bound": _number(r.bound), "left_out": r.left_out}
+            name: {"value": r.value, "bound": r.bound, "left_out": r.left_out}
             for name, r in study.certificate(tuple(stages)).items()
         },
     }  # fmt: skip
@@ -57,16 +57,16 @@ def joins(study: Study) -> list[dict[str, float]]:
     if "motion" not in study.stages:
         return []
     scale = study.program.motion.scale
-    told = []
+    rows = []
     for join in study.program.joins:
         jump = np.where(join.jumps, join.jump, 0.0) / scale
-        told.append({"cam_angle_deg": math.degrees(join.theta), **dict(zip("svaj", map(float, jump), strict=True))})
-    return told
+        rows.append({"cam_angle_deg": math.degrees(join.theta), **dict(zip("svaj", map(float, jump), strict=True))})
+    return rows
 
 
 def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
     """Refined extremes of every channel of the named stages, in the channel's own unit; no forces where a guide jams."""
-    found = {}
+    rows = {}
     for stage in stages:
         if stage == "dynamics" and study.jam is not None:
             continue
@@ -74,14 +74,14 @@ def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
         for row in channels(study.design, (stage,)):
             if row.quantity in ranges:
                 low, high = ranges[row.quantity].low, ranges[row.quantity].high
-                found[row.slug] = {
+                rows[row.slug] = {
                     side: {
-                        "value": _number(e.value / row.unit.factor + 0.0),
-                        "cam_angle_deg": _number(math.degrees(e.theta)),
+                        "value": e.value / row.unit.factor + 0.0,
+                        "cam_angle_deg": math.degrees(e.theta),
                     }
                     for side, e in (("min", low), ("max", high))
                 }
-    return found
+    return rows
 
 
 def flywheel(study: Study) -> dict[str, float | None]:
@@ -91,9 +91,9 @@ def flywheel(study: Study) -> dict[str, float | None]:
         return {}
     wheel, speed = study.flywheel, speeds(study)
     return {
-        "mean_torque_nm": _number(wheel.mean_torque),
-        "energy_swing_j": _number(wheel.energy_swing),
-        "needed_inertia_kg_m2": _number(wheel.needed_inertia),
+        "mean_torque_nm": wheel.mean_torque,
+        "energy_swing_j": wheel.energy_swing,
+        "needed_inertia_kg_m2": wheel.needed_inertia,
         "fluctuation": (speed[1] - speed[0]) / study.omega if speed else None,
         "min_speed_rpm": speed[0] / UNITS["rpm"].factor if speed else None,
         "max_speed_rpm": speed[1] / UNITS["rpm"].factor if speed else None,
@@ -104,8 +104,8 @@ def speeds(study: Study) -> tuple[float, float] | None:
     """Lowest and highest speed of the camshaft over the turn [rad/s]; None where the motor stalls."""
     if not study.flywheel.runs:
         return None
-    found = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
-    return found.low.value, found.high.value
+    speed = study.extremes("dynamics", ("camshaft_speed",))["camshaft_speed"]
+    return speed.low.value, speed.high.value
 
 
 def mechanism(study: Study) -> dict[str, Any]:
@@ -131,44 +131,44 @@ def mechanism(study: Study) -> dict[str, Any]:
 def stability(study: Study) -> dict[str, Any]:
     """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
     empty where the shaft is rigid or nothing excites it."""
-    found = study.stability if "stability" in study.stages else None
-    if found is None:
+    shaft = study.stability if "stability" in study.stages else None
+    if shaft is None:
         return {}
     try:
-        row, machine = found.exact, found.machine
+        row, machine = shaft.exact, shaft.machine
     except NoStability:
         return {}
-    needed = found.stiffness_for(study.design.camshaft.speed_rpm)
+    needed = shaft.stiffness_for(study.design.camshaft.speed_rpm)
     return {
         "eta": machine.eta,
         "q": machine.q,
         "natural_rpm": machine.natural / UNITS["rpm"].factor,
-        "top_rpm": _number(found.top_rpm),
+        "top_rpm": shaft.top_rpm,
         "harmonics": row.order,
         "method": row.method,
-        "edge_error": _number(float(np.nanmax(row.error, initial=0.0))),
+        "edge_error": float(np.nanmax(row.error, initial=0.0)),
         "bands": [
             {
                 "n": band.n,
                 "eta_lo": band.eta_lo,
                 "eta_hi": band.eta_hi,
                 "rpm_lo": band.rpm_lo,
-                "rpm_hi": _number(band.rpm_hi),
+                "rpm_hi": band.rpm_hi,
                 "growth_percent_per_turn": 100.0 * math.expm1(band.growth),
-                "growth_per_s": _number(band.rate),
+                "growth_per_s": band.rate,
             }
-            for band in found.bands
+            for band in shaft.bands
         ],
         "verdicts": [
             {
                 "model": verdict.model,
                 "stable": verdict.stable,
-                "trace": _given(verdict.trace),
-                "growth_percent_per_turn": _given(round(100.0 * math.expm1(verdict.growth), 6)),
-                "largest_wind_up_deg": _given(360.0 * verdict.largest),
+                "trace": verdict.trace,
+                "growth_percent_per_turn": round(100.0 * math.expm1(verdict.growth), 6),
+                "largest_wind_up_deg": 360.0 * verdict.largest,
                 "leaves_cam_at_turns": verdict.lost,
             }
-            for verdict in found.own_verdicts
+            for verdict in shaft.own_verdicts
         ],
         "stiffness": {
             "allowed": needed.allowed,
@@ -178,15 +178,16 @@ def stability(study: Study) -> dict[str, Any]:
     }
 
 
-def _given(value: float) -> float | None:
-    """None stands for what a model does not say."""
-    return value if math.isfinite(value) else None
-
-
-def _number(value: Any) -> Any:
-    """JSON has no infinity: null stands for it."""
-    return value if not isinstance(value, float) or math.isfinite(value) else None
-
-
 def to_json(data: Any) -> str:
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """As text; JSON has no infinity, and null stands for it and for what has no value. No minus zero."""
+    return json.dumps(_finite(data), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _finite(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {key: _finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [_finite(value) for value in data]
+    if isinstance(data, float):
+        return data + 0.0 if math.isfinite(data) else None
+    return data

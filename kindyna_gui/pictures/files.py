@@ -13,8 +13,8 @@ from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
-from core.output.centres import Snapshot
 from core.output.channels import Channel, channels, existing
+from core.output.position import Snapshot
 from core.study import Study
 from kindyna_gui.graph.linkage_plots import quantities_for
 from kindyna_gui.pictures.app import ensure_app

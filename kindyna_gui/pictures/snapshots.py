@@ -10,7 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.instant_centres import velocity_polygon
-from core.output.centres import Snapshot
+from core.output.position import Snapshot
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.drawing.polygon import PolygonSheet
 from kindyna_gui.pictures.files import ENLARGED, RATIO, SHEET, Sheet, png, svg

@@ -16,7 +16,7 @@ from shafts import KIM, coefficients, with_elastic
 
 from core import project
 from core.__main__ import main
-from core.output.stability_tables import averages_table, windup_table
+from core.output.stability_files import averages_table, windup_table
 from core.stability import Chart, Figure, histories, history, mean_wind_up
 from core.study import Study
 

@@ -259,5 +259,5 @@ def test_exporting_loads_neither_scipy_nor_a_window(tmp_path: Path) -> None:
     loaded = set(done.stdout.splitlines()[-1].split()[1:])
     assert "core" in loaded
     assert not {"scipy", "PySide6", "shiboken6", "pyqtgraph", "PIL", "kindyna_gui", "matplotlib"} & loaded
-    others = {"blend", "measured", "stability", "output.blend_text", "output.centres", "output.stability_files"}
+    others = {"blend", "measured", "stability", "output.blend_text", "output.position", "output.stability_files"}
     assert not {f"core.{name}" for name in others} & loaded, "of other commands"
