@@ -146,7 +146,7 @@ def _figure(shaft: Stability, figure: tuple[int, float, float, bool], run: Histo
     number, eta, q, stable = figure
     models = (
         *linear_verdicts(shaft.coefficients, eta, q),
-        steady_verdict(shaft.coefficients, eta, q, contact=shaft.contact)[0],
+        steady_verdict(shaft.coefficients, eta, q, contact=shaft.contact),
     )
     return Claim(
         f"Fig. {number}",

@@ -104,18 +104,11 @@ def bands(
     if n.size == 0:
         return ()
     worst, rate = peaks(coefficients, edges[n], float(result.q[row]), result.equation, result.damping)
+    columns = (each.tolist() for each in (n + 1, edges[n], rate, worst))
     return tuple(
-        Band(
-            int(k) + 1,
-            float(lo),
-            float(hi),
-            machine.rpm(float(hi)),
-            machine.rpm(float(lo)),
-            float(g),
-            machine.rpm(float(w)),
-        )
-        for k, (lo, hi), g, w in zip(n, edges[n], rate, worst, strict=True)
-        if g > 0.0  # else its edges are rounding apart
+        Band(k, lo, hi, machine.rpm(hi), machine.rpm(lo), growth, machine.rpm(peak))
+        for k, (lo, hi), growth, peak in zip(*columns, strict=True)
+        if growth > 0.0  # else its edges are rounding apart
     )
 
 
@@ -193,14 +186,8 @@ def stiffness_for(coefficients: Coefficients, machine: Machine, rpm: float, coun
     for lo, hi in reversed(wide):
         if lo < softer < hi:
             softer = lo
-    return Stiffness(
-        rpm,
-        tuple(forbidden),
-        machine.stiffness,
-        stiffer == machine.stiffness,
-        stiffer,
-        softer if softer > 0.0 else None,
-    )
+    allowed = stiffer == machine.stiffness
+    return Stiffness(rpm, tuple(forbidden), machine.stiffness, allowed, stiffer, softer if softer > 0.0 else None)
 
 
 # -- a shaft to begin with, where nothing is known of it yet -----------------------------------------------

@@ -160,21 +160,17 @@ def chart(
     coefficients: Coefficients,
     machine: Machine | None,
     name: str = "",
-    q: Sequence[float] | np.ndarray | None = None,
     eta_max: float = ETA_MAX,
     rows: int = ROWS,
     damping: float = 0.0,
-    equations: Sequence[str] = (EXACT, APPROXIMATE),
     marked: Sequence[float] = (),
     error: float = EDGE_ERROR,
 ) -> Chart:
-    """The chart of a machine; by default ``rows`` of Q from 0 to well above the machine's own.
+    """The chart of a machine: ``rows`` of Q from 0 to well above the machine's own.
 
     A coarse one (few rows, a large ``error`` of the edges η) comes at once.
     """
-    if q is None:
-        q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
-    rising = np.sort(np.asarray(q, dtype=float))
+    q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     count = count_up_to(eta_max)
-    by_equation = {equation: tongues(coefficients, rising, count, equation, damping, error) for equation in equations}
-    return Chart(name, rising, by_equation, eta_max, machine, tuple(marked))
+    by_equation = {e: tongues(coefficients, q, count, e, damping, error) for e in (EXACT, APPROXIMATE)}
+    return Chart(name, q, by_equation, eta_max, machine, tuple(marked))

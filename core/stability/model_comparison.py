@@ -10,7 +10,7 @@ import numpy as np
 from core.stability.contact import Contact
 from core.stability.floquet import monodromy
 from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
-from core.stability.steady_response import TOLERANCE, SteadyResponse, steady_response
+from core.stability.steady_response import TOLERANCE, steady_response
 from core.stability.windup import History, history
 
 STEADY, FROM_REST = "steady", "from_rest"
@@ -59,15 +59,14 @@ def linear_verdicts(
 
 def steady_verdict(
     coefficients: Coefficients, eta: float, q: float, damping: float = 0.0, contact: Contact | None = None
-) -> tuple[Verdict, SteadyResponse | None, History | None]:
-    """The last word, with the response it is about and one turn of it."""
+) -> Verdict:
+    """The last word: stability of the true steady response, with the largest wind-up of one turn of it."""
     response = steady_response(coefficients, eta, q, damping)
     if response is None:
-        return Verdict(STEADY, None), None, None
+        return Verdict(STEADY, None)
     state = (float(response.state[0]), float(response.state[1]))
     turn = history(coefficients, eta, q, damping, 1.0, state, contact)
-    verdict = Verdict(STEADY, response.stable, response.growth, response.trace, turn.largest[0], turn.contact_lost)
-    return verdict, response, turn
+    return Verdict(STEADY, response.stable, response.growth, response.trace, turn.largest[0], turn.contact_lost)
 
 
 def rest_verdict(run: History) -> Verdict:

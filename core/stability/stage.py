@@ -28,7 +28,7 @@ from core.stability.model_comparison import (
     rest_verdict,
     steady_verdict,
 )
-from core.stability.steady_response import TOLERANCE, SteadyResponse
+from core.stability.steady_response import TOLERANCE
 from core.stability.windup import Averages, History, etas, history, mean_wind_up
 
 TIMES = (1.0, 2.0, 4.0, 10.0, 20.0)  # rows of the means, in the machine's Q: 0.05 ... 1 of Kim1990 where that is 0.05
@@ -100,18 +100,17 @@ class Stability:
     @cached_property
     def linear(self) -> tuple[Verdict, ...]:
         """What (22) and (21) say of the machine's own point."""
-        return linear_verdicts(self.coefficients, self.machine.eta, self.machine.q, self.machine.damping)
+        return self.linear_at(self.machine.eta, self.machine.q)
 
     @cached_property
-    def steady(self) -> tuple[Verdict, SteadyResponse | None, History | None]:
-        """The true steady response at the machine's own point, and what it says."""
-        m = self.machine
-        return steady_verdict(self.coefficients, m.eta, m.q, m.damping, self.contact)
+    def steady(self) -> Verdict:
+        """What the true steady response says of the machine's own point."""
+        return self.steady_at(self.machine.eta, self.machine.q)
 
     @property
     def own_verdicts(self) -> tuple[Verdict, ...]:
         """The verdicts on the machine's own point, the steady response's where η is not beyond reach."""
-        return (*self.linear, self.steady[0]) if self.machine.eta <= STEADY_ETA else self.linear
+        return (*self.linear, self.steady) if self.machine.eta <= STEADY_ETA else self.linear
 
     def history(self, periods: float | None = None, eta: float | None = None, q: float | None = None) -> History:
         """From rest at the machine's own point or at another one of the chart; the last one is kept."""
@@ -144,7 +143,7 @@ class Stability:
 
     def steady_at(self, eta: float, q: float) -> Verdict:
         """What the true steady response says at any point of the chart: it takes seconds near a resonance."""
-        return steady_verdict(self.coefficients, eta, q, self.machine.damping, self.contact)[0]
+        return steady_verdict(self.coefficients, eta, q, self.machine.damping, self.contact)
 
     def verdicts(self, eta: float, q: float) -> tuple[Verdict, ...]:
         """What every model says of any point of the chart."""
@@ -233,27 +232,22 @@ def findings(shaft: Stability) -> list[Finding]:
         return [Finding("above-all-speeds", ERROR, FIELD, None, values)]
     growth = shaft.linear[-1].growth
     inside = [b for b in shaft.near_bands if b.holds(rpm)]
-    if not inside and growth > TOLERANCE:  # beyond the bands computed
-        severity = ERROR if growth >= NOTICEABLE else WARNING
-        return [
-            Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})
-        ]
-    if inside:
-        band = max(inside, key=lambda b: b.growth)
-        severity = ERROR if band.growth >= NOTICEABLE else WARNING
-        return [Finding("unstable-speed", severity, FIELD, None, _values(band, rpm))]
     near = [b for b in shaft.near_bands if b.growth >= NOTICEABLE and b.distance(rpm) <= CLEAR]
-    if near:
-        band = min(near, key=lambda b: b.distance(rpm))
-        return [Finding("near-unstable-speed", NOTE, FIELD, None, _values(band, rpm))]
-    return []
-
-
-def _values(band: Band, rpm: float) -> dict[str, float | str]:
-    return {
+    if inside:
+        code, band = "unstable-speed", max(inside, key=lambda b: b.growth)
+        severity = ERROR if band.growth >= NOTICEABLE else WARNING
+    elif growth > TOLERANCE:  # beyond the bands computed
+        severity = ERROR if growth >= NOTICEABLE else WARNING
+        return [Finding("unstable-shaft", severity, FIELD, None, {"rpm": rpm, "growth_percent": 100.0 * math.expm1(growth)})]
+    elif near:
+        code, band, severity = "near-unstable-speed", min(near, key=lambda b: b.distance(rpm)), NOTE
+    else:
+        return []
+    values = {
         "rpm": rpm,
         "n": float(band.n),
         "rpm_lo": band.rpm_lo,
         "rpm_hi": band.rpm_hi,
         "growth_percent": 100.0 * math.expm1(band.growth),
     }
+    return [Finding(code, severity, FIELD, None, values)]

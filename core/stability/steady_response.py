@@ -133,7 +133,7 @@ def shoot(
 
 
 def branch(
-    coefficients: Coefficients, start: SteadyResponse, direction: float, longest: float = LONGEST_ARC
+    coefficients: Coefficients, start: SteadyResponse, direction: float
 ) -> Iterator[SteadyResponse]:
     """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
     folds; ends where the branch cannot be followed or becomes wild. The caller stops the iteration."""
@@ -141,7 +141,7 @@ def branch(
     point = np.array([*start.state, start.eta])
     tangent = _tangent(_derivatives(coefficients, point, q, damping)[1])
     tangent *= np.sign(tangent[2]) * direction
-    arc = min(ARC, longest)
+    arc = ARC
     for _ in range(MOST_POINTS):
         corrected = _corrected(coefficients, point, tangent, arc, q, damping)
         if corrected is None:
@@ -159,7 +159,7 @@ def branch(
         if _wildness(point[:2]) > 1.0:
             return
         yield SteadyResponse(float(point[2]), q, damping, point[:2], slopes[:, :2] + np.eye(2), miss)
-        arc = min(longest, arc * (1.5 if sweeps <= 4 else 0.7))
+        arc = min(LONGEST_ARC, arc * (1.5 if sweeps <= 4 else 0.7))
 
 
 def _derivatives(

@@ -178,7 +178,7 @@ def test_the_chart_is_edges_and_the_machine_stands_in_it() -> None:
 
 def test_a_damped_chart_has_no_tips_at_zero() -> None:
     found = of(with_elastic(KIM, damping_ratio=0.01))
-    drawn = chart(found.coefficients, found.machine, rows=10, damping=0.01, equations=(EXACT,))
+    drawn = chart(found.coefficients, found.machine, rows=10, damping=0.01)
     assert drawn.outline(9) == []
     (outline,) = drawn.outline(1)
     assert outline[:, 1].min() > 0.0
@@ -211,7 +211,7 @@ def test_a_chart_that_nobody_wants_any_more_stops() -> None:
 
 def test_marked_rows_are_in_sight() -> None:
     found = of(KIM)
-    drawn = chart(found.coefficients, None, rows=4, marked=(0.4,), equations=(EXACT,))
+    drawn = chart(found.coefficients, None, rows=4, marked=(0.4,))
     assert drawn.q[-1] > 0.4
     assert drawn.machine is None
     assert [count_up_to(eta) for eta in (0.3, 0.5, 5.6, 6.0)] == [1, 1, 11, 12]

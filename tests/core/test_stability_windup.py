@@ -323,7 +323,7 @@ def test_the_branch_of_steady_responses_goes_through_its_fold() -> None:
     start = shoot(found, 2.2, 0.05, 0.0, None)
     assert start is not None
     seen = []
-    for point in branch(found, start, -1.0, 0.2):
+    for point in branch(found, start, -1.0):
         seen.append(point)
         if len(seen) > 3 and seen[-1].eta > seen[-2].eta:
             break
