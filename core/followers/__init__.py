@@ -7,8 +7,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple, cast
 
 from core.design import CamSlider, Follower, Linkage, Oscillating, Translating, si
-from core.followers.base import LAYOUT_TABLE, BasePosition, Layout, base_position
-from core.followers.cam_slider import cam_slider
+from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
 from core.followers.oscillating import oscillating
 from core.followers.translating import translating
 from core.mechanism.mechanism import Mechanism, Reference, mechanism_of

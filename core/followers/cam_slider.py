@@ -3,18 +3,81 @@
 from __future__ import annotations
 
 import cmath
+import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, Place, Side, Slider, si
 from core.errors import NoAssembly, angle_ranges
-from core.followers.base import base_position
+from core.followers.reach import angle_at_pivot, rounded
 from core.mechanism.mechanism import Mechanism, Reference
 from core.mechanism.solving import Solved
 from core.motion import MotionState
 
 ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
+
+
+@dataclass(frozen=True)
+class Layout:
+    """One of Shin1995 Fig. 1 (a)-(h): cam left of the pivot, roller above the line to the pivot, slider right of
+    the arm's tip."""
+
+    cam_left: bool
+    roller_above: bool
+    slider_right: bool
+
+
+LAYOUT_TABLE = {
+    letter: Layout(cam_left=letter in "abef", roller_above=letter in "abcd", slider_right=letter in "aceg")
+    for letter in "abcdefgh"
+}
+
+
+@dataclass(frozen=True)
+class BasePosition:
+    """Roller on the base circle, y = 0 [m, rad]: slider L0, arm φ0, roller arm α0 (global), rod β0; and the sign σ
+    of the triangle arm-rod, kept over the whole cycle."""
+
+    slider: float
+    phi: float
+    alpha: float
+    beta: float
+    sigma: float
+
+
+def base_position(follower: CamSlider, reach: float) -> BasePosition:
+    """Shin1995 eqs. (1)-(7), for all eight layouts.
+
+    reach: distance cam centre to roller centre on the base circle, Br + Rr [m]. β0 by atan2 instead of (7), whose
+    tangent substitution divides by zero at β = 180 deg; (5) with the guide angle: φ0 = α0 - γ - δ.
+    Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
+    """
+    g, layout = si(follower), LAYOUT_TABLE[follower.layout]
+    theta_b = angle_at_pivot(g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, "roller arm", "follower.roller_arm_mm")
+    theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
+    alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
+    phi = alpha - g.fixed_angle - g.guide_angle
+    rise = g.guide_height - g.slider_arm * math.sin(phi)
+    inside = (g.rod - rise) * (g.rod + rise)
+    if inside < 0.0:
+        raise NoAssembly(
+            f"the rod does not reach the guide in the base position: {follower.rod_mm:.9g} mm long, the arm's pin is "
+            f"{abs(rise) * 1e3:.9g} mm from the guide",
+            "follower.rod_mm",
+            f"make it longer than {rounded(abs(rise) * 1e3, math.ceil)} mm, or change guide_height_mm or fixed_angle_deg",
+        )
+    run = math.copysign(math.sqrt(inside), 1.0 if layout.slider_right else -1.0)
+    slider = g.slider_arm * math.cos(phi) + run
+    side = slider * math.sin(phi) - g.guide_height * math.cos(phi)
+    if side == 0.0:
+        raise NoAssembly(
+            "rod and slider arm lie in line in the base position (dead centre)",
+            "follower.rod_mm",
+            "change a length or the fixed angle",
+        )
+    return BasePosition(slider, phi, alpha, math.atan2(rise, run), math.copysign(1.0, side))
 
 
 def cam_slider(follower: CamSlider, reach: float) -> Mechanism:

@@ -19,7 +19,7 @@ from core.design import CamSlider, Design, Oscillating, Translating, put, si
 from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
-from core.followers.base import LAYOUT_TABLE, Layout, base_position
+from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.triangle import area4_of

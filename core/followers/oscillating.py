@@ -6,10 +6,8 @@ import math
 
 from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, Place, si
 from core.design.parts import SIDES
-from core.errors import NoAssembly
-from core.followers.base import triangle_range
+from core.followers.reach import angle_at_pivot
 from core.mechanism.mechanism import Mechanism, Reference
-from core.mechanism.triangle import opposite_angle
 
 ARM = 2
 
@@ -23,16 +21,7 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     does not reach the base circle.
     """
     g, sense = si(follower), SIDES[follower.side]
-    distance = math.hypot(g.pivot_x, g.pivot_y)
-    theta_b = opposite_angle(g.arm, distance, reach)
-    if math.isnan(theta_b):
-        raise NoAssembly(
-            f"the roller cannot reach the base circle: arm {follower.arm_mm:.9g} mm, pivot {distance * 1e3:.9g} mm from the "
-            f"cam centre, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
-            "follower.arm_mm",
-            f"make the arm {triangle_range(distance, reach)} mm long, or base radius + roller radius "
-            f"{triangle_range(distance, g.arm)} mm",
-        )
+    theta_b = angle_at_pivot(g.arm, math.hypot(g.pivot_x, g.pivot_y), reach, "arm", "follower.arm_mm")
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     linkage = Linkage(
         (

@@ -1,0 +1,39 @@
+"""Whether a follower's lengths meet in the base position: the roller on the base circle, motion at 0; and what to change."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from core.errors import NoAssembly
+from core.mechanism.triangle import opposite_angle
+
+
+def rounded(length: float, direction: Callable[[float], int], digits: int = 6) -> str:
+    """A length to so many digits, by ``ceil`` or ``floor``: what a reader then types in must not be refused again."""
+    if length <= 0.0:
+        return "0"
+    places = math.floor(math.log10(length)) - digits + 1
+    return f"{direction(length / 10.0**places) * 10.0**places:.12g}"
+
+
+def _triangle_range(one: float, other: float) -> str:
+    """The range of the third side of a triangle of two sides [m], in mm."""
+    return f"{rounded(abs(one - other) * 1e3, math.ceil)} ... {rounded((one + other) * 1e3, math.floor)}"
+
+
+def angle_at_pivot(arm: float, pivot: float, reach: float, name: str, field: str) -> float:
+    """The angle [rad] at the pivot of the triangle arm, pivot's distance from the cam centre, reach (Br + Rr) [m].
+
+    name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
+    """
+    angle = opposite_angle(arm, pivot, reach)
+    if math.isnan(angle):
+        raise NoAssembly(
+            f"the roller cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "
+            f"centre, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
+            field,
+            f"make the {name} {_triangle_range(pivot, reach)} mm long, or base radius + roller radius "
+            f"{_triangle_range(pivot, arm)} mm",
+        )
+    return angle
