@@ -17,7 +17,7 @@ with importing():
     from core import __version__
     from core.commands import COMMANDS, NOTHING_DONE, Command, Painter
     from core.errors import KindynaError
-    from core.numerics.lazy import keep_freed_memory
+    from core.process import keep_freed_memory
 
 MOST_LINES = 100
 

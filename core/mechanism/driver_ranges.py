@@ -137,8 +137,7 @@ def guided_course(plan: Plan, start: float, low: float, high: float, angles: Map
     for link, first in angles.items():
         angle = np.unwrap(_known(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
         angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
-        middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN else None
-        turning[link] = Turning(at, angle, middle, False)
+        turning[link] = _turning_by(at, angle, turns=False)
     return Course(plan, low, high, (), (), branch, MappingProxyType(turning))
 
 
@@ -186,12 +185,11 @@ def _changes(plan: Plan, index: int, branch: Branch, ranges: list[Range], whole:
     branch.changes[index] = np.array(sorted(found))
     bridges = []
     for at in found:
-        half = HALF * scale
-        ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), branch, index + 1), step.links)
-        while not np.isfinite(ends).all() and half > _BESIDE * scale:  # a dead centre is near
-            half *= 0.25
+        for half in scale * HALF * 0.25 ** np.arange(7.0):  # shorter where a dead centre is near
             ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), branch, index + 1), step.links)
-        bridges.append(bridge(at, half, (step.links[0], step.links[1]), ends))
+            if np.isfinite(ends).all():
+                break
+        bridges.append(bridge(at, float(half), (step.links[0], step.links[1]), ends))
     branch.bridges[index] = tuple(bridges)
     return [Change(at, step.joint) for at in found]
 
@@ -205,7 +203,7 @@ def _end_states(solved: Solved, links: tuple[int, ...]) -> np.ndarray:
         angle[0] = np.unwrap(angle[0])
         z = pose.origin.spread(2).all
         columns += [z.real, z.imag, angle]
-    return np.moveaxis(np.array(columns), 0, 2).swapaxes(0, 1)
+    return np.array(columns).transpose(2, 1, 0)
 
 
 def _followed(plan: Plan, index: int, branch: Branch, ranges: list[Range]) -> list[Range]:
@@ -239,13 +237,17 @@ def _turning(plan: Plan, ranges: list[Range], branch: Branch, length: float, who
             continue
         along = np.array(np.broadcast_to(pose.turn[0], q.shape))
         angle = np.concatenate([_based(np.unwrap(_known(part))) for part in np.split(along, cuts)])
-        turns = full and bool(abs(angle[-1] - angle[0]) > pi)
-        middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN and not turns else None
-        found[link] = Turning(q, angle, middle, turns)
+        found[link] = _turning_by(q, angle, turns=full and bool(abs(angle[-1] - angle[0]) > pi))
         if full:
             lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
             closes &= bool(lost < 1e-6 and abs(pose.origin[0][-1] - pose.origin[0][0]) < 1e-6 * plan.size)
     return found, closes
+
+
+def _turning_by(q: np.ndarray, angle: np.ndarray, turns: bool) -> Turning:
+    """From angles (m,) without jumps at driver positions q (m,)."""
+    middle = 0.5 * float(angle.max() + angle.min()) if np.ptp(angle) < 0.9 * TURN and not turns else None
+    return Turning(q, angle, middle, turns)
 
 
 def _known(angle: np.ndarray) -> np.ndarray:

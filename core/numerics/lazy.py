@@ -1,9 +1,7 @@
-"""How results are kept: read-only, since others share them; made when they are asked for; in memory that stays ours."""
+"""How results are kept: read-only, since others share them; made when they are first read."""
 
 from __future__ import annotations
 
-import ctypes
-import sys
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
@@ -15,7 +13,7 @@ T = TypeVar("T")
 
 
 def locked(value: T) -> T:
-    """The value, every array in it read-only from now on; what is made when asked is locked then."""
+    """The value, every array in it read-only from now on; what is made later is locked then."""
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
     elif isinstance(value, Mapping):
@@ -56,7 +54,7 @@ class Lazy(Generic[T]):
     def __get__(self, part: Any, owner: type) -> T:
         if part is None:
             if self._otherwise is None:
-                raise AttributeError(self._name)  # which tells a dataclass that there is no default
+                raise AttributeError(self._name)  # so that a dataclass finds no default
             return cast(T, self._otherwise)
         value = vars(part)[self._name]
         if callable(value):
@@ -66,27 +64,3 @@ class Lazy(Generic[T]):
 
     def __set__(self, part: Any, value: T | Callable[[], T]) -> None:
         vars(part)[self._name] = value
-
-
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3  # of glibc's mallopt
-_KEPT, _OWN_PAGES = 64 << 20, 32 << 20  # [bytes]
-
-
-@lru_cache(maxsize=1)
-def keep_freed_memory() -> None:
-    """Tell the C library to keep up to 64 MB of freed memory instead of giving it back at once.
-
-    A stage makes some fifty arrays of 30 to 200 kB and drops most of them: by default each of their pages goes back to
-    the system and comes anew, zeroed, with the next stage. The lift's linkage and profile at 3600 angles cost 66 page faults
-    and 0.80 ms so, none and 0.69 ms with this (medians, 2 cores, glibc 2.36).
-    Every command and every
-    window call it. No such knob, no harm: other C libraries do not have it.
-    """
-    if not sys.platform.startswith("linux"):
-        return
-    try:
-        adjust: Any = ctypes.CDLL(None).mallopt
-    except (AttributeError, OSError):
-        return
-    adjust(_TRIM_THRESHOLD, _KEPT)
-    adjust(_MMAP_THRESHOLD, _OWN_PAGES)

@@ -13,7 +13,7 @@ from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPa
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
 from core.errors import KindynaError
-from core.numerics.lazy import keep_freed_memory
+from core.process import keep_freed_memory
 from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.documents.disk_button import DiskButton

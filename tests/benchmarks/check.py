@@ -12,7 +12,7 @@ from pathlib import Path
 from benchmarks.table import Kernel, kernels
 from benchmarks.timing import measure
 
-from core.numerics.lazy import keep_freed_memory
+from core.process import keep_freed_memory
 from core.project.files import write_all
 
 FILE = Path(__file__).with_name("limits.json")

@@ -16,7 +16,7 @@ from typing import Any
 from benchmarks.table import Kernel, Method, kernels
 from benchmarks.timing import measure, peak_memory
 
-from core.numerics.lazy import keep_freed_memory
+from core.process import keep_freed_memory
 from core.project.files import write_all
 
 ROOT = Path(__file__).parents[2]

@@ -14,7 +14,8 @@ from linkages import KINDS, four_bar
 from mechanisms import LIFT, PUSHER
 
 from core.mechanism import at_driver, course_of
-from core.numerics.lazy import Lazy, keep_freed_memory, locked
+from core.numerics.lazy import Lazy, locked
+from core.process import keep_freed_memory
 from core.study import Study
 
 CASES = [case((kind,), 0) for kind in KINDS]
