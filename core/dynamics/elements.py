@@ -98,7 +98,7 @@ class Mass:
         along = -self.inertia.mass * np.conjugate(self.gravity)
         return np.array([(along * z[order]).real for order in (1, 2)])
 
-    def worth(self, kinematics: Kinematics) -> np.ndarray:
+    def reduced_inertia(self, kinematics: Kinematics) -> np.ndarray:
         """J = m|z'|² + I α'², its share of the inertia at the camshaft, and J', J'' by cam angle (3, n) [kg m²]."""
         pose, part = kinematics.bodies[self.body], self.inertia
         z, a = pose.carried(part.centre), pose.turn
@@ -216,7 +216,7 @@ class Loading:
 
     def inertia(self, kinematics: Kinematics) -> np.ndarray:
         """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²]: the kinetic energy is J θ̇²/2."""
-        return sum((mass.worth(kinematics) for mass in self.masses), np.zeros((3, kinematics.theta.size)))
+        return sum((mass.reduced_inertia(kinematics) for mass in self.masses), np.zeros((3, kinematics.theta.size)))
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V'(θ) and V'' of all elements (2, n) [N m]: the torque at standstill that they ask of the cam."""

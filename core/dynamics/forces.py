@@ -82,7 +82,7 @@ def newton_euler(
     for friction in loading.frictions:
         signs[friction.pair] = _direction(kinematics, friction.pair) * np.sign(omega)
         rubbing[friction.pair] = _case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
-    total, guide, jam, lost = _rubbed(kinematics, loading, case, rubbing, signs)
+    total, guide, jam, lost = _with_friction(kinematics, loading, case, rubbing, signs)
     pairs, contact = dict(total.pairs), total.contact
     n = kinematics.theta.size
     if cam is not None:
@@ -140,7 +140,7 @@ def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
     return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
-def _rubbed(
+def _with_friction(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
 ) -> tuple[_Case, GuideReaction | None, np.ndarray, np.ndarray]:
     """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per

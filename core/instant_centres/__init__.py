@@ -3,7 +3,7 @@
 from core.instant_centres.cam import cam_follower_centre
 from core.instant_centres.centre import Centres
 from core.instant_centres.collinearity import Collinearity, collinearity, moving_collinearity
-from core.instant_centres.construction import Construction, Triangle, Wanted, construction, kennedy, line_of
+from core.instant_centres.construction import Construction, KennedyStep, Triangle, construction, kennedy, line_of
 from core.instant_centres.differences import (
     ABSOLUTE,
     POLE,
@@ -20,7 +20,7 @@ from core.instant_centres.velocities import CHAINS, RatioArms, angular_ratio, me
 
 __all__ = [
     "ABSOLUTE", "CHAINS", "POLE", "TURNING", "CentreTable", "Centres", "Collinearity", "Construction", "Corner",
-    "Difference", "RatioArms", "Side", "Triangle", "VelocityPolygon", "Wanted", "all_centres", "angular_ratio", "cam_follower_centre",
-    "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage", "moving_collinearity", "primary_pairs", "ratio_arms",
-    "velocity_differences", "velocity_polygon",
+    "Difference", "KennedyStep", "RatioArms", "Side", "Triangle", "VelocityPolygon", "all_centres", "angular_ratio",
+    "cam_follower_centre", "collinearity", "construction", "kennedy", "line_of", "mechanical_advantage",
+    "moving_collinearity", "primary_pairs", "ratio_arms", "velocity_differences", "velocity_polygon",
 ]  # fmt: skip

@@ -27,7 +27,7 @@ class Triangle:
 
 
 @dataclass(frozen=True)
-class Wanted:
+class KennedyStep:
     """A centre and the triangles that give it when its turn comes; the first two are drawn."""
 
     key: Key
@@ -40,7 +40,7 @@ class Construction:
     reach (the linkage is indeterminate by this construction)."""
 
     known: tuple[Key, ...]
-    steps: tuple[Wanted, ...]
+    steps: tuple[KennedyStep, ...]
     beyond: tuple[Key, ...] = ()
 
 
@@ -75,10 +75,10 @@ def construction(bodies: tuple[str, ...], known: frozenset[Key]) -> Construction
         join(*pair)
     for pair in at_sight:
         reach(*pair)
-    steps: list[Wanted] = []
+    steps: list[KennedyStep] = []
     while ready:
         a, b = heappop(ready)
-        steps.append(Wanted((bodies[a], bodies[b]), tuple(
+        steps.append(KennedyStep((bodies[a], bodies[b]), tuple(
             Triangle(bodies[c], key_of(bodies[a], bodies[c], order), key_of(bodies[b], bodies[c], order))
             for c in _bits(joined[a] & joined[b])
         )))  # fmt: skip
@@ -107,7 +107,7 @@ def line_of(centres: Mapping[Key, Centres], triangle: Triangle) -> np.ndarray:
     return np.where(length > 0.0, line / np.where(length > 0.0, length, 1.0), line)
 
 
-def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Centres:
+def kennedy(centres: Mapping[Key, Centres], wanted: KennedyStep, size: float) -> Centres:
     """The wanted centre where the lines of two of its triangles cross; at each position of the two that cross at the
     steepest angle (n,). size [m] of the mechanism: coordinates are compared in units of it."""
     best, square, error_bound = np.zeros(1), np.full(1, -1.0), np.zeros(1)
@@ -121,16 +121,16 @@ def kennedy(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> Cent
         return Centres(size * (best[0] + 1j * best[1]), best[2], error_bound / np.sqrt(square))
 
 
-def agreement(centres: Mapping[Key, Centres], wanted: Wanted, found: Centres, size: float) -> np.ndarray:
+def agreement(centres: Mapping[Key, Centres], wanted: KennedyStep, found: Centres, size: float) -> np.ndarray:
     """How far a centre lies off the lines of its triangles at worst (n,), of unit vectors: 0 by Kennedy's theorem."""
     at = _vector(found, size)
     return np.asarray(np.max([np.abs((line * at).sum(axis=0)) for line, _ in _lines(centres, wanted, size)], axis=0))
 
 
-_TOLD = 1e-7  # of unit vectors: centres nearer to each other leave their line to rounding
+_LEAST_LENGTH = 1e-7  # of unit vectors: centres nearer to each other leave their line to rounding
 
 
-def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[tuple[np.ndarray, np.ndarray]]:
+def _lines(centres: Mapping[Key, Centres], wanted: KennedyStep, size: float) -> list[tuple[np.ndarray, np.ndarray]]:
     """The lines of all triangles (3, n), of length 1 with coordinates in units of the size, 0 where rounding decides the line;
     and how many times the rounding of the centres at sight each carries: its centres' error bounds over their distance."""
     lines = []
@@ -138,8 +138,8 @@ def _lines(centres: Mapping[Key, Centres], wanted: Wanted, size: float) -> list[
         one, other = centres[triangle.first], centres[triangle.second]
         line = np.cross(_vector(one, size), _vector(other, size), axis=0)
         length = np.sqrt((line * line).sum(axis=0))
-        bound = (one.error_bound + other.error_bound) / np.maximum(length, _TOLD)
-        lines.append((_unit(np.where(length > _TOLD, line, 0.0)), bound))
+        bound = (one.error_bound + other.error_bound) / np.maximum(length, _LEAST_LENGTH)
+        lines.append((_unit(np.where(length > _LEAST_LENGTH, line, 0.0)), bound))
     return lines
 
 

@@ -14,7 +14,7 @@ from core.design.topology import GROUP, is_pin
 from core.errors import NoPosition, angle_list, angle_ranges
 from core.mechanism.conditioning import condition
 from core.mechanism.driver_ranges import Course, course_of, guided_course
-from core.mechanism.dyads import Closed
+from core.mechanism.dyads import DyadSolution
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Dyad, Kinematics, Pair, Pose
 from core.mechanism.loop_closure import line_of
 from core.mechanism.mechanism import ROLLER, Mechanism, mechanism_of
@@ -105,7 +105,7 @@ def _require(mechanism: Mechanism, course: Course, solved: Solved, motion: Motio
     for (step, _), result in zip(course.plan.steps, solved.steps, strict=True):
         first, last = (solved.poses[step.links[i]] for i in (0, -1))
         lost = ~np.isfinite(first.unit + last.unit)
-        if mechanism.refuse is not None and isinstance(result, Closed):
+        if mechanism.refuse is not None and isinstance(result, DyadSolution):
             lost = lost | ~(result.sine > 0.0)
         if not lost.any():
             continue
@@ -149,7 +149,7 @@ def _points(mechanism: Mechanism) -> Points:
 
 
 def _spread(pose: Pose, points: Mapping[str, complex], n: int) -> Pose:
-    origin, turn = (rows.spread(n).quiet() for rows in (pose.origin, pose.turn))
+    origin, turn = (rows.spread(n).without_warnings() for rows in (pose.origin, pose.turn))
     return Pose(origin, turn, MappingProxyType(dict(points)), lambda: np.broadcast_to(pose.unit, n))
 
 
@@ -173,7 +173,7 @@ def _placed(pose: Pose, mechanism: Mechanism) -> Pose:
 
 def _at_reference(pose: Pose, at: complex) -> Pose:
     """The cam's follower as a body: its origin is the reference point, and it turns with its link."""
-    return Pose(pose.carried(at).quiet(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit)
+    return Pose(pose.carried(at).without_warnings(), pose.turn, MappingProxyType({ROLLER: 0j}), lambda: pose.unit)
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -260,7 +260,7 @@ def _singular(mechanism: Mechanism, solved: Solved, n: int) -> Mapping[str, np.n
     found = {
         mechanism.singular.get(step.joint, step.joint): result.sine
         for (step, _), result in zip(mechanism.plan.steps, solved.steps, strict=True)
-        if isinstance(result, Closed)
+        if isinstance(result, DyadSolution)
     }
     if mechanism.more_singular is not None:
         found |= mechanism.more_singular(solved)

@@ -57,8 +57,8 @@ class Bridge:
     def within(self, q: np.ndarray) -> np.ndarray:
         return np.abs(q - self.at) < self.half
 
-    def lay(self, q: np.ndarray, there: np.ndarray, states: Mapping[int, State]) -> None:
-        """Put the links' states at q (4, n) where ``there`` (n,) says so."""
+    def apply(self, q: np.ndarray, there: np.ndarray, states: Mapping[int, State]) -> None:
+        """Set the links' states at q (4, n) where ``there`` (n,) says so."""
         u = (q[0, there] - self.at) / self.half
         by_q = [polyval(u, polyder(self.power, order)).T / self.half**order for order in range(4)]
         _, v, a, j = q[:, there, None]

@@ -8,8 +8,8 @@ import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import Step
-from core.mechanism.dyads import Closed
-from core.mechanism.groups import Settled
+from core.mechanism.dyads import DyadSolution
+from core.mechanism.groups import GroupSolution
 from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held, Joint, Plan
 from core.mechanism.solving import Solved
@@ -40,7 +40,7 @@ def error_bounds(plan: Plan, solved: Solved) -> dict[int, ErrorBound]:
     )
     with np.errstate(divide="ignore", invalid="ignore"):
         for (step, joints), result in zip(plan.steps, solved.steps, strict=True):
-            if isinstance(result, Settled):
+            if isinstance(result, GroupSolution):
                 _group(step, joints, result, poses, found)
             else:
                 _dyad(step, joints, result, poses, found)
@@ -61,7 +61,7 @@ def _at(held: Held, poses: dict[int, Pose], found: dict[int, ErrorBound]) -> np.
 
 
 def _dyad(
-    step: Step, joints: tuple[Joint, ...], closed: Closed, poses: dict[int, Pose], found: dict[int, ErrorBound]
+    step: Step, joints: tuple[Joint, ...], closed: DyadSolution, poses: dict[int, Pose], found: dict[int, ErrorBound]
 ) -> None:
     """A link that slides keeps its angle against what it slides on; along a known guide it goes by its coordinate."""
     a, b = step.links
@@ -83,7 +83,7 @@ def _dyad(
 
 
 def _group(
-    step: Step, joints: tuple[Joint, ...], result: Settled, poses: dict[int, Pose], found: dict[int, ErrorBound]
+    step: Step, joints: tuple[Joint, ...], result: GroupSolution, poses: dict[int, Pose], found: dict[int, ErrorBound]
 ) -> None:
     """By the size of J's inverse; lengths there are in units of the size."""
     known = [_at(h, poses, found) for j in joints for h in (j.first, j.second) if h.link not in step.links]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from core.mechanism.change_points import Branch, Track
-from core.mechanism.groups import NEAR, Group, Settled, newton, settled
+from core.mechanism.groups import NEAR, Group, GroupSolution, group_solution, newton
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies
 from core.mechanism.plan import Plan
@@ -46,11 +46,11 @@ def follow(plan: Plan, index: int, branch: Branch, low: float, high: float) -> T
     return Track(np.array([at for at, _ in nodes]), np.array([state for _, state in nodes]))
 
 
-def _known(plan: Plan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
+def _known_poses(plan: Plan, index: int, branch: Branch, q: float) -> dict[int, Pose]:
     return solve(plan, at_driver(np.array([q])), branch, index).poses
 
 
-def _state(group: Group, result: Settled) -> np.ndarray:
+def _state(group: Group, result: GroupSolution) -> np.ndarray:
     """Coordinates with three derivatives (4, 3k) of one position."""
     rows = []
     for order in range(4):
@@ -66,8 +66,8 @@ def _walk(
     plan: Plan, index: int, group: Group, branch: Branch, q: float, first: np.ndarray, end: float, step: float
 ) -> list[tuple[float, np.ndarray]]:
     """Nodes from q towards ``end``; steps shorten where the path bends, and end before a dead centre."""
-    known = _known(plan, index, branch, q)
-    here = settled(group, known, first[:, None])
+    known = _known_poses(plan, index, branch, q)
+    here = group_solution(group, known, first[:, None])
     nodes = [(q, _state(group, here))]
     sign = np.sign(here.determinant[0])
     longest = step
@@ -76,9 +76,9 @@ def _walk(
         move = target - q
         x, v, a, j = nodes[-1][1]
         guess = x + move * (v + move * (a / 2.0 + move * j / 6.0))
-        known = _known(plan, index, branch, target)
+        known = _known_poses(plan, index, branch, target)
         found, last = newton(group, known, guess[:, None], steps=6)
-        there = settled(group, known, found) if last[0] <= NEAR else None
+        there = group_solution(group, known, found) if last[0] <= NEAR else None
         kept = (
             there is not None and np.sign(there.determinant[0]) == sign and np.abs(found[:, 0] - guess).max() < _TRUST
         )
@@ -95,7 +95,7 @@ def _walk(
 
 def _assembled(plan: Plan, index: int, group: Group, branch: Branch, q: float) -> np.ndarray | None:
     """The first of all assemblies found at q (3k,), in the order of the links' angles; None where there is none."""
-    known = _known(plan, index, branch, q)
+    known = _known_poses(plan, index, branch, q)
     many = {link: _repeated(pose, STARTS) for link, pose in known.items()}
     x, last = newton(group, many, _spread(group, known), steps=40)
     good = x[:, last <= NEAR]
@@ -129,7 +129,7 @@ def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.nd
     kept = np.ones(x.shape[1], dtype=bool)
     if not x.size:
         return kept
-    poses = settled(group, known, x).poses
+    poses = group_solution(group, known, x).poses
     for name, side in plan.sides.items():
         links = [n for n in group.links if name in plan.points[n]]
         if len(links) < 2:

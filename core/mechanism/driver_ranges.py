@@ -14,7 +14,7 @@ from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP
 from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
-from core.mechanism.dyads import Closed
+from core.mechanism.dyads import DyadSolution
 from core.mechanism.plan import Plan, plan_of
 from core.mechanism.ranges import minima, ranges_where
 from core.mechanism.solving import Solved, at_driver, solve
@@ -135,7 +135,7 @@ def guided_course(plan: Plan, start: float, low: float, high: float, angles: Map
     poses = solve(plan, at_driver(at), branch).poses
     turning = {}
     for link, first in angles.items():
-        angle = np.unwrap(_known(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
+        angle = np.unwrap(_filled(np.array(np.broadcast_to(poses[link].turn[0], at.shape))))
         angle += TURN * np.rint((first - np.interp(start, at, angle)) / TURN)
         turning[link] = _turning_by(at, angle, turns=False)
     return Course(plan, low, high, (), (), branch, MappingProxyType(turning))
@@ -158,7 +158,7 @@ def _gap(plan: Plan, index: int, branch: Branch) -> Callable[[np.ndarray], np.nd
 
     def gap(q: np.ndarray) -> np.ndarray:
         closed = solve(plan, at_driver(q), branch, index + 1).steps[index]
-        assert isinstance(closed, Closed)
+        assert isinstance(closed, DyadSolution)
         value = np.broadcast_to(closed.gap, q.shape)
         for over in branch.bridges.get(index, ()):
             value = np.where(over.within(q), np.abs(value), value)
@@ -236,7 +236,7 @@ def _turning(plan: Plan, ranges: list[Range], branch: Branch, length: float, who
         if link in (FRAME_LINK, plan.linkage.driver.link):
             continue
         along = np.array(np.broadcast_to(pose.turn[0], q.shape))
-        angle = np.concatenate([_based(np.unwrap(_known(part))) for part in np.split(along, cuts)])
+        angle = np.concatenate([_near_zero(np.unwrap(_filled(part))) for part in np.split(along, cuts)])
         found[link] = _turning_by(q, angle, turns=full and bool(abs(angle[-1] - angle[0]) > pi))
         if full:
             lost = abs(np.remainder(angle[-1] - angle[0] + pi, TURN) - pi)
@@ -250,7 +250,7 @@ def _turning_by(q: np.ndarray, angle: np.ndarray, turns: bool) -> Turning:
     return Turning(q, angle, middle, turns)
 
 
-def _known(angle: np.ndarray) -> np.ndarray:
+def _filled(angle: np.ndarray) -> np.ndarray:
     """The angles, of which rounding may have lost one at a dead centre: there as its neighbour's."""
     lost = ~np.isfinite(angle)
     if lost.any() and not lost.all():
@@ -259,7 +259,7 @@ def _known(angle: np.ndarray) -> np.ndarray:
     return angle
 
 
-def _based(angle: np.ndarray) -> np.ndarray:
+def _near_zero(angle: np.ndarray) -> np.ndarray:
     """A swing moved by whole turns so that its middle lies in -π ... π, or where it goes round, its start."""
     at = angle[0] if np.ptp(angle) >= 0.9 * TURN else 0.5 * (angle.max() + angle.min())
     return np.asarray(angle - TURN * np.rint(at / TURN))

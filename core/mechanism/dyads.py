@@ -49,7 +49,7 @@ Sides = float | np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Closed:
+class DyadSolution:
     """A solved dyad; all but the poses is made when it is first read, and has one value where it is the same everywhere.
 
     poses     of its two links
@@ -69,7 +69,7 @@ class Closed:
 # -- the kinds --------------------------------------------------------------------------------------------
 
 
-def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
+def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area K/4.
 
     With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D.
@@ -112,13 +112,13 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         placed(a, outer_a.second.point, *alone(0, to_a, rod_a)),
         placed(b, outer_b.second.point, *alone(1, to_b, rod_b)),
     )
-    return Closed(
+    return DyadSolution(
         poses, lambda: (1j * to_a, -1j * to_b), lambda: sides.gap(la, lb), lambda: np.abs(k) * (0.5 / (la * lb)),
         lambda: np.sqrt(square) + (la + lb),
     )  # fmt: skip
 
 
-def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
+def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """Rod from a pin P to a pin J of a slider on a known line: A = (σc + ie)t, e the distance of P from the path of J,
     c = √((L-e)(L+e)); iA α - t s = D."""
     outer, inner, guide = joints
@@ -151,13 +151,13 @@ def _rrp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         placed(p, outer.second.point, heading, angle),
         placed(joint, inner.second.point, *turned_like(bodies[guide.first.link], guide.first.along / guide.second.along)),
     )
-    return Closed(
+    return DyadSolution(
         poses, lambda: (1j * to_joint, -t[0]), lambda: length - np.abs(away), lambda: np.abs(c) / length,
         lambda: length + np.abs(path[0]),
     )  # fmt: skip
 
 
-def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
+def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """A link that slides on another, both on pins P_a, P_b: P_a - P_b = (s + ie)t, s = σ√(r² - e²); id β + t s = D."""
     outer_a, inner, outer_b = joints
     a, b = pin_of(bodies, outer_a.first), pin_of(bodies, outer_b.first)
@@ -191,12 +191,12 @@ def _rpr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
         placed(a, outer_a.second.point, *lying(inner.first.along)),
         placed(b, outer_b.second.point, *lying(inner.second.along)),
     )
-    return Closed(
+    return DyadSolution(
         poses, lambda: (1j * d[0], along), lambda: r - abs(offset), lambda: np.abs(s) / r, lambda: r + abs(offset)
     )
 
 
-def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
+def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """Two links on known lines, pinned to each other: where two lines cross; t1 s1 - t2 s2 = D."""
     guide_a, inner, guide_b = joints
     lines = []
@@ -213,7 +213,7 @@ def _prp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     return _crossing(poses, t1, opposite, lambda: np.abs(s1[0]) + np.abs(s2[0]) + np.abs(apart[0]))
 
 
-def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
+def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """A link on a pin P slides on another, which slides on a known line: P = g + s2 t2 + (s1 + iy) t1."""
     outer, inner, guide = joints
     p = pin_of(bodies, outer.first)
@@ -234,15 +234,15 @@ def _rpp(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> Closed:
     return _crossing(poses, t1, t2, lambda: np.abs(s1[0]) + np.abs(s2[0]) + np.abs(apart[0]))
 
 
-DYADS: Mapping[str, Callable[[Bodies, tuple[Joint, ...], Sides], Closed]] = MappingProxyType(
+DYADS: Mapping[str, Callable[[Bodies, tuple[Joint, ...], Sides], DyadSolution]] = MappingProxyType(
     {"RRR": _rrr, "RRP": _rrp, "RPR": _rpr, "PRP": _prp, "RPP": _rpp}
 )
 
 
-def _crossing(poses: tuple[Pose, Pose], c1: Derivatives, c2: Derivatives, reach: Callable[[], np.ndarray]) -> Closed:
+def _crossing(poses: tuple[Pose, Pose], c1: Derivatives, c2: Derivatives, reach: Callable[[], np.ndarray]) -> DyadSolution:
     """Lines that cross in one point: only where they are parallel is there none."""
 
     def sine() -> np.ndarray:
         return np.abs(cross(c1[0], c2[0]))
 
-    return Closed(poses, lambda: (c1[0], c2[0]), lambda: sine() - PARALLEL, sine, reach)
+    return DyadSolution(poses, lambda: (c1[0], c2[0]), lambda: sine() - PARALLEL, sine, reach)

@@ -30,7 +30,7 @@ class Group:
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class GroupSolution:
     """A solved group: poses by link, J (n, 3m, 3m), its determinant relative to its rows' lengths (n,) with its sign."""
 
     poses: dict[int, Pose]
@@ -54,7 +54,7 @@ def newton(group: Group, known: Bodies, start: np.ndarray, steps: int = STEPS) -
     return x, last
 
 
-def settled(group: Group, known: Bodies, x: np.ndarray) -> Settled:
+def group_solution(group: Group, known: Bodies, x: np.ndarray) -> GroupSolution:
     """Poses with three derivatives from coordinates that close (3m, n)."""
     states = _at_rest(x)
     matrix = _matrix(group, {**known, **_poses(group, states)})
@@ -62,7 +62,7 @@ def settled(group: Group, known: Bodies, x: np.ndarray) -> Settled:
     determinant = np.linalg.det(matrix) / lengths
     for order in (1, 2, 3):
         states[order] = _solve(matrix, -_opening(group, {**known, **_poses(group, states)}, order))
-    return Settled(_poses(group, states), matrix, determinant)
+    return GroupSolution(_poses(group, states), matrix, determinant)
 
 
 def _poses(group: Group, states: np.ndarray) -> dict[int, Pose]:

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.motion import MotionState
-from core.numerics.derivatives import Derivatives, standing, sum_of, turning
+from core.numerics.derivatives import Derivatives, constant, sum_of, turning
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import dot, unit
 
@@ -85,7 +85,7 @@ class Pose:
         return self.derivative(self.points[name], order)
 
 
-FRAME_POSE = Pose(standing(0j), standing(0.0), unit=np.ones(1, dtype=complex))
+FRAME_POSE = Pose(constant(0j), constant(0.0), unit=np.ones(1, dtype=complex))
 """Of the frame, which is the global one."""
 
 

@@ -18,9 +18,9 @@ def ranges_where(function: Function, low: float, high: float, samples: int) -> l
     A gap or an island that falls between samples is found where its slopes point at it.
     """
     at = np.linspace(low, high, samples)
-    value = _known(function(at))
+    value = _nan_is_negative(function(at))
     for sign in (1.0, -1.0):  # gaps, then islands
-        at, value = _with_hidden(function, at, value, sign)
+        at, value = _with_minima(function, at, value, sign)
     good = value >= 0.0
     edge = np.flatnonzero(good[1:] != good[:-1])
     inside = _bisected(function, at[edge], at[edge + 1], good[edge])
@@ -40,15 +40,15 @@ def ranges_where(function: Function, low: float, high: float, samples: int) -> l
 def minima(function: Function, low: float, high: float, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Where the function (n,) -> (n,) is lowest between its neighbours and may come near to zero: places and values."""
     at = np.linspace(low, high, samples)
-    value = _known(function(at))
+    value = _nan_is_negative(function(at))
     return _lowest(function, at, value, 1.0)
 
 
-def _known(value: np.ndarray) -> np.ndarray:
+def _nan_is_negative(value: np.ndarray) -> np.ndarray:
     return np.where(np.isnan(value), -np.inf, value)
 
 
-def _with_hidden(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
+def _with_minima(function: Function, at: np.ndarray, value: np.ndarray, sign: float) -> tuple[np.ndarray, np.ndarray]:
     """The samples and, between them, minima (of sign times the function) that may lie on the other side of zero."""
     places, values = _lowest(function, at, value, sign)
     order = np.argsort(np.concatenate((at, places)), kind="stable")
@@ -69,12 +69,12 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
     rows = np.arange(spots.size)
     for _ in range(_ROUNDS):
         x = low + (high - low) * share
-        y = sign * _known(function(x.ravel())).reshape(x.shape)
+        y = sign * _nan_is_negative(function(x.ravel())).reshape(x.shape)
         best = y.argmin(axis=0)
         low, high = x[np.maximum(best - 1, 0), rows], x[np.minimum(best + 1, _CUTS - 1), rows]
     place, value = x[best, rows], y[best, rows]
     corner = _corner(function, low, high, sign)
-    there = sign * _known(function(corner))
+    there = sign * _nan_is_negative(function(corner))
     lower = there < value
     return np.where(lower, corner, place), sign * np.where(lower, there, value)
 
@@ -82,7 +82,7 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
 def _corner(function: Function, low: np.ndarray, high: np.ndarray, sign: float) -> np.ndarray:
     """Where two straight flanks down to zero meet between low and high: a minimum with a corner, such as of the sine of
     guides that turn parallel, is not flat at its bottom."""
-    left, right = sign * _known(function(np.concatenate((low, high)))).reshape(2, -1)
+    left, right = sign * _nan_is_negative(function(np.concatenate((low, high)))).reshape(2, -1)
     with np.errstate(divide="ignore", invalid="ignore"):
         corner = (low * right + high * left) / (left + right)
     return np.where(np.isfinite(corner) & (low <= corner) & (corner <= high), corner, low)
@@ -96,5 +96,5 @@ def _bisected(function: Function, a: np.ndarray, b: np.ndarray, a_good: np.ndarr
         moving = (middle != good) & (middle != bad)
         if not moving.any():
             return good
-        keeps = _known(function(middle)) >= 0.0
+        keeps = _nan_is_negative(function(middle)) >= 0.0
         good, bad = np.where(moving & keeps, middle, good), np.where(moving & ~keeps, middle, bad)

@@ -10,12 +10,12 @@ import numpy as np
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
 from core.mechanism.change_points import Branch, Bridge
-from core.mechanism.dyads import DYADS, Closed
-from core.mechanism.groups import Group, Settled, newton, settled
+from core.mechanism.dyads import DYADS, DyadSolution
+from core.mechanism.groups import Group, GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
 from core.mechanism.loop_closure import placed
 from core.mechanism.plan import Plan
-from core.numerics.derivatives import Derivatives, standing
+from core.numerics.derivatives import Derivatives, constant
 from core.numerics.vectors import unit
 
 
@@ -24,19 +24,19 @@ class Solved:
     """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
 
     poses: dict[int, Pose]
-    steps: tuple[Closed | Settled, ...]
+    steps: tuple[DyadSolution | GroupSolution, ...]
 
 
 def driver_pose(plan: Plan, q: Derivatives) -> Pose:
     """The driving link at q: its angle [rad] where it is pinned to the frame, else its slide [m]."""
     on, own = plan.driver.first, plan.driver.second
     if plan.driver.revolute:
-        pin = standing(on.point)
+        pin = constant(on.point)
         return placed(pin, own.point, lambda: unit(q[0]), q)
     turned = on.along / own.along
     start = on.point - own.point * turned
     origin = Derivatives(lambda order: q[order] * on.along if order else q[0] * on.along + start)
-    return Pose(origin, standing(cmath.phase(turned)), unit=np.array([turned]))
+    return Pose(origin, constant(cmath.phase(turned)), unit=np.array([turned]))
 
 
 def at_driver(values: np.ndarray) -> Derivatives:
@@ -50,7 +50,7 @@ def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) 
     branch: sides beyond change points, and where Newton starts; steps: only so many of the plan's.
     """
     poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
-    found: list[Closed | Settled] = []
+    found: list[DyadSolution | GroupSolution] = []
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for i, (step, joints) in enumerate(plan.steps[:steps]):
             if step.kind == GROUP:
@@ -78,20 +78,20 @@ def _bridged(links: tuple[int, ...], bridges: tuple[Bridge, ...], q: Derivatives
         for link in links
     }
     for bridge, there in laid:
-        bridge.lay(q.all, there, states)
+        bridge.apply(q.all, there, states)
     for link, (z, angle, heading) in states.items():
         poses[link] = Pose(Derivatives.of(z), Derivatives.of(angle), unit=heading)
 
 
-def _grouped(plan: Plan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> Settled:
+def _grouped(plan: Plan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
     step, joints = plan.steps[index]
     group = Group(step.links, joints, plan.size)
     x, last = newton(group, poses, branch.tracks[index].start(q[0]))
-    x[:, ~(last < LOST)] = np.nan
-    result = settled(group, poses, x)
+    x[:, ~(last < LARGEST_CORRECTION)] = np.nan
+    result = group_solution(group, poses, x)
     poses.update(result.poses)
     return result
 
 
-LOST = 1e-8
+LARGEST_CORRECTION = 1e-8
 """A last correction of Newton larger than this, relative to the size, is no position."""

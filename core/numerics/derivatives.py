@@ -65,7 +65,7 @@ class Derivatives:
 
         return Derivatives(row, self.constant)
 
-    def quiet(self) -> Derivatives:
+    def without_warnings(self) -> Derivatives:
         """The same where derivatives may be infinite, as at a dead centre: none of its rows warns of that."""
 
         def row(order: int) -> np.ndarray:
@@ -98,7 +98,7 @@ class Chain:
         return Derivatives(lambda order: self[order][index] if order or first is None else first())
 
 
-def standing(value: complex | np.ndarray) -> Derivatives:
+def constant(value: complex | np.ndarray) -> Derivatives:
     """What never changes; the same everywhere where it is a number."""
     first = value if isinstance(value, np.ndarray) else np.array([value])
     return Derivatives(lambda order: np.zeros(1, first.dtype) if order else first, constant=True)
@@ -130,7 +130,7 @@ def _joined(a: Derivatives, b: Derivatives, both: np.ufunc, second: np.ufunc) ->
 
 def turning(u: np.ndarray, angle: Derivatives) -> Derivatives:
     """A vector u (n,) fixed in a body that turns so."""
-    return standing(u) if angle.constant else Derivatives(lambda order: turned(u, angle, order))
+    return constant(u) if angle.constant else Derivatives(lambda order: turned(u, angle, order))
 
 
 def earlier(s: Derivatives, t: Derivatives, order: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
 
-from core.instant_centres import Construction, Wanted
+from core.instant_centres import Construction, KennedyStep
 from core.mechanism import link_number
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -35,7 +35,7 @@ class Diagram(QWidget):
         self.bodies: tuple[str, ...] = ()
         self.solid: tuple[tuple[str, str], ...] = ()
         self.dotted: tuple[tuple[str, str], ...] = ()
-        self.wanted: Wanted | None = None
+        self.wanted: KennedyStep | None = None
 
     def sizeHint(self) -> QSize:
         return QSize(220, 200)
@@ -103,7 +103,7 @@ def told(plan: Construction, step: int) -> str:
     """The step in words."""
     if step == 0:
         names = ", ".join(centre_name(key) for key in plan.known)
-        return f"Known at sight, by pins and guides: {names}. Wanted: {len(plan.steps)} more."
+        return f"Known at sight, by pins and guides: {names}. KennedyStep: {len(plan.steps)} more."
     wanted = plan.steps[step - 1]
     lines = [
         f"{centre_name(t.first)}\u2013{centre_name(t.second)} (links {_three(wanted, t.third)})" for t in wanted.triangles[:2]
@@ -111,7 +111,7 @@ def told(plan: Construction, step: int) -> str:
     return f"{centre_name(wanted.key)} lies on the lines {' and '.join(lines)}: where they cross."
 
 
-def _three(wanted: Wanted, third: str) -> str:
+def _three(wanted: KennedyStep, third: str) -> str:
     return ", ".join(str(n) for n in sorted(link_number(body) for body in (*wanted.key, third)))
 
 

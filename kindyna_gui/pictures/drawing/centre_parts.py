@@ -9,7 +9,7 @@ from PySide6.QtCore import QLineF, QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsLineItem
 
-from core.instant_centres import CentreTable, Triangle, Wanted, line_of
+from core.instant_centres import CentreTable, KennedyStep, Triangle, line_of
 from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import Room
@@ -120,9 +120,9 @@ class CentreMarks:
 class KennedyLines:
     """Two lines for each centre that is found, or for those that are asked for."""
 
-    def __init__(self, table: CentreTable, steps: Sequence[Wanted], theme: Theme, sight: Sight) -> None:
+    def __init__(self, table: CentreTable, steps: Sequence[KennedyStep], theme: Theme, sight: Sight) -> None:
         self._table, self._sight = table, sight
-        self.rows: list[tuple[Wanted, Triangle, QGraphicsLineItem]] = []
+        self.rows: list[tuple[KennedyStep, Triangle, QGraphicsLineItem]] = []
         for step in steps:
             for triangle in step.triangles[:2]:
                 line = QGraphicsLineItem()
