@@ -39,7 +39,7 @@ from core.design.linkage import (
     Side,
     Slider,
 )
-from core.design.mirror import has_image, mirrored, with_stroke_mirrored
+from core.design.mirror import has_image, mirrored, stroke_mirrored
 from core.design.motions import (
     insert_segment,
     mirror_stroke,
@@ -108,8 +108,8 @@ __all__ = [
     "faults", "get", "has_image", "info_of", "insert_segment", "is_assumed", "join_angles", "join_levels", "join_range",
     "joins_of_level", "kind_of", "lacks", "laid_out", "mirror_stroke", "mirrored", "motion_of", "move_join",
     "one_value_apart", "part_faults", "put", "remove_laid_out", "remove_segment", "require_follower", "require_linkage",
-    "require_motion", "rise_gap", "si", "span_gap", "split_unit", "stretched", "stroke", "unit_of", "whole_faults",
+    "require_motion", "rise_gap", "si", "span_gap", "split_unit", "stretched", "stroke", "stroke_mirrored", "unit_of", "whole_faults",
     "with_assumed", "with_drive", "with_elastic", "with_join_moved", "with_law", "with_layout", "with_motion", "with_rise",
-    "with_segment_inserted", "with_shaft", "with_span", "with_stroke", "with_stroke_mirrored", "with_table",
+    "with_segment_inserted", "with_shaft", "with_span", "with_stroke", "with_table",
     "without_segment",
 ]  # fmt: skip

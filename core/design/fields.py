@@ -91,7 +91,7 @@ def number(
     of_motion: bool = False,
     missing: str = "",
 ) -> Any:
-    """A dataclass field for a number; its unit is told by its name."""
+    """A dataclass field for a number; its name ends with its unit."""
     info = Info(
         label, help, low, high, open_low, step=step, optional=default is None, of_motion=of_motion, missing=missing
     )
@@ -145,7 +145,7 @@ class Placing:
     whole    may be assumed as a whole
     brief    the part's entries that are as they would be anyway are left out
     missing  what a file must say, as text
-    in_file  False: told by something else
+    in_file  False: it follows from something else
     """
 
     kind: Any = None
@@ -171,7 +171,7 @@ class Slot:
     """One entry of a part's table in the file.
 
     key      as the file spells it
-    names    the fields that hold it: two of a pair; none of a curve's law that its class tells
+    names    the fields that hold it: two of a pair; none of a curve's law that its class stands for
     infos    of these fields; none of text, parts and lists
     placing, default   of the field, of a pair's first
     within   field of the part whose own fields these are, where its keys stand in the table of the whole
@@ -212,8 +212,8 @@ def _fields_in_order(kind: Any) -> tuple[dataclasses.Field[Any], ...]:
     """The fields of a class as they follow each other in the file: as the class says, else its own before those that it
     shares."""
     own = {each.name: each for each in dataclasses.fields(kind)}
-    said = getattr(kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())])
-    return tuple(own[name] for name in dict.fromkeys(said) if name in own)
+    order = getattr(kind, "FILE_ORDER", [name for each in kind.__mro__ for name in getattr(each, "__annotations__", ())])
+    return tuple(own[name] for name in dict.fromkeys(order) if name in own)
 
 
 @lru_cache(maxsize=512)

@@ -1,7 +1,7 @@
 """Joins of a motion and how they are moved: join k is where segment k begins, join 0 stands at cam angle 0 and 360.
 
 A moved join takes what lies on it along and leaves every other join alone: the segments on both sides grow and shrink,
-the ends of a dwell keep one level, and what a spline is told about cam angles and levels stays true.
+the ends of a dwell keep one level, and what a spline states of cam angles and levels stays true.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ def joins_of_level(motion: Motion, join: int) -> frozenset[int]:
     """The joins that dwells keep at one level with this one, and itself."""
     count = len(motion.segments)
     held = {join}
-    for way, before in ((1, 0), (-1, -1)):
+    for step, before in ((1, 0), (-1, -1)):
         at = join
-        while is_dwell(motion.segments[(at + before) % count]) and (at + way) % count not in held:
-            at = (at + way) % count
+        while is_dwell(motion.segments[(at + before) % count]) and (at + step) % count not in held:
+            at = (at + step) % count
             held.add(at)
     return frozenset(held)
 

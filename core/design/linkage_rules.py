@@ -1,6 +1,6 @@
 """Rules of a linkage: what must hold of links, pairs, driver, branches, cam and loads together.
 
-Each is asked whatever the others say, so it must bear any number, nan included.
+Each is applied whatever the others find, so it must bear any number, nan included.
 """
 
 from __future__ import annotations
@@ -129,7 +129,7 @@ def _structure(drive: Drive) -> Iterator[Fault]:
 
 
 def _sound(linkage: Linkage) -> bool:
-    """Whether the structure can be asked at all, and the driver be driven as the file says."""
+    """Whether links, pairs and driver are named so that mobility and order of solution exist."""
     numbers = _numbers(linkage)
     ends = [n for s in linkage.sliders for n in (s.link, s.on)]
     sliding = [s.link for s in linkage.sliders]

@@ -73,41 +73,37 @@ class _Turn:
     behind: list[int]
 
 
-def _way(segment: Segment) -> int:
+def _direction(segment: Segment) -> int:
     return 0 if is_dwell(segment) or segment.rise == 0.0 else 1 if segment.rise > 0.0 else -1
 
 
 def _turn_from(motion: Motion, index: int) -> _Turn | None:
     """None where the segment is in no stroke, no stroke goes the other way, or a curve of it has no image."""
-    ways = [_way(s) for s in motion.segments]
-    count, way = len(ways), ways[index]
-    if way == 0 or -way not in ways:
+    directions = [_direction(s) for s in motion.segments]
+    count, direction = len(directions), directions[index]
+    if direction == 0 or -direction not in directions:
         return None
     first = index
-    while ways[first - 1] == way:
+    while directions[first - 1] == direction:
         first = (first - 1) % count
     order = [(first + k) % count for k in range(count)]
-    own = next(k for k in range(count) if ways[order[k]] != way)
-    there = next(k for k in range(own, count) if ways[order[k]] == -way)
-    end = next((k for k in range(there, count) if ways[order[k]] != -way), count)
+    own = next(k for k in range(count) if directions[order[k]] != direction)
+    there = next(k for k in range(own, count) if directions[order[k]] == -direction)
+    end = next((k for k in range(there, count) if directions[order[k]] != -direction), count)
     if not all(has_image(motion.segments[i].curve) for i in order[:own]):
         return None
     return _Turn(order[:own], order[own:there], order[there:end], order[end:])
 
 
-def with_stroke_mirrored(motion: Motion, index: int) -> Motion:
+def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
     """The next stroke the other way (cyclic) becomes the mirror image of the one that the segment is part of: its
-    curves backwards in time, its spans, its rises turned round.
+    curves backwards in time, its spans, its rises turned round; and for each segment of the new motion the number of the
+    one that it, or whose image it, was.
 
     What the image takes more or less of the turn comes from the segment behind it, else from the one before it, else
     from all others alike; where that is not enough, both strokes share the span they have. Other strokes, where there
     are any, bring the follower back. The same motion where there is nothing to mirror.
     """
-    return stroke_mirrored(motion, index)[0]
-
-
-def stroke_mirrored(motion: Motion, index: int) -> tuple[Motion, list[int]]:
-    """``with_stroke_mirrored``, and for each of its segments the number of the one that it, or whose image it, was."""
     turn = _turn_from(motion, index)
     segments = list(motion.segments)
     if turn is None:
@@ -184,4 +180,4 @@ def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float)
     return made
 
 
-__all__ = ["MIRRORS", "has_image", "mirrored", "stroke_mirrored", "with_stroke_mirrored"]
+__all__ = ["MIRRORS", "has_image", "mirrored", "stroke_mirrored"]

@@ -42,7 +42,7 @@ def without_marks(design: Design) -> Design:
 
 def with_marks_of(design: Design, before: Sequence[int | None]) -> Design:
     """Assumed paths for segments that have moved; before: for each segment the number that it, or what it is a copy
-    of, had, None where it is new. What was assumed of segments that are gone is dropped."""
+    of, had, None where it is new. What was assumed of removed segments is dropped."""
     kept: dict[str, None] = {}
     for path in design.assumed:
         match = re.match(r"motion\.segments\[(\d+)\]", path)
@@ -80,7 +80,7 @@ def move_join(design: Design, join: int, angle: float | None = None, level: floa
 
 
 def mirror_stroke(design: Design, index: int) -> Design:
-    """``with_stroke_mirrored`` in a design: what is assumed of the stroke is assumed of its image."""
+    """``stroke_mirrored`` in a design: what is assumed of the stroke is assumed of its image."""
     before = require_motion(design)
     motion, numbers = stroke_mirrored(before, index)
     return design if motion == before else with_marks_of(with_motion(design, motion), numbers)

@@ -88,7 +88,7 @@ CURVES: Mapping[str, type[Scca | Polynomial | Spline]] = MappingProxyType(
 
 
 def curve_of(law: str) -> Curve:
-    """The curve of that law with nothing more said about it."""
+    """The curve of that law, its other entries at their defaults."""
     return CURVES[law]() if law in CURVES else Named(law)
 
 

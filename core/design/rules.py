@@ -157,7 +157,7 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
 def part_faults(part: Any, path: str) -> list[Fault]:
     """Every fault of one table: the ranges of its entries, then the rules that tie them together.
 
-    A rule is asked even where a range is not kept, so that it hides nothing: it must bear any number, nan included.
+    A rule is applied even where a range is not kept, so that nothing hides it: it must bear any number, nan included.
     """
     if over := _too_many(part, path):
         return over

@@ -35,13 +35,13 @@ class Drive:
     @property
     def linkage(self) -> Linkage:
         """The mechanism, where it is a linkage."""
-        assert isinstance(self.mechanism, Linkage), "asked of a follower"
+        assert isinstance(self.mechanism, Linkage), "a follower is no linkage"
         return self.mechanism
 
     @property
     def follower(self) -> Follower:
         """The mechanism, where it is a follower."""
-        assert not isinstance(self.mechanism, Linkage), "asked of a linkage"
+        assert not isinstance(self.mechanism, Linkage), "a linkage is no follower"
         return self.mechanism
 
     @property
@@ -91,7 +91,7 @@ class Design:
     @property
     def camshaft(self) -> Shaft:
         """The shaft, of a design that has one."""
-        assert self.shaft is not None, "asked of a linkage without [shaft]"
+        assert self.shaft is not None, "a linkage without [shaft]"
         return self.shaft
 
     @property

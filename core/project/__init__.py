@@ -1,4 +1,4 @@
-"""Design files: TOML into a design, with every fault of the whole file told at once, and back as typed."""
+"""Design files: TOML into a design, with all faults of the file reported at once, and back as typed."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ _REASONS: Mapping[int, str] = MappingProxyType(
 
 def read_bytes(path: AnyPath, most_bytes: int = MOST_BYTES) -> bytes:
     """What a file holds. Raises FileError where it is missing, no ordinary file, not to be read or too large."""
-    with _told(path, "read"):
+    with _as_file_error(path, "read"):
         status = os.stat(path)
         _ordinary(path, status, "read")
         data = b""
@@ -93,7 +93,7 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
         modes = {path: _permissions(path, target) for path, target in targets.items()}
         made = {}
         for path, data in files.items():
-            with _told(path, "written"):
+            with _as_file_error(path, "written"):
                 if create_folders:
                     _create_folders(targets[path].parent, folders)
                 made[path] = others.beside(targets[path])
@@ -101,11 +101,11 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
         kept = {}
         if len(files) > 1:  # a single move needs no way back
             for path in (p for p in files if modes[p] is not None):
-                with _told(path, "written"):
+                with _as_file_error(path, "written"):
                     kept[path] = others.beside(targets[path])
                     _keep(targets[path], kept[path])
         for path, target in targets.items():
-            with _told(path, "written"):
+            with _as_file_error(path, "written"):
                 if len(files) > 1:
                     undo.callback(_take_back, target, kept.get(path))
                 os.replace(made[path], target)
@@ -117,13 +117,13 @@ def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> 
 
 def _target(path: Path) -> Path:
     """Where the links lead, so that a link stays a link."""
-    with _told(path, "written"):
+    with _as_file_error(path, "written"):
         return Path(os.path.realpath(path))
 
 
 def _permissions(path: Path, target: Path) -> int | None:
     """Permission bits of the file to be replaced, None where there is none."""
-    with _told(path, "written"):
+    with _as_file_error(path, "written"):
         try:
             status = os.stat(target)
         except FileNotFoundError:
@@ -260,13 +260,13 @@ def _ordinary(path: AnyPath, status: os.stat_result, done: str) -> None:
 
 
 @contextmanager
-def _told(path: AnyPath, done: str) -> Iterator[None]:
-    """Turn what the system says into one line."""
+def _as_file_error(path: AnyPath, done: str) -> Iterator[None]:
+    """Raise FileError, in one line, for an error of the system."""
     try:
         yield
     except OSError as error:
-        said = error.strerror or type(error).__name__
-        reason = _REASONS.get(error.errno or 0, f"{said}; choose another place")
+        text = error.strerror or type(error).__name__
+        reason = _REASONS.get(error.errno or 0, f"{text}; choose another place")
         _refuse(path, done, reason, error)
     except UnicodeEncodeError as error:
         _refuse(path, done, "it holds characters that UTF-8 does not have; remove them", error)

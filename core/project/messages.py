@@ -1,4 +1,4 @@
-"""What is said of a key or word in a file that is not right: how it is spelled, and what was probably meant."""
+"""Messages for keys and words of a file that are not right: how they are spelled, and what was probably meant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables of a file as a design; all that is wrong with the whole file is told at once."""
+"""The tables of a file as a design; all faults of the file are reported at once."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ class _NoWord(str):
     """Text apart from all other."""
 
 
-# What stands where nothing could be read, so that the rules can be asked of the rest: no rule fires on nan,
-# and what is told of these very objects is left out.
+# What stands where nothing could be read, so that the rules can be applied to the rest: no rule fires on nan,
+# and faults whose value is one of these very objects are left out.
 NO_NUMBER = float("nan")
 NO_WORD = _NoWord()
 
@@ -110,8 +110,8 @@ def motion_from_table(table: Tables, unit: str) -> Motion:
 
 
 class Reader:
-    """Reads tables of a file into parts of a design, told by the entries of their classes (``fields.slots``); ``faults``
-    gathers what is wrong. What cannot be read is NO_NUMBER or NO_WORD, of which no rule speaks."""
+    """Reads tables of a file into parts of a design, by the entries of their classes (``fields.slots``); ``faults``
+    gathers what is wrong. What cannot be read is NO_NUMBER or NO_WORD, on which no rule fires."""
 
     def __init__(self, unit: str) -> None:
         self.unit = unit  # of the motion
@@ -237,17 +237,17 @@ class Reader:
         """All that is wrong, one fault of a path: what could not be read, then what the rules say of the rest; paths: of an
         entry -> of the file's entry that holds it."""
         found = list({fault.path: fault for fault in reversed(self.faults)}.values())[::-1]
-        told = {fault.path for fault in found}
-        broken = any(re.match(r"linkage($|\.(links|sliders|driver))", path) for path in told)
-        unread = tuple(f"{path}{mark}" for path in told for mark in ".[")
+        reported = {fault.path for fault in found}
+        broken = any(re.match(r"linkage($|\.(links|sliders|driver))", path) for path in reported)
+        unread = tuple(f"{path}{mark}" for path in reported for mark in ".[")
         for fault in rule_faults:
             path = paths.get(fault.path, fault.path)
             empty = fault.value is NO_NUMBER or fault.value is NO_WORD
             follows = broken and (fault.value is MISSING or re.fullmatch(_STRUCTURE, path))
-            if not (path in told or path.startswith(unread) or empty or follows):
+            if not (path in reported or path.startswith(unread) or empty or follows):
                 found.append(hinted(replace(fault, path=path)))
                 if path != fault.path:
-                    told.add(path)  # of a pair one is enough
+                    reported.add(path)  # of a pair one is enough
         return found
 
 
@@ -317,13 +317,13 @@ def _name_faults(table: Tables) -> Iterator[Fault]:
 
 
 def _kind_faults(table: Tables) -> Iterator[Fault]:
-    there = [kind for kind in _KINDS if kind in table]
-    if not there:
+    kinds = [kind for kind in _KINDS if kind in table]
+    if not kinds:
         yield missing("follower", _ONE_KIND)
-    elif there[0] == "drives":
-        yield Fault(there[0], table[there[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
-    for other in there[1:]:
-        yield Fault(other, table[other], f"stands beside {there[0]}, but a design is of one kind", _ONE_KIND)
+    elif kinds[0] == "drives":
+        yield Fault(kinds[0], table[kinds[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
+    for other in kinds[1:]:
+        yield Fault(other, table[other], f"stands beside {kinds[0]}, but a design is of one kind", _ONE_KIND)
 
 
 def _assumed_faults(assumed: Any, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:

@@ -13,7 +13,6 @@ from core.design import (
     mirror_stroke,
     remove_laid_out,
     require_motion,
-    with_stroke_mirrored,
 )
 from core.motion.split import LEAST_CUT, copy_segment, split_segment
 
@@ -98,7 +97,7 @@ ACTIONS: Mapping[str, SegmentAction] = MappingProxyType(
             "mirror",
             "Mirror the stroke of segment {n}",
             lambda design, index, _: mirror_stroke(design, index),
-            lambda design, index: with_stroke_mirrored(require_motion(design), index) != require_motion(design),
+            lambda design, index: mirror_stroke(design, index) is not design,
             whole=True,
         ),
         "delete": SegmentAction(

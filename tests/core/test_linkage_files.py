@@ -355,6 +355,16 @@ def test_what_is_assumed_keeps_the_order_of_the_file() -> None:
     assert project.loads(project.dumps(design)) == design
 
 
+def test_what_is_assumed_of_a_curve_may_outlive_its_law() -> None:
+    """Another law leaves the mark where it is; the file still is read."""
+    design = with_assumed(project.load(EXAMPLES / f"{CAM}.toml"), "motion.segments[1].crossover", True)
+    design = edited(design, "motion.segments[1].law", "scca")
+    assert "motion.segments[1].crossover" in design.assumed
+    assert project.loads(project.dumps(design)) == design
+    lines = told(changed(project.to_table(design), {"assumed": ["motion.segments[1].crossing"]}))
+    assert set(lines) == {"assumed[0]"}
+
+
 @pytest.mark.parametrize(
     "path",
     [

@@ -28,9 +28,9 @@ from core.design import (
     mirrored,
     part_faults,
     stretched,
+    stroke_mirrored,
     with_assumed,
     with_drive,
-    with_stroke_mirrored,
 )
 from core.laws import LAWS
 from core.motion import Program
@@ -42,6 +42,10 @@ SINE, DWELL, CYCLOID = Named("modified-sine"), Named("dwell"), Named("cycloidal"
 
 def motion(*rows: tuple[float, float, Curve | str], start: float = 0.0) -> Motion:
     return Motion(start, tuple(Segment(s, r, Named(c) if isinstance(c, str) else c) for s, r, c in rows))
+
+
+def with_image(of: Motion, index: int) -> Motion:
+    return stroke_mirrored(of, index)[0]
 
 
 def rows(of: Motion) -> list[tuple[float, float, str]]:
@@ -105,16 +109,16 @@ def test_a_stretched_curve_has_the_same_shape(curve: Curve) -> None:
 
 def test_the_return_becomes_the_image_of_the_rise() -> None:
     laid_out = motion((60, 0, "dwell"), (50, 20, Named("cycloidal", 0.4)), (150, 0, "dwell"), (100, -20, SINE))
-    made = with_stroke_mirrored(laid_out, 1)
+    made = with_image(laid_out, 1)
     assert rows(made) == [(60, 0, "dwell"), (50, 20, "cycloidal"), (200, 0, "dwell"), (50, -20, "cycloidal")]
     assert made.segments[3].curve == Named("cycloidal", 0.6)
-    assert with_stroke_mirrored(made, 1) == made
-    assert with_stroke_mirrored(made, 3) == made
+    assert with_image(made, 1) == made
+    assert with_image(made, 3) == made
 
 
 def test_the_rise_becomes_the_image_of_the_return() -> None:
     laid_out = motion((60, 0, "dwell"), (50, 20, CYCLOID), (150, 0, "dwell"), (100, -20, SINE))
-    made = with_stroke_mirrored(laid_out, 3)
+    made = with_image(laid_out, 3)
     assert rows(made) == [(60, 0, "dwell"), (100, 20, "modified-sine"), (100, 0, "dwell"), (100, -20, "modified-sine")]
     assert join_angles(made)[3] == join_angles(laid_out)[3]
 
@@ -122,29 +126,29 @@ def test_the_rise_becomes_the_image_of_the_return() -> None:
 def test_a_blend_is_one_stroke() -> None:
     """C1-CV1-C2 comes back as C3-CV2-C4, the last curve first."""
     blend = (30, 5, "c1"), (20, 10, "cv1"), (25, 5, "c2")
-    made = with_stroke_mirrored(motion((60, 0, "dwell"), *blend, (100, 0, "dwell"), (125, -20, SINE)), 2)
+    made = with_image(motion((60, 0, "dwell"), *blend, (100, 0, "dwell"), (125, -20, SINE)), 2)
     assert rows(made)[5:] == [(25, -5, "c3"), (20, -10, "cv2"), (30, -5, "c4")]
     assert rows(made)[4] == (150, 0, "dwell")
     assert not any(join.jumps[:1].any() for join in Program(made).joins)
 
 
 def test_rise_and_return_alone_share_the_turn() -> None:
-    made = with_stroke_mirrored(motion((150, 20, SINE), (210, -20, CYCLOID)), 0)
+    made = with_image(motion((150, 20, SINE), (210, -20, CYCLOID)), 0)
     assert rows(made) == [(180, 20, "modified-sine"), (180, -20, "modified-sine")]
 
 
 def test_dwells_that_cannot_give_enough_give_alike() -> None:
     laid_out = motion((160, 20, SINE), (15, 0, "dwell"), (150, -20, CYCLOID), (35, 0, "dwell"))
-    assert rows(with_stroke_mirrored(laid_out, 0))[3] == (25, 0, "dwell")
+    assert rows(with_image(laid_out, 0))[3] == (25, 0, "dwell")
     laid_out = motion((169, 20, SINE), (6, 0, "dwell"), (179, -20, CYCLOID), (6, 0, "dwell"))
-    assert rows(with_stroke_mirrored(laid_out, 2)) == [
+    assert rows(with_image(laid_out, 2)) == [
         (179, 20, "cycloidal"), (1, 0, "dwell"), (179, -20, "cycloidal"), (1, 0, "dwell")
     ]  # fmt: skip
 
 
 def test_what_does_not_fit_is_shared() -> None:
     """Twice 300 degrees are more than a turn: both strokes get half of what the dwells leave."""
-    made = with_stroke_mirrored(motion((300, 20, SINE), (20, 0, "dwell"), (30, -20, CYCLOID), (10, 0, "dwell")), 0)
+    made = with_image(motion((300, 20, SINE), (20, 0, "dwell"), (30, -20, CYCLOID), (10, 0, "dwell")), 0)
     assert rows(made) == [
         (165, 20, "modified-sine"), (20, 0, "dwell"), (165, -20, "modified-sine"), (10, 0, "dwell")
     ]  # fmt: skip
@@ -152,7 +156,7 @@ def test_what_does_not_fit_is_shared() -> None:
 
 def test_other_strokes_bring_the_follower_back() -> None:
     laid_out = motion((60, 20, SINE), (60, -15, SINE), (120, 0, "dwell"), (60, 5, SINE), (60, -10, SINE))
-    made = with_stroke_mirrored(laid_out, 0)
+    made = with_image(laid_out, 0)
     assert [s.rise for s in made.segments] == [20, -20, 0, 10, -10]
     assert part_faults(made, "motion") == []
 
@@ -160,7 +164,7 @@ def test_other_strokes_bring_the_follower_back() -> None:
 def test_the_image_may_lie_across_cam_angle_0() -> None:
     """The levels that the stroke itself runs between stay."""
     laid_out = motion((40, -8, "c4"), (60, 0, "dwell"), (50, 20, SINE), (150, 0, "dwell"), (60, -12, "c3"), start=9)
-    made = with_stroke_mirrored(laid_out, 2)
+    made = with_image(laid_out, 2)
     assert part_faults(made, "motion") == []
     at = [s.rise for s in made.segments].index(20)
     assert join_levels(made)[at] == join_levels(laid_out)[2] == 1.0
@@ -170,13 +174,13 @@ def test_the_image_may_lie_across_cam_angle_0() -> None:
 def test_a_law_without_a_counterpart_has_no_image() -> None:
     assert {slug for slug in LAWS if not has_image(Named(slug))} == set(ONE_WAY)
     laid_out = motion((50, 20, "double-harmonic"), (130, 0, "dwell"), (180, -20, SINE))
-    assert with_stroke_mirrored(laid_out, 0) is laid_out
-    assert with_stroke_mirrored(laid_out, 2).segments[0].curve == SINE
+    assert with_image(laid_out, 0) is laid_out
+    assert with_image(laid_out, 2).segments[0].curve == SINE
 
 
 @pytest.mark.parametrize("index", [0, 2])
 def test_without_a_stroke_there_is_no_image(index: int) -> None:
-    assert with_stroke_mirrored(LIFT.drive.motion, index) is LIFT.drive.motion
+    assert with_image(LIFT.drive.motion, index) is LIFT.drive.motion
 
 
 def test_the_lift_is_its_own_image() -> None:
@@ -198,7 +202,7 @@ def test_what_is_assumed_of_the_stroke_is_assumed_of_its_image() -> None:
 def test_an_image_leaves_a_whole_motion(data: st.DataObject) -> None:
     laid_out = replace(data.draw(strategies.motions()), start=data.draw(st.floats(-1e3, 1e3)))
     index = data.draw(st.integers(0, len(laid_out.segments) - 1))
-    made = with_stroke_mirrored(laid_out, index)
+    made = with_image(laid_out, index)
     assert part_faults(made, "motion") == []
     if made is laid_out:
         return
