@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import fsum, pi
+from math import pi
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from core.design import Motion
 from core.findings import ERROR, WARNING, Finding
 from core.laws import Piece, PieceTable
 from core.motion.curves import shape_of
+from core.numerics.compensated_sum import two_sum
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import unit
 
@@ -70,15 +71,16 @@ class Program:
 
     def __init__(self, motion: Motion) -> None:
         pieces: list[Piece] = []
-        rows, begin, level = [], 0.0, motion.start
-        for i, part in enumerate(motion.segments):
+        begins = np.deg2rad(_sums_before([s.span_deg for s in motion.segments]))
+        heights = _sums_before([s.rise for s in motion.segments])
+        rows = []
+        for i, (part, begin, height) in enumerate(zip(motion.segments, begins, heights, strict=True)):
+            level = motion.start + height
             shape = shape_of(part, len(motion.segments) == 1, f"motion.segments[{i}]")
             span = np.deg2rad(part.span_deg)
             pieces += shape.pieces
             for piece, velocity_sign in zip(shape.pieces, shape.velocity_signs, strict=True):
                 rows.append((i, begin + piece.start * span, span, level, shape.gain, velocity_sign))
-            before = motion.segments[: i + 1]  # summed up with one rounding
-            begin, level = np.deg2rad(fsum(s.span_deg for s in before)), motion.start + fsum(s.rise for s in before)
         segment, self.starts, self._span, levels, gain, self.velocity_signs = np.array(rows).T
         self.motion = motion
         self.ends = np.append(self.starts[1:], TURN)
@@ -122,6 +124,16 @@ class Program:
         jumps = np.abs(jump) > bound
         where = np.append(self.starts[first][1:], 0.0)
         return tuple(Join(float(where[i]), jump[:, i], jumps[:, i]) for i in range(first.size))
+
+
+def _sums_before(values: list[float]) -> list[float]:
+    """The sum of all values before each of them: what rounding takes is kept beside the sum."""
+    sums, high, low = [], 0.0, 0.0
+    for value in values:
+        sums.append(high + low)
+        high, lost = two_sum(high, value)
+        low += lost
+    return sums
 
 
 @lru_cache(maxsize=32)
