@@ -120,7 +120,8 @@ def _refused(text: str) -> Callable[[], Run]:
     return lambda: run
 
 
-def cases() -> tuple[Case, ...]:
+def cases(segments: int = 3000) -> tuple[Case, ...]:
+    """segments   of the design that has many"""
     lift = (EXAMPLES / "transfer_lift.toml").read_text(encoding="utf-8")
     head, _ = _around_the_segments("transfer_lift")
     unknown = lift + "".join(f"key{i} = {i}\n" for i in range(60_000))
@@ -128,7 +129,7 @@ def cases() -> tuple[Case, ...]:
         Case("certificate of 60 links", _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
         Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB, 3000.0),
         Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB, 3000.0),
-        Case("check of 3,000 segments", _checked(many_segments(3000)), 2_000_000, 300 * MIB, 2000.0),
+        Case(f"check of {segments:,} segments", _checked(many_segments(segments)), 500_000 + 500 * segments, segments * MIB // 10, 2000.0),
         Case("refusal of 60,000 unknown keys", _refused(unknown), 100_000, 20 * MIB, 1000.0),
         Case("refusal of 100,000 empty segments", _refused(head + "[[motion.segments]]\n" * 100_000), 300_000, 20 * MIB, 1000.0),
     )

@@ -49,12 +49,12 @@ def test_tab_leads_from_the_stroke_over_diagram_and_table_to_the_buttons(user: U
     assert isinstance(button.parent(), SegmentBar)
 
 
-def test_tab_comes_round_the_whole_window(user: User) -> None:
+def test_tab_comes_round_the_whole_window(whole: User) -> None:
     """Also past the bar of tabs in the middle, which is hidden while there is one page."""
-    user.choose("Make", "Stroke")
+    whole.choose("Make", "Stroke")
     begin = at()
-    passed = walk(user, MOST)
+    passed = walk(whole, MOST)
     assert begin in passed
     round = passed[: passed.index(begin) + 1]
     assert len(set(round)) == len(round), "nothing keeps the focus"
-    assert user.drawing().canvas in round
+    assert whole.drawing().canvas in round
