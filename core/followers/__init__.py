@@ -1,10 +1,10 @@
 """Cam followers: each builds a linkage from its lengths, in a frame of its own, and says what its parts are called."""
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 from core.design import CamSlider, Follower, Linkage, Oscillating, Translating, si
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
@@ -13,21 +13,17 @@ from core.followers.translating import translating
 from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
 
 
-def _linkage(linkage: Linkage, reference: Reference | None) -> Mechanism:
-    return mechanism_of(linkage, reference)
-
-
 def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
     """Base radius + roller radius: the distance of the reference point from the cam centre on the base circle [m]."""
     parts = si(cam)
     return part, parts.base_radius + parts.roller_radius
 
 
-def _under(part: Linkage, cam: Any) -> tuple[Linkage, Reference | None]:
+def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, Reference | None]:
     """The linkage at a speed of 1, on which no place depends; the roller's centre, which is where it is whatever its
     radius."""
-    still = replace(part, driver=replace(part.driver, speed_rpm=1.0))
-    return still, None if cam is None else Reference(cam.link, cam.point)
+    slow = replace(part, driver=replace(part.driver, speed_rpm=1.0))
+    return slow, None if cam is None else Reference(cam.link, cam.point)
 
 
 class Builder(NamedTuple):
@@ -42,7 +38,7 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         CamSlider: Builder(_reach, cam_slider),
         Translating: Builder(_reach, translating),
         Oscillating: Builder(_reach, oscillating),
-        Linkage: Builder(_under, _linkage),
+        Linkage: Builder(_at_unit_speed, mechanism_of),
     }
 )
 
@@ -50,12 +46,12 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
 def built(part: Follower | Linkage, cam: Any) -> Mechanism:
     """The mechanism of a drive; the same one as long as nothing changes that it depends on. Raises NoAssembly where a
     follower does not come to its base position."""
-    return _built(cast(Hashable, type(part)), *BUILDERS[type(part)].needs(part, cam))
+    return _built(*BUILDERS[type(part)].needs(part, cam))
 
 
 @lru_cache(maxsize=64)
-def _built(kind: Any, part: Any, needed: Any) -> Mechanism:
-    return BUILDERS[kind].build(part, needed)
+def _built(part: Any, needed: Any) -> Mechanism:
+    return BUILDERS[type(part)].build(part, needed)
 
 
 __all__ = ["BUILDERS", "LAYOUT_TABLE", "BasePosition", "Layout", "base_position", "built"]

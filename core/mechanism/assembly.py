@@ -202,7 +202,7 @@ def _travel(
         return np.ones(q.size, dtype=complex)
     at = plan.points[reference.link][reference.point]
     if not ground:
-        path = course.solve(at_driver(q)).poses[reference.link].derivative(at, 1) * cmath.rect(1.0, mechanism.turn)
+        path = course.solve(at_driver(q)).poses[reference.link].carried(at)[1] * cmath.rect(1.0, mechanism.turn)
         return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
     held = next(j for j, name in mechanism.pair_names.items() if name == ground)
     own = held.second if held.second.link == reference.link else held.first
@@ -247,7 +247,7 @@ def _residual(plan: Plan, own: Mapping[int, Pose]) -> np.ndarray:
     """How far the pairs are open at worst (n,), relative to the size of the linkage."""
     worst = np.zeros(1)
     for joint in plan.joints:
-        one, other = (own[held.link].derivative(held.point, 0) for held in (joint.first, joint.second))
+        one, other = (own[held.link].carried(held.point)[0] for held in (joint.first, joint.second))
         gap = other - one
         if not joint.revolute:
             gap = cross(joint.first.along * own[joint.first.link].unit, gap)

@@ -134,8 +134,8 @@ def _kept_sides(plan: Plan, group: Group, known: Bodies, x: np.ndarray) -> np.nd
         links = [n for n in group.links if name in plan.points[n]]
         if len(links) < 2:
             continue
-        pin = poses[links[0]].derivative(plan.points[links[0]][name], 0)
-        ends = [poses[n].derivative(_other_pin(plan, n, name), 0) for n in links[:2]]
+        pin = poses[links[0]].carried(plan.points[links[0]][name])[0]
+        ends = [poses[n].carried(_other_pin(plan, n, name))[0] for n in links[:2]]
         kept &= np.sign(cross(ends[1] - ends[0], pin - ends[0])) == side
     return kept
 

@@ -159,7 +159,7 @@ def _apart(course: Course, kinematics: Kinematics, place: float) -> float:
     """How far any point is from where it stands [m]; infinite where the linkage cannot be assembled."""
     poses = course.solve(at_driver(np.array([place]))).poses
     apart = [
-        abs(poses[link].derivative(at, 0)[0] - kinematics.bodies[body_name(link)].derivative(at, 0)[0])
+        abs(poses[link].carried(at)[0][0] - kinematics.bodies[body_name(link)].carried(at)[0][0])
         for link, places in course.plan.points.items()
         for at in places.values()
     ]

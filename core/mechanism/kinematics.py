@@ -68,21 +68,13 @@ class Pose:
         """A body-fixed point in the global frame."""
         return sum_of(self.origin, turning(local * self.unit, self.turn)) if local else self.origin
 
-    def derivative(self, local: complex, order: int) -> np.ndarray:
-        """One order of ``carried`` (n,)."""
-        return self.carried(local)[order]
-
-    def at(self, local: complex) -> np.ndarray:
-        """A body-fixed point in the global frame with three derivatives (4, n)."""
-        return self.carried(local).all
-
     def point(self, name: str) -> np.ndarray:
         """A named point in the global frame with three derivatives (4, n)."""
-        return self.at(self.points[name])
+        return self.carried(self.points[name]).all
 
     def place(self, name: str, order: int = 0) -> np.ndarray:
         """A named point in the global frame, or one derivative (n,)."""
-        return self.derivative(self.points[name], order)
+        return self.carried(self.points[name])[order]
 
 
 FRAME_POSE = Pose(constant(0j), constant(0.0), unit=np.ones(1, dtype=complex))

@@ -184,18 +184,13 @@ class Study:
                 "its links cannot be put together at any position of the driver, or at single ones only", "linkage.links",
                 "change their lengths, or linkage.branch",
             )  # fmt: skip
-        if self.by_crank and self._between_samples(found):
+        if self.by_crank and not CrankProgram(found).degrees(self.samples).size:
             places = angle_list([(float(np.rad2deg(r.low)), float(np.rad2deg(r.high))) for r in found.ranges])
             raise NoPosition(
                 f"its links can be put together with the crank within {places} only, where none of the {self.samples} "
                 "driver angles lies", "linkage.links", "change their lengths, or ask for more angles",
             )  # fmt: skip
         return found
-
-    def _between_samples(self, course: Course) -> bool:
-        """Whether the crank's ranges are so short that no angle of the grid lies in them."""
-        longest = max(r.high - r.low for r in course.ranges)
-        return longest * self.samples < 4.0 * np.pi and not CrankProgram(course).degrees(self.samples).size
 
     @cached_property
     def drive(self) -> MotionState:
@@ -395,13 +390,12 @@ class Study:
 
     def _limit(self, name: str, extreme: Extreme) -> Extreme:
         """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""
-        for r in self.course.ranges:
-            for end, joint, inwards in ((r.low, r.low_joint, 1.0), (r.high, r.high_joint, -1.0)):
-                if joint and abs(extreme.theta - end) < _AT_END and self._grows(name, end, inwards):
-                    return Extreme(float(np.copysign(np.inf, extreme.value)), end)
-        for change in self.course.changes:
-            if abs(extreme.theta - change.at) < _AT_CHANGE and self._grows(name, change.at, 1.0):
-                return Extreme(float(np.copysign(np.inf, extreme.value)), change.at)
+        places = [(r.low, _AT_END, 1.0) for r in self.course.ranges if r.low_joint]
+        places += [(r.high, _AT_END, -1.0) for r in self.course.ranges if r.high_joint]
+        places += [(change.at, _AT_CHANGE, 1.0) for change in self.course.changes]
+        for place, near, inwards in places:
+            if abs(extreme.theta - place) < near and self._grows(name, place, inwards):
+                return Extreme(float(np.copysign(np.inf, extreme.value)), place)
         return extreme
 
     def _grows(self, name: str, place: float, inwards: float) -> bool:

@@ -70,7 +70,7 @@ def generic(there: Any, setting: None) -> Channels:
     }  # fmt: skip
     gains = {}
     for name, inertia in ((m.body, m.inertia) for m in loading.masses):
-        centre = bodies[name].at(inertia.centre)
+        centre = bodies[name].carried(inertia.centre).all
         points[f"{name}_centre"], gains[name] = centre[0], centre[2]
     return _nine(there, points, gains, {name: bodies[name].angle[2] for name in ("arm", "rod")})
 
