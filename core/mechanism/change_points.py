@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
+from core.mechanism.kinematics import Pose
+from core.numerics.derivatives import Derivatives
 from core.numerics.vectors import unit
-
-State = tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Of a link: origin and angle (4, n), x axis (n,)."""
 
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
 
@@ -55,25 +53,28 @@ class Bridge:
     power: np.ndarray
 
     def within(self, q: np.ndarray) -> np.ndarray:
+        """(n,) where the driver stands on the bridge."""
         return np.abs(q - self.at) < self.half
 
-    def apply(self, q: np.ndarray, there: np.ndarray, states: Mapping[int, State]) -> None:
-        """Set the links' states at q (4, n) where ``there`` (n,) says so."""
-        u = (q[0, there] - self.at) / self.half
-        by_q = [polyval(u, polyder(self.power, order)).T / self.half**order for order in range(4)]
-        _, v, a, j = q[:, there, None]
-        rows = (
-            by_q[0],
-            by_q[1] * v,
-            by_q[2] * v * v + by_q[1] * a,
-            by_q[3] * v * v * v + 3.0 * by_q[2] * v * a + by_q[1] * j,
-        )
+    def apply(self, q: Derivatives, poses: dict[int, Pose]) -> None:
+        """Replace both links' poses, which are infinite or nan here, where the driver at q (n,) stands on the bridge."""
+        there = self.within(q[0])
+        if not there.any():
+            return
+        n = q[0].size
+        u = (q[0][there] - self.at) / self.half
+        x1, x2, x3 = (polyval(u, polyder(self.power, order)) / self.half**order for order in (1, 2, 3))
+        v, a, j = (np.broadcast_to(q[order], n)[there] for order in (1, 2, 3))
+        rows = np.array([
+            polyval(u, self.power), x1 * v, x2 * v * v + x1 * a, x3 * v * v * v + 3.0 * x2 * v * a + x1 * j,
+        ])  # fmt: skip
         for i, link in enumerate(self.links):
-            z, angle, heading = states[link]
-            for order, row in enumerate(rows):
-                z[order, there] = row[:, 3 * i] + 1j * row[:, 3 * i + 1]
-                angle[order, there] = row[:, 3 * i + 2]
-            heading[there] = unit(angle[0, there])
+            origin, turn = (np.array(part.spread(n).all) for part in (poses[link].origin, poses[link].turn))
+            origin[:, there] = rows[:, 3 * i] + 1j * rows[:, 3 * i + 1]
+            turn[:, there] = rows[:, 3 * i + 2]
+            heading = np.array(np.broadcast_to(poses[link].unit, n))
+            heading[there] = unit(turn[0, there])
+            poses[link] = Pose(Derivatives.of(origin), Derivatives.of(turn), unit=heading)
 
 
 def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
@@ -94,7 +95,7 @@ class Branch:
     bridges: dict[int, tuple[Bridge, ...]] = field(default_factory=dict)
 
     def side(self, step: int, stated: float, q: np.ndarray) -> float | np.ndarray:
-        """The stated side at the start of the course, the other one beyond each change point."""
+        """+1 or -1 of a step's dyad at q (n,): as stated at the start of the course, the other one beyond each change point."""
         changes = self.changes.get(step)
         if changes is None or not changes.size:
             return stated

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
-from core.mechanism.change_points import Branch, Bridge
+from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
 from core.mechanism.groups import Group, GroupSolution, group_solution, newton
 from core.mechanism.kinematics import FRAME_POSE, Pose
@@ -45,9 +45,10 @@ def at_driver(values: np.ndarray) -> Derivatives:
 
 
 def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) -> Solved:
-    """Poses with three derivatives for the driver at q, derivatives by whatever q's are by.
+    """The poses of all links for the driver at q (n,) [rad or m], NaN where links do not meet; with three derivatives by what
+    q's are by: the motion's angle, or the driver's own coordinate.
 
-    branch: sides beyond change points, and where Newton starts; steps: only so many of the plan's.
+    branch: sides beyond change points, and where Newton starts; steps: solve only so many of the plan's.
     """
     poses: dict[int, Pose] = {FRAME_LINK: FRAME_POSE, plan.linkage.driver.link: driver_pose(plan, q)}
     found: list[DyadSolution | GroupSolution] = []
@@ -58,29 +59,10 @@ def solve(plan: Plan, q: Derivatives, branch: Branch, steps: int | None = None) 
                 continue
             closed = DYADS[step.kind](poses, joints, branch.side(i, plan.side(step.joint), q[0]))
             poses[step.links[0]], poses[step.links[1]] = closed.poses
-            _bridged(step.links, branch.bridges.get(i, ()), q, poses)
+            for bridge in branch.bridges.get(i, ()):
+                bridge.apply(q, poses)
             found.append(closed)
     return Solved(poses, tuple(found))
-
-
-def _bridged(links: tuple[int, ...], bridges: tuple[Bridge, ...], q: Derivatives, poses: dict[int, Pose]) -> None:
-    """Lay the bridges that the driver's positions fall on."""
-    laid = [(bridge, there) for bridge in bridges if (there := bridge.within(q[0])).any()]
-    if not laid:
-        return
-    n = q[0].size
-    states = {
-        link: (
-            np.array(poses[link].origin.spread(n).all),
-            np.array(poses[link].turn.spread(n).all),
-            np.array(np.broadcast_to(poses[link].unit, n)),
-        )
-        for link in links
-    }
-    for bridge, there in laid:
-        bridge.apply(q.all, there, states)
-    for link, (z, angle, heading) in states.items():
-        poses[link] = Pose(Derivatives.of(z), Derivatives.of(angle), unit=heading)
 
 
 def _grouped(plan: Plan, index: int, q: Derivatives, branch: Branch, poses: dict[int, Pose]) -> GroupSolution:
