@@ -7,7 +7,7 @@ from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_and_samples, folder, verdict
-from core.output.export import export
+from core.output.export import bounded, export
 from core.project import load
 from core.study import Study
 
@@ -23,4 +23,4 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     study = Study(load(arguments.design), arguments.samples)
     for path in export(study, arguments.out, arguments.only):
         print(path)
-    return verdict(study, arguments.only)
+    return verdict(bounded(study), arguments.only)

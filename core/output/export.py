@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from core.design import Design
+from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import ANGLES, DYNAMICS, KINEMATICS, LINKAGE, PROFILE, channels, existing
 from core.output.summary import summary, to_json
@@ -19,26 +20,61 @@ if TYPE_CHECKING:
     from core.stability import Tongues
 
 TABLES = (PROFILE, KINEMATICS, LINKAGE, DYNAMICS)
-ROWS_AT_ONCE = 4096
+ANGLES_AT_ONCE = 32_768  # a larger study is computed and written in blocks: memory does not grow with its angles
 TONGUES, SUMMARY = "tongues.csv", "summary.json"
 
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
     """A table with a header line; every number is the shortest text that reads back to the same bits."""
-    lines, rows = [",".join(names)], np.column_stack(columns)
-    for begin in range(0, len(rows), ROWS_AT_ONCE):
+    return b"".join((_head(names), _lines(names, columns))).decode()
+
+
+def _head(names: Sequence[str]) -> bytes:
+    return ",".join(names).encode() + b"\n"
+
+
+def _lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
+    """The lines of columns (n,), without a header. Raises KindynaError where a number is not finite."""
+    import orjson
+
+    rows = np.column_stack(columns)
+    if not np.isfinite(rows).all():
+        row, column = np.argwhere(~np.isfinite(rows))[0]
+        raise KindynaError(f"{names[column]}: not finite at {names[0]} {columns[0][row]:.6g}; no table can hold that")
+    text = orjson.dumps(rows, option=orjson.OPT_SERIALIZE_NUMPY)  # [[1.0,2.0],[3.0,4.0]]
+    return text[2:-2].replace(b"],[", b"\n") + b"\n" if len(rows) else b""
+
+
+def bounded(study: Study) -> Study:
+    """The study whose findings, figures and certificate stand for it: extremes are refined, so that more angles tell no more."""
+    return study if study.samples <= ANGLES_AT_ONCE else Study(study.design, ANGLES_AT_ONCE)
+
+
+def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
+    """Angles as in tables [deg] and the study at them, so many at once; a study of no more angles comes as it is."""
+    degrees = study.angle_degrees
+    if degrees.size <= ANGLES_AT_ONCE:
+        yield degrees, study
+        return
+    for begin in range(0, degrees.size, ANGLES_AT_ONCE):
         checkpoint()
-        lines += [",".join(map(repr, row)) for row in rows[begin : begin + ROWS_AT_ONCE].tolist()]
-    return "\n".join(lines) + "\n"
+        part = degrees[begin : begin + ANGLES_AT_ONCE]
+        yield part, study.at(study.program.angles(np.deg2rad(part)))
 
 
-def table(study: Study, name: str, stages: Sequence[str]) -> str | None:
-    """One of ``TABLES`` with the columns of the named stages; None where no column is left, or no forces exist."""
-    rows = existing(study, (row for row in channels(study.design, stages) if row.table == name))
-    if not rows or (name == DYNAMICS and study.jam is not None):
+def table(study: Study, name: str, stages: Sequence[str]) -> Iterator[bytes] | None:
+    """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist."""
+    rows = existing(bounded(study), (row for row in channels(study.design, stages) if row.table == name))
+    if not rows or (name == DYNAMICS and bounded(study).jam is not None):
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
-    return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
+
+    def made() -> Iterator[bytes]:
+        yield _head(names)
+        for degrees, part in blocks(study):
+            yield _lines(names, [degrees, *(row.values(part) for row in rows)])
+
+    return made()
 
 
 def names(design: Design) -> tuple[str, ...]:
@@ -57,23 +93,29 @@ def tongues_table(rows_of_q: Sequence[Tongues]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
-    """File name -> text of all that the named stages (all, where none is named) give."""
+def streams(study: Study, stages: Sequence[str] = ()) -> dict[str, str | Iterator[bytes]]:
+    """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give."""
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     for name in stages:
         study.require_stage(name)
-    tables = {name: table(study, name, wanted) for name in TABLES}
-    texts = {name: text for name, text in tables.items() if text is not None}
+    made = {name: table(study, name, wanted) for name in TABLES}
+    texts: dict[str, str | Iterator[bytes]] = {name: parts for name, parts in made.items() if parts is not None}
     if "stability" in wanted and study.stability is not None:
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it
 
         texts[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    texts[SUMMARY] = to_json(summary(study, wanted))
+    texts[SUMMARY] = to_json(summary(bounded(study), wanted))
     return texts
+
+
+def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
+    """The same as texts."""
+    made = streams(study, stages).items()
+    return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in made}
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:
     """Write them all into the folder; the paths. Raises NoAnswer, NoSuchStage, FileError, and then writes nothing."""
-    texts = files(study, stages)
-    write_all(folder, texts)
-    return [folder / name for name in texts]
+    made = streams(study, stages)
+    write_all(folder, made)
+    return [folder / name for name in made]

@@ -17,6 +17,7 @@ from core.errors import FileError
 from core.project.locks import NO_LOCKS, hold
 
 AnyPath = str | os.PathLike[str]
+Content = bytes | str | Iterator[bytes]
 
 MOST_BYTES = 10_000_000  # no design is larger; a device or a film taken by mistake would fill the memory
 
@@ -73,15 +74,16 @@ def write(path: AnyPath, data: bytes | str) -> None:
     _replace_all({Path(path): data}, create_folders=False)
 
 
-def write_all(folder: AnyPath, files: Mapping[str, bytes | str]) -> None:
-    """Write all files (name: content) or none; folders that are missing are created.
+def write_all(folder: AnyPath, files: Mapping[str, Content]) -> None:
+    """Write all files (name: content) or none; folders that are missing are created. A content of parts is written as its
+    parts come; what making them raises is raised here.
 
     Raises FileError where one cannot be written; then nothing has changed.
     """
     _replace_all({Path(folder) / name: data for name, data in files.items()}, create_folders=True)
 
 
-def _replace_all(files: Mapping[Path, bytes | str], *, create_folders: bool) -> None:
+def _replace_all(files: Mapping[Path, Content], *, create_folders: bool) -> None:
     """First everything that can fail for lack of space or permission, under other names; then the moves.
 
     What is to be taken back or swept up is noted before it is made, so that an interrupt finds it noted.
@@ -192,13 +194,15 @@ def sweep(folder: AnyPath) -> None:
                     os.close(handle)
 
 
-def _write_new(path: Path, data: bytes | str, mode: int | None) -> None:
-    rest = memoryview(data.encode() if isinstance(data, str) else data)
+def _write_new(path: Path, data: Content, mode: int | None) -> None:
+    whole = data.encode() if isinstance(data, str) else data
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
     handle = os.open(path, flags, 0o666 if mode is None else mode)
     try:
-        while rest:
-            rest = rest[os.write(handle, rest) :]
+        for part in [whole] if isinstance(whole, bytes) else whole:
+            rest = memoryview(part)
+            while rest:
+                rest = rest[os.write(handle, rest) :]
         os.fsync(handle)
     finally:
         os.close(handle)

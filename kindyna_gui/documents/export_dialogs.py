@@ -35,7 +35,7 @@ from kindyna_gui.dialogs import with_suffix
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.film import FORMATS, LEAST_SECONDS, MOST_FRAMES, Film
 
-LEAST_SAMPLES, MOST_SAMPLES = 36, 360_000
+LEAST_SAMPLES, MOST_SAMPLES = 36, 5_000_000
 SIZES = ((480, 360), (640, 480), (800, 600), (1024, 768), (1280, 960))
 USUAL_SIZE = (800, 600)
 AT_ONCE = 0.3  # seconds: what is done by then shows no dialog

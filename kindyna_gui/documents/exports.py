@@ -42,9 +42,9 @@ def numbers(design: Design, rows: Sequence[Channel]) -> str:
 
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
     """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
-    from core.output.export import files
+    from core.output.export import streams
 
-    made = files(Study(design, samples))
+    made = streams(Study(design, samples))
     checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)

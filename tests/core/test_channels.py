@@ -14,10 +14,11 @@ from mechanisms import LAYOUT_DESIGNS, LIFT, PUSHER, levels, with_drive, with_fo
 from references import MP, Solved, cam_shape, free_bodies, solved, speed_of
 
 from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
-from core.errors import NoSuchStage
+from core.errors import KindynaError, NoSuchStage
 from core.findings import ERROR
 from core.output.channels import channel, channels
-from core.output.export import files
+from core.output.export import ANGLES_AT_ONCE, export, files
+from core.output.export import csv as table_text
 from core.project import load
 from core.study import QUANTITIES, Study, names_of
 
@@ -119,6 +120,25 @@ def test_the_text_is_plain_and_reads_back_to_the_last_bit() -> None:
         for i, column in enumerate(head[1:], start=1):
             values = channel(LIFT, column).values(study)
             assert rows[:, i].tolist() == values.tolist(), (name, column)
+
+
+def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> None:
+    samples, every = 2 * ANGLES_AT_ONCE + 72, 4096
+    export(Study(LIFT, samples), tmp_path, ["motion", "linkage", "cam"])
+    picked = Study(LIFT).at_theta(np.deg2rad(np.arange(0, samples, every) * 360.0 / samples))
+    for name in ("profile.csv", "kinematics.csv"):
+        lines = (tmp_path / name).read_text().splitlines()
+        assert len(lines) == samples + 1
+        for slug, texts in zip(lines[0].split(",")[1:], zip(*(line.split(",")[1:] for line in lines[1::every]), strict=True), strict=True):
+            there = [float(text) for text in texts]
+            wanted = channel(LIFT, slug).values(picked)
+            assert there == pytest.approx(wanted, rel=1e-12, abs=1e-12 * np.abs(wanted).max()), slug
+    assert json.loads((tmp_path / "summary.json").read_text())
+
+
+def test_what_is_not_finite_is_refused_with_its_column() -> None:
+    with pytest.raises(KindynaError, match=r"force_n: not finite at cam_angle_deg 90"):
+        table_text(["cam_angle_deg", "x", "force_n"], [np.array([0.0, 90.0]), np.zeros(2), np.array([1.0, np.inf])])
 
 
 def test_a_smaller_question_writes_only_its_tables() -> None:

@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 
-from core.errors import FileError
+from core.errors import FileError, KindynaError
 from core.project import files
 
 posix = pytest.mark.skipif(os.name != "posix", reason="POSIX only")
@@ -255,6 +255,21 @@ def out(tmp_path: Path) -> Path:
 def test_writes_all(out: Path) -> None:
     files.write_all(out, NEW)
     assert content(out) == OLD | WRITTEN
+
+
+def test_parts_are_written_as_they_come_and_a_part_that_fails_leaves_everything_as_it_was(out: Path) -> None:
+    def parts(fails: bool) -> Iterator[bytes]:
+        yield b"one\n"
+        yield b""
+        if fails:
+            raise KindynaError("no third part")
+        yield b"three\n"
+
+    with pytest.raises(KindynaError, match="no third part"):
+        files.write_all(out, {**NEW, "parts.csv": parts(True)})
+    assert content(out) == OLD
+    files.write_all(out, {"parts.csv": parts(False)})
+    assert (out / "parts.csv").read_bytes() == b"one\nthree\n"
 
 
 def test_creates_folders(tmp_path: Path) -> None:
