@@ -23,7 +23,7 @@ from core.stability.panels import gauss, integrals, integration, powers
 
 STAGES = 16
 PHASE = 3.5  # [rad] longest step, in the phase of the shaft's own vibration
-PANELS = 2.5  # longest step, in panels of the coefficients
+PANELS = 2.0  # longest step, in panels of the coefficients
 SWEEPS = 16  # most Newton iterations of a step
 SETTLED = 32.0 * EPS  # residual of a stage at which the iteration ends, relative to 1 + the largest rate
 ATTEMPTS = 60  # most lengths tried for a step

@@ -243,7 +243,8 @@ def _absolute(f: np.ndarray, primitive: np.ndarray) -> np.ndarray:
     low, high = 2.0 * SAMPLES[j] - 1.0, 2.0 * SAMPLES[j + 1] - 1.0
     root = low + (high - low) * values[i, j] / (values[i, j] - values[i, j + 1])
     for _ in range(NEWTON):
-        root = np.clip(root - _values(f, root) / _values(slope, root), low, high)
+        rise = _values(slope, root)
+        root = np.clip(root - _values(f, root) / np.where(rise == 0.0, np.inf, rise), low, high)
     top = _values(primitive[i], root)
     total[i, j] = np.abs(top - area[i, j]) + np.abs(area[i, j + 1] - top)
     return np.asarray(total.sum(axis=1))
