@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
-
-BLOCK = 16_384  # vectors that are worked on at once: what a processor's cache holds
 
 
 class Rows(Protocol):
     """A quantity's derivatives by order."""
 
     def __getitem__(self, order: int, /) -> np.ndarray: ...
-
-
-def blocks(n: int) -> Iterator[slice]:
-    """n vectors, so many at once."""
-    return (slice(i, i + BLOCK) for i in range(0, n, BLOCK))
 
 
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
@@ -55,35 +47,19 @@ def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:
     """
     if order == 0:
         return u
-    rates = [angle[k] for k in range(1, order + 1)]
-    n = max(u.size, *(rate.size for rate in rates))
-    if n <= BLOCK:
-        return _turned(u, rates)
-    out = np.empty(n, dtype=complex)
-    for at in blocks(n):
-        out[at] = _turned(_part(u, at), [_part(rate, at) for rate in rates])
-    return out
-
-
-def _turned(u: np.ndarray, rates: list[np.ndarray]) -> np.ndarray:
-    """By all rates up to the order."""
-    a1 = rates[0]
-    if len(rates) == 1:
+    a1 = angle[1]
+    if order == 1:
         if a1.size == 1:
             return u * (1j * a1)
         out = np.empty(a1.size, dtype=complex)
         np.multiply(u.real, a1, out=out.imag)
         np.multiply(u.imag, -a1, out=out.real)
         return out
-    factor = np.empty(max(rate.size for rate in rates), dtype=complex)
-    if len(rates) == 2:
+    factor = np.empty(max(angle[k].size for k in range(1, order + 1)), dtype=complex)
+    if order == 2:
         np.multiply(-a1, a1, out=factor.real)
-        factor.imag = rates[1]
+        factor.imag = angle[2]
     else:
-        np.multiply(-3.0 * a1, rates[1], out=factor.real)
-        np.subtract(rates[2], a1 * a1 * a1, out=factor.imag)
+        np.multiply(-3.0 * a1, angle[2], out=factor.real)
+        np.subtract(angle[3], a1 * a1 * a1, out=factor.imag)
     return np.multiply(factor, u, out=factor) if factor.size >= u.size else factor * u
-
-
-def _part(row: np.ndarray, at: slice) -> np.ndarray:
-    return row[at] if row.size > 1 else row
