@@ -24,7 +24,7 @@ from core.study import Study
 SECONDS = float(os.environ.get("KINDYNA_STRESS_SECONDS", "600"))
 SEARCHES = 4
 ROUND = 40  # examples of one run of hypothesis; then the clock is looked at
-EVERY_RUN = 0.6  # [s] of each search in the ordinary tests
+EVERY_RUN = 0.3  # [s] of each search in the ordinary tests
 FEW = 4  # examples between two looks at the clock there
 
 Check = Callable[..., None]

@@ -79,7 +79,7 @@ def test_the_table_follows_the_player(six_bar: User) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "count"), [("four_bar", 6), ("slider_crank", 6), ("rear_suspension", 6), ("lecture_six_bar", 15)]
+    ("name", "count"), [("slider_crank", 6), ("lecture_six_bar", 15)]
 )
 def test_all_centres_are_drawn_where_they_are(name: str, count: int, open_user: Open) -> None:
     user = open_user(example(name))

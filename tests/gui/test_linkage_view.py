@@ -36,8 +36,8 @@ def place(user: User, point: str) -> complex:
 # -- opened and drawn -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", LINKAGES)
-def test_every_linkage_opens_and_moves(name: str, open_user: Open) -> None:
+@pytest.mark.parametrize("name", ["slider_crank", "lecture_six_bar", "four_bar_coupler_cam"])
+def test_a_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     """Each link is drawn where the core has it, at every tenth of a turn."""
     user = open_user(example(name))
     view = user.drawing()
