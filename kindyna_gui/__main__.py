@@ -19,7 +19,7 @@ with importing():
 
     from core import __version__
     from core.errors import KindynaError
-    from kindyna_gui.display import lacking, obstacle
+    from kindyna_gui.display import missing_library, obstacle
     from kindyna_gui.places import default_design
 
 if TYPE_CHECKING:
@@ -71,11 +71,11 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
 def _with_qt(run: Run) -> Run:
     """A command that does nothing, and says why in one line, where Qt cannot be loaded."""
 
-    def guarded(words: argparse.Namespace, painter: Painter | None) -> int:
+    def guarded(arguments: argparse.Namespace, painter: Painter | None) -> int:
         try:
             with importing():  # Qt cannot be interrupted there
                 from PySide6 import QtWidgets  # noqa: F401
-            return run(words, painter)
+            return run(arguments, painter)
         except ImportError as error:
             if not _of_qt(error):
                 raise
@@ -122,7 +122,7 @@ def window(path: Path | None) -> int:
     """Open the window; returns the exit code when it is closed. Without the libraries it needs, what works without."""
     trouble = ""
     try:
-        trouble = lacking()
+        trouble = missing_library()
         if not trouble:
             with importing():
                 main_window = window_module()
@@ -136,13 +136,13 @@ def window(path: Path | None) -> int:
     return code
 
 
-def headless(words: Sequence[str]) -> int:
+def headless(arguments: Sequence[str]) -> int:
     """The command line of the core with the commands that need a window which is never shown; returns the exit code."""
     from core.__main__ import main as core_main
     from kindyna_gui.headless import COMMANDS
 
     extra = {name: replace(row, run=_with_qt(row.run)) for name, row in COMMANDS.items()}
-    return core_main(words, painter=paint, program=f"kindyna {HEADLESS}", extra=extra)
+    return core_main(arguments, painter=paint, program=f"kindyna {HEADLESS}", extra=extra)
 
 
 def _of_qt(error: ImportError) -> bool:
@@ -155,16 +155,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     return exit_code(lambda: _run(list(sys.argv[1:] if argv is None else argv)))
 
 
-def _run(words: list[str]) -> int:
+def _run(arguments: list[str]) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
-    if words[:1] == [HEADLESS]:
-        return headless(words[1:])
-    asked = parser().parse_args(words)
-    if asked.headless is not None:
+    if arguments[:1] == [HEADLESS]:
+        return headless(arguments[1:])
+    options = parser().parse_args(arguments)
+    if options.headless is not None:
         parser().error(f"{HEADLESS} must come first")
-    path: Path | None = asked.design
+    path: Path | None = options.design
     why = obstacle()
     try:
         return without_window(path or default_design(), why) if why else window(path)

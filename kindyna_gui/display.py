@@ -29,7 +29,7 @@ def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.p
     return "no display (neither DISPLAY nor WAYLAND_DISPLAY is set)"
 
 
-def lacking(environment: Mapping[str, str] | None = None) -> str:
+def missing_library(environment: Mapping[str, str] | None = None) -> str:
     """What the machine lacks to show a window on X, as the loader says it; empty where it lacks nothing.
 
     Qt ends the whole program where it cannot load this plugin of its own. Raises ImportError without Qt.
@@ -43,8 +43,8 @@ def lacking(environment: Mapping[str, str] | None = None) -> str:
     loader = QPluginLoader(str(plugin))
     if loader.load():
         return ""
-    told = loader.errorString()
-    return (told.partition(f"{plugin.name}: ")[2] or told).strip("()")
+    text = loader.errorString()
+    return (text.partition(f"{plugin.name}: ")[2] or text).strip("()")
 
 
 def _answers_wayland(name: str, folder: str) -> bool:

@@ -9,7 +9,7 @@ from PySide6.QtWidgets import QLabel
 from kindyna_gui.look import WRONG, coloured
 
 
-class Words(QLabel):
+class MessageLabel(QLabel):
     """A text that wraps, shown only where there is one."""
 
     def __init__(self, colour: str) -> None:
@@ -19,13 +19,13 @@ class Words(QLabel):
         self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.hide()
 
-    def tell(self, text: str) -> None:
+    def show_message(self, text: str) -> None:
         if text != self.text() or self.isHidden() == bool(text):
             self.setText(text)
             self.setVisible(bool(text))
 
 
-class Note(Words):
+class Note(MessageLabel):
     """The line below a picture that says what it does not show, and why; it never widens what it stands in."""
 
     def __init__(self, colour: str = WRONG, margin: int = 6) -> None:
@@ -34,4 +34,4 @@ class Note(Words):
         self.setMinimumSize(1, 1)
 
 
-__all__ = ["Note", "Words"]
+__all__ = ["MessageLabel", "Note"]

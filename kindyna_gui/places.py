@@ -21,8 +21,8 @@ def example(name: str) -> Path:
 
 def examples() -> list[tuple[str, Path]]:
     """All designs that come with the program, in the order of their names: name for the user, file."""
-    found = sorted((resources() / "examples").glob("*.toml"))
-    return [(path.stem.replace("_", " ").capitalize(), path) for path in found]
+    paths = sorted((resources() / "examples").glob("*.toml"))
+    return [(path.stem.replace("_", " ").capitalize(), path) for path in paths]
 
 
 def default_design() -> Path:

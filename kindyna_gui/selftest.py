@@ -33,11 +33,11 @@ def verdicts() -> Iterator[tuple[str, str, str]]:
     """For each example its name, what is wrong (empty where nothing is), and what was done."""
     for _, path in examples():
         try:
-            told = _try(path)
+            summary = _try(path)
         except (_Wrong, KindynaError) as error:
             yield path.stem, " ".join(str(error).split()), ""
         else:
-            yield path.stem, "", told
+            yield path.stem, "", summary
 
 
 def _must(so: bool, what: str) -> None:
@@ -82,12 +82,12 @@ def _stroke_and_undo(window: MainWindow) -> None:
     before, wanted = session.study, stroke(session.design.drive.motion) * LONGER
     _must(session.edit("motion.stroke", wanted, "Change stroke"), "a longer stroke was refused")
     rest(window)
-    found = stroke(session.design.drive.motion)
-    _must(abs(found - wanted) < 1e-9 * wanted, f"the stroke became {found:g}, not {wanted:g}")
+    rise = stroke(session.design.drive.motion)
+    _must(abs(rise - wanted) < 1e-9 * wanted, f"the stroke became {rise:g}, not {wanted:g}")
     reached = session.study.extremes("motion", ("displacement",))["displacement"]
-    way = reached.high.value - reached.low.value
+    stroke_mm = reached.high.value - reached.low.value
     scale = session.design.drive.motion.scale
-    _must(abs(way / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")
+    _must(abs(stroke_mm / scale - wanted) < 1e-9 * wanted, "the motion does not follow the stroke")
     _must(session.study is not before and session.modified, "the edit has left no trace")
     session.stack.undo()
     rest(window)

@@ -57,13 +57,13 @@ class View(QWidget):
     only remembers that it is out of date. Where a stage has no answer the view says why in place of its content. Where it
     fails itself it says so there, passes the exception on, and rests until it is tried again or another design begins.
 
-    told   (str): what has been done, for the status line
+    status_message (str): what has been done, for the status line
 
     ``not_here``: this kind of design has nothing for the view, which says so in a sentence.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
     stages: tuple[str, ...] = ()
     pause_ms: int = 0
 

@@ -15,7 +15,7 @@ from kindyna_gui.blend.texts import UNASKED, begin_of, range_text
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import parsed
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
-from kindyna_gui.note import Words
+from kindyna_gui.note import MessageLabel
 
 NO_NUMBER = "A number is wanted, such as 12.5"
 CHECK, WHAT, BOX, UNIT, RANGE = range(5)  # columns of a row
@@ -34,8 +34,8 @@ class LiveBox(NumberBox):
         self._was: float | None = None
         self.setAccessibleName(name or info.label)
         self.entered.connect(self._take)
-        self.withdrawn.connect(self._tell)
-        self.lineEdit().textEdited.connect(self._tell)
+        self.withdrawn.connect(self._emit_changed)
+        self.lineEdit().textEdited.connect(self._emit_changed)
 
     @property
     def number(self) -> float | None:
@@ -64,9 +64,9 @@ class LiveBox(NumberBox):
         refused = self.refused
         self.show_value(value)
         self.set_refused(refused)
-        self._tell()
+        self._emit_changed()
 
-    def _tell(self, *_: object) -> None:
+    def _emit_changed(self, *_: object) -> None:
         if self.number != self._was:
             self._was = self.number
             self.changed.emit()
@@ -95,7 +95,7 @@ class Ranged(QObject):
         self.range = quiet()
         self.range.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self.range.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        self.message = Words(WRONG)
+        self.message = MessageLabel(WRONG)
 
     def boxes(self) -> tuple[LiveBox, ...]:
         """The editors of the row."""
@@ -116,7 +116,7 @@ class Ranged(QObject):
 
     def show_fault(self, text: str) -> None:
         """Tell what is wrong; nothing where the text is empty."""
-        self.message.tell(text)
+        self.message.show_message(text)
         self.boxes()[-1].set_refused(bool(text))
 
 
@@ -162,7 +162,7 @@ class SettingRow(Ranged):
         for widget in (self.check, self.what, self.box, self.unit, self.range):
             widget.setVisible(on)
         if not on:
-            self.message.tell("")
+            self.message.show_message("")
 
     def give(self, value: float) -> None:
         """Tick it with a value, without telling."""
@@ -203,12 +203,12 @@ class SettingRow(Ranged):
 class PointRow(Ranged):
     """A precision point: at a cam angle, a level above the lowest.
 
-    gone   take it away
+    removed   take it away
 
     paper: the widget that holds all of the row
     """
 
-    gone = Signal()
+    removed = Signal()
 
     def __init__(self, unit: Unit) -> None:
         super().__init__(POINT, "level")
@@ -219,7 +219,7 @@ class PointRow(Ranged):
         self.close.setIcon(icon("close"))
         self.close.setToolTip("Take this point away")
         self.close.setAccessibleName("Take this point away")
-        self.close.clicked.connect(self.gone)
+        self.close.clicked.connect(self.removed)
         for box in self.boxes():
             box.changed.connect(self.changed)
         self.paper = QWidget()

@@ -9,26 +9,26 @@ from math import fsum
 from core.blend import candidates
 from core.design import Motion, Segment, join_angles
 from core.design.edits import is_dwell
-from kindyna_gui.blend.request import OF_A_RETURN, Asked, plan
+from kindyna_gui.blend.request import OF_A_RETURN, WizardRequest, plan
 
 CONSTANT = ("cv1", "cv2")
 
 
-def first_asked(motion: Motion, chosen: int) -> Asked:
+def first_request(motion: Motion, chosen: int) -> WizardRequest:
     """What a motion is like about the chosen segment, or the next that moves, asked anew: its stroke, its angles, and
     where it is a blend its sequence and heights. A motion that stands still is asked for a card picker's."""
     moving = [not is_dwell(s) and s.rise != 0.0 for s in motion.segments]
     count = len(moving)
     at = next((i for k in range(count) if moving[i := (chosen + k) % count]), None)
     if at is None:
-        return Asked(unit=motion.unit)
+        return WizardRequest(unit=motion.unit)
     run = _about(at, moving)
     stroke = _about(
         at, [on and s.rise * motion.segments[at].rise > 0.0 for on, s in zip(moving, motion.segments, strict=True)]
     )
-    runs = [run, stroke] if list(_ways([motion.segments[i] for i in run])) in ([1], [-1], [1, -1]) else [stroke]
-    found = [_asked(motion, part) for part in runs]
-    return next((asked for asked, blended in found if blended), found[0][0])
+    runs = [run, stroke] if list(_directions([motion.segments[i] for i in run])) in ([1], [-1], [1, -1]) else [stroke]
+    requests = [_request_of(motion, part) for part in runs]
+    return next((request for request, blended in requests if blended), requests[0][0])
 
 
 def _about(at: int, on: Sequence[bool]) -> list[int]:
@@ -41,15 +41,15 @@ def _about(at: int, on: Sequence[bool]) -> list[int]:
     return list(range(first, last + 1))
 
 
-def _asked(motion: Motion, run: Sequence[int]) -> tuple[Asked, bool]:
+def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool]:
     """A run of segments as it is asked for, and whether it is a blend."""
     segments = [motion.segments[i] for i in run]
     begins = (*join_angles(motion), 360.0)
     whole = len(run) == len(motion.segments)
-    kind = {(1,): "DRD", (-1,): "DRD-return"}.get(tuple(_ways(segments)), "RRR" if whole else "DRRD")
-    rise, back = (abs(fsum(s.rise for s in segments if s.rise * way > 0.0)) for way in (1, -1))
+    kind = {(1,): "DRD", (-1,): "DRD-return"}.get(tuple(_directions(segments)), "RRR" if whole else "DRRD")
+    rise, back = (abs(fsum(s.rise for s in segments if s.rise * direction > 0.0)) for direction in (1, -1))
     equal = abs(rise - back) <= 1e-9 or not (rise and back)
-    asked = Asked(
+    request = WizardRequest(
         type=kind,
         constant=_constant(segments),
         stroke=round(rise or back, 9),
@@ -58,18 +58,18 @@ def _asked(motion: Motion, run: Sequence[int]) -> tuple[Asked, bool]:
         end=begins[run[-1] + 1],
         unit=motion.unit,
     )
-    as_blend = _as_blend(asked, segments)
-    return (replace(asked, constant="none"), False) if as_blend is None else (as_blend, True)
+    as_blend = _as_blend(request, segments)
+    return (replace(request, constant="none"), False) if as_blend is None else (as_blend, True)
 
 
-def _ways(segments: Sequence[Segment]) -> Iterator[int]:
+def _directions(segments: Sequence[Segment]) -> Iterator[int]:
     """1 up, -1 down, once for each stretch."""
     before = 0
     for segment in segments:
-        way = 1 if segment.rise > 0.0 else -1
-        if way != before:
-            yield way
-        before = way
+        direction = 1 if segment.rise > 0.0 else -1
+        if direction != before:
+            yield direction
+        before = direction
 
 
 def _constant(segments: Sequence[Segment]) -> str:
@@ -79,10 +79,10 @@ def _constant(segments: Sequence[Segment]) -> str:
     )
 
 
-def _as_blend(asked: Asked, segments: Sequence[Segment]) -> Asked | None:
+def _as_blend(request: WizardRequest, segments: Sequence[Segment]) -> WizardRequest | None:
     """With sequence and heights, where the segments are the curves of a sequence; else None."""
     name = "-".join(s.curve.law.upper() for s in segments)
-    rows = [row for row in candidates(replace(asked, sequence=name).request) if not row.family.mirrored]
+    rows = [row for row in candidates(replace(request, sequence=name).solver_request) if not row.family.mirrored]
     if not rows:
         return None
     candidate = rows[0]
@@ -96,10 +96,10 @@ def _as_blend(asked: Asked, segments: Sequence[Segment]) -> Asked | None:
             given.append((last, part[-1]))
     renamed = OF_A_RETURN if not rise else {}
     kept = tuple((renamed.get(n, n), h) for n, h in given[: candidate.freedom])
-    plain = replace(asked, given=kept)
+    plain = replace(request, given=kept)
     if plan(plain).target == candidate:
         return plain
     return replace(plain, sequence=name, mirrored=False)
 
 
-__all__ = ["first_asked"]
+__all__ = ["first_request"]

@@ -24,7 +24,7 @@ from kindyna_gui.blend.fields import LiveBox, quiet
 from kindyna_gui.blend.kind import KindChoice, heading
 from kindyna_gui.blend.request import (
     AUTOMATIC,
-    Asked,
+    WizardRequest,
     count_text,
     has_both,
     open_candidates,
@@ -34,7 +34,7 @@ from kindyna_gui.blend.settings import SettingsArea
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.look import QUIET, WRONG, coloured
-from kindyna_gui.note import Words
+from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.units import nice_below
 
 ANY_SEQUENCE = "chosen by the settings"
@@ -65,16 +65,16 @@ class Questions(QWidget):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(6)
         self.kind = KindChoice()
-        self.kind.changed.connect(self._tell)
+        self.kind.changed.connect(self._emit_changed)
         self.kind.type_chosen.connect(self._type_chosen)
         column.addWidget(self.kind)
         column.addLayout(self._sizes())
         column.addLayout(self._settings_head())
         self.settings = SettingsArea(unit)
-        self.settings.changed.connect(self._tell)
+        self.settings.changed.connect(self._emit_changed)
         column.addWidget(self.settings, 1)
         column.addLayout(self._choices())
-        self.general = Words(WRONG)
+        self.general = MessageLabel(WRONG)
         column.addWidget(self.general)
 
     # -- building -------------------------------------------------------------------------------------------
@@ -98,7 +98,7 @@ class Questions(QWidget):
             ("Stroke", (self.stroke, quiet(unit.symbol), self.unequal, self.back, self._back_unit)),
             ("Cam angle", (self.start, quiet("°  to"), self.end, quiet("°"))),
         )
-        self.size_faults = (Words(WRONG), Words(WRONG))
+        self.size_faults = (MessageLabel(WRONG), MessageLabel(WRONG))
         for i, (name, widgets) in enumerate(rows):
             row = QHBoxLayout()
             row.setSpacing(6)
@@ -109,7 +109,7 @@ class Questions(QWidget):
             grid.addLayout(row, 2 * i, 1)
             grid.addWidget(self.size_faults[i], 2 * i + 1, 1)
         for box in (self.stroke, self.back, self.start, self.end):
-            box.changed.connect(self._tell)
+            box.changed.connect(self._emit_changed)
         self.unequal.toggled.connect(self._unequal_toggled)
         return grid
 
@@ -130,7 +130,7 @@ class Questions(QWidget):
         for goal, text in GOAL_TEXTS.items():
             self.goal.addItem(text, goal)
         for box in (self.sequence, self.goal):
-            box.activated.connect(self._tell)
+            box.activated.connect(self._emit_changed)
         grid = QGridLayout()
         grid.setHorizontalSpacing(8)
         grid.setVerticalSpacing(4)
@@ -144,11 +144,11 @@ class Questions(QWidget):
 
     # -- what is answered -----------------------------------------------------------------------------------
 
-    def asked(self) -> Asked:
+    def request(self) -> WizardRequest:
         """The answers; what cannot be read as a number is left out, so ask ``find_faults`` first."""
         sequence, mirrored = self.chosen_sequence
         unequal = self.unequal.isChecked() and has_both(self.kind.type)
-        return Asked(
+        return WizardRequest(
             type=self.kind.type,
             constant=self.kind.constant,
             stroke=self.stroke.number or 0.0,
@@ -163,41 +163,41 @@ class Questions(QWidget):
             unit=self.unit,
         )
 
-    def answer(self, asked: Asked) -> None:
+    def answer(self, request: WizardRequest) -> None:
         """Show these answers, without telling."""
-        self.kind.answer(asked.type, asked.constant)
+        self.kind.answer(request.type, request.constant)
         for box, value in (
-            (self.stroke, asked.stroke),
-            (self.back, asked.return_stroke or asked.stroke),
-            (self.start, asked.start),
-            (self.end, asked.end),
+            (self.stroke, request.stroke),
+            (self.back, request.return_stroke or request.stroke),
+            (self.start, request.start),
+            (self.end, request.end),
         ):
             box.set_number(value)
         blocked = self.unequal.blockSignals(True)
-        self.unequal.setChecked(bool(asked.return_stroke))
+        self.unequal.setChecked(bool(request.return_stroke))
         self.unequal.blockSignals(blocked)
-        self.settings.answer(asked)
+        self.settings.answer(request)
         self._show_type()
-        self._fill_sequences(asked)
-        self.choose_sequence(asked.sequence, asked.mirrored)
-        self.goal.setCurrentIndex(self.goal.findData(asked.goal))
-        self.show_asked()
+        self._fill_sequences(request)
+        self.choose_sequence(request.sequence, request.mirrored)
+        self.goal.setCurrentIndex(self.goal.findData(request.goal))
+        self.show_request()
 
     # -- what follows ---------------------------------------------------------------------------------------
 
-    def show_asked(self) -> None:
+    def show_request(self) -> None:
         """Show what can be asked now: which sequences, which settings, how many are missing."""
-        self._fill_sequences(self.asked())
-        self.settings.show_asked(self.asked())
-        asked = self.asked()
-        self.count.setText(count_text(asked))
-        coloured(self.count, WRONG if plan(asked).missing < 0 else QUIET)
-        if asked.stroke > 0.0:
-            self.stroke.set_step(min(nice_below(asked.stroke / 20.0), 1.0))
+        self._fill_sequences(self.request())
+        self.settings.show_request(self.request())
+        request = self.request()
+        self.count.setText(count_text(request))
+        coloured(self.count, WRONG if plan(request).missing < 0 else QUIET)
+        if request.stroke > 0.0:
+            self.stroke.set_step(min(nice_below(request.stroke / 20.0), 1.0))
 
-    def _fill_sequences(self, asked: Asked) -> None:
+    def _fill_sequences(self, request: WizardRequest) -> None:
         """List the sequences of the motion; the one chosen stays, if it is still among them."""
-        rows = open_candidates(asked)
+        rows = open_candidates(request)
         symmetric = {str(row.sequence) for row in rows if row.family.mirrored}
         named = [(str(row.sequence), row.family.mirrored if str(row.sequence) in symmetric else None) for row in rows]
         texts = [ANY_SEQUENCE]
@@ -226,14 +226,14 @@ class Questions(QWidget):
 
     def find_faults(self) -> bool:
         """Tell what is wrong with the numbers in themselves, each beside its field; True where something is."""
-        self.general.tell("")
+        self.general.show_message("")
         start, end = self.start.number, self.end.number
         crossed = start is not None and end is not None and not start < end
         angles = self.start.fault() or self.end.fault() or ("The end must lie behind the start" if crossed else "")
         back = self.back.fault() if self.unequal.isChecked() and has_both(self.kind.type) else ""
         strokes = self.stroke.fault() or back
-        for words, text in zip(self.size_faults, (strokes, angles), strict=True):
-            words.tell(text)
+        for label, text in zip(self.size_faults, (strokes, angles), strict=True):
+            label.show_message(text)
         self.stroke.set_refused(bool(self.stroke.fault()))
         self.back.set_refused(bool(back))
         self.start.set_refused(bool(self.start.fault()))
@@ -243,11 +243,11 @@ class Questions(QWidget):
     def show_error(self, error: BlendError) -> None:
         """Tell why there is no such motion, beside the field at fault."""
         if not self.settings.blame(error):
-            self.general.tell(reason(error))
+            self.general.show_message(reason(error))
 
     # -- what the user does ---------------------------------------------------------------------------------
 
-    def _tell(self, *_: object) -> None:
+    def _emit_changed(self, *_: object) -> None:
         self.changed.emit()
 
     def _type_chosen(self) -> None:
@@ -255,7 +255,7 @@ class Questions(QWidget):
         if self.kind.type == "RRR":  # without a dwell there is no other place to start and end
             self.start.set_number(0.0)
             self.end.set_number(360.0)
-        self._tell()
+        self._emit_changed()
 
     def _show_type(self) -> None:
         for widget in (self.unequal, self.back, self._back_unit):
@@ -266,7 +266,7 @@ class Questions(QWidget):
         self.back.setEnabled(on)
         if on and self.stroke.number is not None:
             self.back.set_number(self.stroke.number)
-        self._tell()
+        self._emit_changed()
 
 
 __all__ = ["GOAL_TEXTS", "Questions"]

@@ -53,7 +53,7 @@ OF_A_RETURN = MappingProxyType({"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv
 
 
 @dataclass(frozen=True)
-class Asked:
+class WizardRequest:
     """The answers so far.
 
     given   settings and their values, in the order of ticking; points: (cam angle [deg], level above the lowest)
@@ -75,7 +75,7 @@ class Asked:
     unit: str = "mm"
 
     @property
-    def request(self) -> Request:
+    def solver_request(self) -> Request:
         """The same as the solver reads it."""
         both = MOTION_TYPES[self.type].rise is not None and MOTION_TYPES[self.type].back is not None
         return Request(
@@ -120,15 +120,15 @@ def names_of(candidate: Candidate) -> frozenset[str]:
     return frozenset(name if candidate.sequence.rise else OF_A_RETURN.get(name, name) for name in names)
 
 
-def open_candidates(asked: Asked) -> list[Candidate]:
+def open_candidates(request: WizardRequest) -> list[Candidate]:
     """The sequences of the motion, whatever is given; those that are alike in sequence and mirroring once."""
-    free = replace(asked, given=(), points=(), sequence=AUTOMATIC, mirrored=None)
-    return candidates(free.request)
+    free = replace(request, given=(), points=(), sequence=AUTOMATIC, mirrored=None)
+    return candidates(free.solver_request)
 
 
-def shown_names(asked: Asked) -> list[str]:
+def shown_names(request: WizardRequest) -> list[str]:
     """The settings that can be asked for, in the order of the table: of the chosen sequence, or of any."""
-    rows = candidates(replace(asked, given=(), points=()).request)
+    rows = candidates(replace(request, given=(), points=()).solver_request)
     known = frozenset().union(*(names_of(row) for row in rows))
     return [name for name in (*SETTINGS, POINT) if name in known]
 
@@ -145,43 +145,43 @@ class Plan:
     missing: int
 
 
-def plan(asked: Asked) -> Plan:
+def plan(request: WizardRequest) -> Plan:
     """Which sequence the settings are meant for, and how many are missing; with a goal none ever is."""
-    names = {name for name, _ in asked.given} | ({POINT} if asked.points else set())
-    rows = [row for row in candidates(asked.request) if names <= names_of(row) or not names]
-    able = sorted((row for row in rows if row.freedom >= asked.count), key=lambda row: row.freedom)
+    names = {name for name, _ in request.given} | ({POINT} if request.points else set())
+    rows = [row for row in candidates(request.solver_request) if names <= names_of(row) or not names]
+    able = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
     if able:
-        return Plan(able[0], 0 if asked.goal else able[0].freedom - asked.count)
+        return Plan(able[0], 0 if request.goal else able[0].freedom - request.count)
     most = max((row.freedom for row in rows), default=0)
-    return Plan(None, most - asked.count)
+    return Plan(None, most - request.count)
 
 
-def ranged(asked: Asked) -> Request:
+def ranged(request: WizardRequest) -> Request:
     """The request whose feasible ranges are shown: of the sequence that is meant, while settings are missing."""
-    found = plan(asked)
-    if found.target is None or not found.missing or asked.sequence:
-        return asked.request
-    target = found.target
-    return replace(asked.request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
+    wanted = plan(request)
+    if wanted.target is None or not wanted.missing or request.sequence:
+        return request.solver_request
+    target = wanted.target
+    return replace(request.solver_request, sequence=str(target.sequence), mirrored=target.family.mirrored or None)
 
 
-def count_text(asked: Asked) -> str:
+def count_text(request: WizardRequest) -> str:
     """How many settings are given and wanted, in a sentence."""
-    found, count = plan(asked), asked.count
-    if found.missing < 0:
-        most = count + found.missing
-        told = f"No sequence takes {count} of these" if not most else f"{count} settings given, {most} can be met"
-        return f"{told}: untick {_number(-found.missing)}"
-    if asked.goal:
-        return f"{_settings(count)} given; the rest is chosen for the least {asked.goal}"
-    if not found.missing:
-        return f"{_sequence(found)} takes {_settings(count)}{': given' if count else '; tick any for other curves'}"
-    more = f"tick {_number(found.missing)}{' more' if count else ''}"
-    return f"{_sequence(found)} takes {_settings(count + found.missing)}, {count} given: {more}, or optimise the rest"
+    wanted, count = plan(request), request.count
+    if wanted.missing < 0:
+        most = count + wanted.missing
+        problem = f"No sequence takes {count} of these" if not most else f"{count} settings given, {most} can be met"
+        return f"{problem}: untick {_number(-wanted.missing)}"
+    if request.goal:
+        return f"{_settings(count)} given; the rest is chosen for the least {request.goal}"
+    if not wanted.missing:
+        return f"{_sequence(wanted)} takes {_settings(count)}{': given' if count else '; tick any for other curves'}"
+    more = f"tick {_number(wanted.missing)}{' more' if count else ''}"
+    return f"{_sequence(wanted)} takes {_settings(count + wanted.missing)}, {count} given: {more}, or optimise the rest"
 
 
-def _sequence(found: Plan) -> str:
-    return str(found.target.sequence) if found.target is not None else ""
+def _sequence(wanted: Plan) -> str:
+    return str(wanted.target.sequence) if wanted.target is not None else ""
 
 
 def _settings(count: int) -> str:
@@ -197,9 +197,9 @@ __all__ = [
     "OF_A_RETURN",
     "POINT",
     "SETTINGS",
-    "Asked",
     "Plan",
     "Setting",
+    "WizardRequest",
     "constants",
     "count_text",
     "has_both",

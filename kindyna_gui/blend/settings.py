@@ -13,7 +13,7 @@ from core.blend import BlendError
 from core.design import UNITS, Unit
 from core.design.fields import LARGEST
 from kindyna_gui.blend.fields import PointRow, Ranged, SettingRow
-from kindyna_gui.blend.request import POINT, SETTINGS, Asked, plan, shown_names
+from kindyna_gui.blend.request import POINT, SETTINGS, WizardRequest, plan, shown_names
 from kindyna_gui.blend.texts import reason
 from kindyna_gui.look import icon
 from kindyna_gui.pictures.units import nice_below
@@ -92,21 +92,21 @@ class SettingsArea(QScrollArea):
         values = [(row.at.number, row.level.number) for row in self.points]
         return tuple((at, level) for at, level in values if at is not None and level is not None)
 
-    def answer(self, asked: Asked) -> None:
+    def answer(self, request: WizardRequest) -> None:
         """Show what is given there, without telling."""
         for row in self.rows.values():
             row.drop()
         for point in list(self.points):
             self._remove_point(point, quietly=True)
-        self._order = [name for name, _ in asked.given]
-        for name, value in asked.given:
+        self._order = [name for name, _ in request.given]
+        for name, value in request.given:
             self.rows[name].give(value)
-        for at, value in asked.points:
+        for at, value in request.points:
             self.put_point(at, value, quietly=True)
 
-    def show_asked(self, asked: Asked) -> None:
+    def show_request(self, request: WizardRequest) -> None:
         """Show the rows that mean something, and drop what no longer does."""
-        names, target = shown_names(asked), plan(asked).target
+        names, target = shown_names(request), plan(request).target
         rise, back = (target.sequence.rise, target.sequence.back) if target is not None else ((), ())
         for row in self.rows.values():
             if row.name not in names and row.used:
@@ -117,15 +117,15 @@ class SettingsArea(QScrollArea):
         if POINT not in names:
             for point in list(self.points):
                 self._remove_point(point, quietly=True)
-        if all(1.0 / LARGEST <= size <= LARGEST for size in (asked.stroke, asked.end - asked.start)):
-            self._set_steps(asked)
+        if all(1.0 / LARGEST <= size <= LARGEST for size in (request.stroke, request.end - request.start)):
+            self._set_steps(request)
 
-    def _set_steps(self, asked: Asked) -> None:
+    def _set_steps(self, request: WizardRequest) -> None:
         """Arrows go in round steps of about a hundredth of what is usual; and where to begin while no range is known."""
-        self._frame = asked.start, asked.end, asked.stroke
-        stroke, span = asked.stroke, asked.end - asked.start
+        self._frame = request.start, request.end, request.stroke
+        stroke, span = request.stroke, request.end - request.start
         usual = {"vcv": 1.5 * stroke / span, "vcv2": 1.5 * stroke / span, "acceleration": 12.0 * stroke / span**2,
-                 "length": 0.5 * span, "peak": asked.start + 0.5 * span}  # fmt: skip
+                 "length": 0.5 * span, "peak": request.start + 0.5 * span}  # fmt: skip
         for row in self.rows.values():
             size = usual.get(row.name, stroke)
             row.box.set_step(1.0 if row.name in ANGLES else nice_below(size / STEPS))
@@ -185,7 +185,7 @@ class SettingsArea(QScrollArea):
         row.at.set_number(round(0.5 * (start + end)) if at is None else at)
         row.level.set_number(nice_below(0.5 * stroke) if value is None else value)
         row.changed.connect(self.changed)
-        row.gone.connect(partial(self._remove_point, row))
+        row.removed.connect(partial(self._remove_point, row))
         self.points.append(row)
         self._points.addWidget(row.paper)
         if not quietly:

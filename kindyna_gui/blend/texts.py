@@ -42,16 +42,16 @@ def range_text(ranges: Sequence[Range], name: str) -> str:
         return "nothing fits"
     if is_one(ranges):
         return f"= {_text(rounded(ranges[0].low, False))}, given by the rest"
-    return " or ".join(_one(found, name) for found in ranges)
+    return " or ".join(_interval_text(interval, name) for interval in ranges)
 
 
-def _one(found: Range, name: str) -> str:
-    least = 0.0 if isfinite(found.high) and abs(found.low) <= SAME * abs(found.high) else found.low
-    low = rounded(least, not found.low_open)
-    less, most = "<" if found.low_open else "≤", "<" if found.high_open else "≤"
-    if not isfinite(found.high):
-        return f"{name} {'>' if found.low_open else '≥'} {_text(low)}"
-    return f"{_text(low)} {less} {name} {most} {_text(rounded(found.high, not found.high_open, down=True))}"
+def _interval_text(interval: Range, name: str) -> str:
+    least = 0.0 if isfinite(interval.high) and abs(interval.low) <= SAME * abs(interval.high) else interval.low
+    low = rounded(least, not interval.low_open)
+    less, most = "<" if interval.low_open else "≤", "<" if interval.high_open else "≤"
+    if not isfinite(interval.high):
+        return f"{name} {'>' if interval.low_open else '≥'} {_text(low)}"
+    return f"{_text(low)} {less} {name} {most} {_text(rounded(interval.high, not interval.high_open, down=True))}"
 
 
 def begin_of(ranges: Sequence[Range], share: float) -> float | None:
@@ -94,19 +94,19 @@ def table(blended: Blended) -> list[tuple[str, ...]]:
 def figures(blended: Blended, rpm: float) -> list[str]:
     """Constant velocities and the largest acceleration, by cam angle and at the speed of the shaft."""
     unit, rate = UNITS[blended.request.unit].symbol, 6.0 * rpm  # degrees of cam angle in a second
-    told = []
+    rows = []
     for segment in blended.segments:
         if segment.curve.law in ("cv1", "cv2"):
             speed = abs(segment.rise) / segment.span_deg
             shown = _at_speed(speed * rate, f"{unit}/s")
-            told.append(
+            rows.append(
                 f"{segment.curve.law.upper()} runs at {short(speed)} {unit}/° ({shown}) for {short(segment.span_deg)}°"
             )
     peak = blended.solution.peak_acceleration
-    told.append(
+    rows.append(
         f"Largest acceleration {short(peak)} {unit}/°² ({_at_speed(peak * rate**2, f'{unit}/s²')} at {short(rpm)} rpm)"
     )
-    return told
+    return rows
 
 
 def _at_speed(value: float, symbol: str) -> str:

@@ -22,10 +22,10 @@ from core.errors import KindynaError
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PointRow, Ranged
-from kindyna_gui.blend.first_request import first_asked
+from kindyna_gui.blend.first_request import first_request
 from kindyna_gui.blend.kind import heading
 from kindyna_gui.blend.questions import Questions
-from kindyna_gui.blend.request import Asked, has_both, plan, ranged
+from kindyna_gui.blend.request import WizardRequest, has_both, plan, ranged
 from kindyna_gui.blend.texts import effect, reason
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog
@@ -56,26 +56,26 @@ class BlendDialog(PutDialog):
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._slow = QTimer(self, singleShot=True, interval=SLOW_MS)
         self._waiting: list[Ranged] = []  # for their ranges
-        self._asked_rows: tuple[Ranged, ...] = ()
+        self._requested_rows: tuple[Ranged, ...] = ()
         self._lay_out()
         self._connect()
-        asked = first_asked(motion, min(session.segment, len(motion.segments) - 1))
-        self.questions.answer(asked)
+        request = first_request(motion, min(session.segment, len(motion.segments) - 1))
+        self.questions.answer(request)
         others = [s for s in motion.segments if s.rise]
         moving = sum(s.rise for s in others if s.rise > 0.0)
-        alone = not others or (has_both(asked.type) and moving <= asked.stroke + 1e-9)
+        alone = not others or (has_both(request.type) and moving <= request.stroke + 1e-9)
         self.places["turn" if alone else "here"].setChecked(True)
         self.panel.show_before(session.study)
-        self.questions.kind.types[asked.type].setFocus()
-        self.ask()
+        self.questions.kind.types[request.type].setFocus()
+        self.answer_request()
 
     # -- building -------------------------------------------------------------------------------------------
 
     def _lay_out(self) -> None:
-        asked = QVBoxLayout()
-        asked.addWidget(self.questions, 1)
-        asked.addLayout(self._places())
-        self.frame(asked, QUESTIONS_WIDTH, self.panel, USUAL, LEAST)
+        questions = QVBoxLayout()
+        questions.addWidget(self.questions, 1)
+        questions.addLayout(self._places())
+        self.frame(questions, QUESTIONS_WIDTH, self.panel, USUAL, LEAST)
 
     def _places(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -94,37 +94,37 @@ class BlendDialog(PutDialog):
 
     def _connect(self) -> None:
         self.questions.changed.connect(self._soon.start)
-        self._soon.timeout.connect(self.ask)
-        self._pause.timeout.connect(self._ask_for_the_best)
+        self._soon.timeout.connect(self.answer_request)
+        self._pause.timeout.connect(self._start_best)
         self._slow.timeout.connect(self._is_slow)
         self.answers.result.connect(self._answered)
         self.ranges.result.connect(self._ranged)
 
     # -- asking ---------------------------------------------------------------------------------------------
 
-    def ask(self) -> None:
+    def answer_request(self) -> None:
         """Answer what is asked now."""
         questions = self.questions
         self.stop()
-        questions.show_asked()
-        asked = questions.asked()
-        self._name_places(asked)
+        questions.show_request()
+        request = questions.request()
+        self._name_places(request)
         self.blended = self.design = None
         self.put_button.setEnabled(False)
-        missing = plan(asked).missing
+        missing = plan(request).missing
         if questions.find_faults():
             self._veil(LAST)
             return
         self._waiting = questions.settings.shown_rows()
         self._slow.start()
-        if asked.goal and not missing:
+        if request.goal and not missing:
             self._pause.start()  # the ranges wait for it
             return
-        self._ask_for_ranges(asked)
+        self._start_ranges(request)
         if missing:
             self._veil(f"{missing} more to set" if missing > 0 else f"{-missing} too many set")
         else:
-            self.answers.start([(asked, partial(blend, asked.request))])
+            self.answers.start([(request, partial(blend, request.solver_request))])
 
     @property
     def busy(self) -> bool:
@@ -138,30 +138,30 @@ class BlendDialog(PutDialog):
         for each in (self.answers, self.ranges):
             each.stop()
 
-    def _ask_for_the_best(self) -> None:
-        asked = self.questions.asked()
-        self._veil(f"Looking for the least {asked.goal}")
-        self.answers.start([(asked, partial(best, asked.request, asked.goal))])
+    def _start_best(self) -> None:
+        request = self.questions.request()
+        self._veil(f"Looking for the least {request.goal}")
+        self.answers.start([(request, partial(best, request.solver_request, request.goal))])
 
-    def _ask_for_ranges(self, asked: Asked) -> None:
+    def _start_ranges(self, request: WizardRequest) -> None:
         """The field at hand first; then what takes least: while a setting is missing those that are still open."""
-        rows, request = list(self._waiting), ranged(asked)
-        wanted = plan(asked).missing == 0
+        rows, solver_request = list(self._waiting), ranged(request)
+        wanted = plan(request).missing == 0
         focused = self.focusWidget()
         rows = sorted(rows, key=lambda row: (focused not in row.boxes(), row.used != wanted))
         jobs: list[Job] = []
         for row in rows:
             at = (row.at.number or 0.0,) if isinstance(row, PointRow) else ()
-            jobs.append((self._waiting.index(row), partial(feasible_ranges, request, row.name, *at)))
-        self._asked_rows = tuple(self._waiting)
+            jobs.append((self._waiting.index(row), partial(feasible_ranges, solver_request, row.name, *at)))
+        self._requested_rows = tuple(self._waiting)
         self.ranges.start(jobs)
 
     # -- answers --------------------------------------------------------------------------------------------
 
-    def _ranged(self, number: int, found: object) -> None:
-        row = self._asked_rows[number]
+    def _ranged(self, number: int, result: object) -> None:
+        row = self._requested_rows[number]
         self._waiting.remove(row)
-        row.show_ranges(found if isinstance(found, list) else ())
+        row.show_ranges(result if isinstance(result, list) else ())
 
     def _is_slow(self) -> None:
         """What was told before holds no longer, and what holds now is not known yet."""
@@ -170,21 +170,21 @@ class BlendDialog(PutDialog):
         if self.answers.busy:
             self._veil("Looking for it")
 
-    def _answered(self, asked: Asked, found: Blended | KindynaError) -> None:
-        if asked.goal:
-            self._ask_for_ranges(asked)
-        if isinstance(found, Blended):
-            self.blended = found
+    def _answered(self, request: WizardRequest, result: Blended | KindynaError) -> None:
+        if request.goal:
+            self._start_ranges(request)
+        if isinstance(result, Blended):
+            self.blended = result
             self._place()
             return
         self._veil(LAST)
-        if isinstance(found, BlendError):
-            self.questions.show_error(found)
+        if isinstance(result, BlendError):
+            self.questions.show_error(result)
         else:
-            self.questions.general.tell(reason(found))
+            self.questions.general.show_message(reason(result))
 
     def _veil(self, text: str) -> None:
-        self.tell("")
+        self.show_message("")
         self.panel.veil.draw(text)
 
     def _place(self, *_: object) -> None:
@@ -194,7 +194,7 @@ class BlendDialog(PutDialog):
             try:
                 design = PLACES[self._where](self._session.design, self.blended)
             except KindynaError as error:
-                self.tell(sentence(str(error)), wrong=True)
+                self.show_message(sentence(str(error)), wrong=True)
                 self.panel.show_answer(self.blended, None, self._session.study)
             else:
                 self._show(design, self.blended)
@@ -203,7 +203,7 @@ class BlendDialog(PutDialog):
     def _show(self, design: Design, blended: Blended) -> None:
         before = require_motion(self._session.design)
         wrong = [f"{name_of(design, fault.path)}: {fault.problem}" for fault in faults(design)]
-        self.tell("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
+        self.show_message("; ".join(wrong) or effect(before, require_motion(design), blended), bool(wrong))
         self.panel.show_answer(blended, design, self._session.study)
         self.design = None if wrong else design
 
@@ -211,10 +211,10 @@ class BlendDialog(PutDialog):
     def _where(self) -> str:
         return next(name for name, button in self.places.items() if button.isChecked())
 
-    def _name_places(self, asked: Asked) -> None:
+    def _name_places(self, request: WizardRequest) -> None:
         """A rise or a return alone is no whole turn."""
-        self.places["here"].setText(f"{shortest(asked.start)}° … {shortest(asked.end)}° only, the rest stays")
-        self.places["turn"].setEnabled(has_both(asked.type) and asked.return_stroke in (0.0, asked.stroke))
+        self.places["here"].setText(f"{shortest(request.start)}° … {shortest(request.end)}° only, the rest stays")
+        self.places["turn"].setEnabled(has_both(request.type) and request.return_stroke in (0.0, request.stroke))
         if not self.places["turn"].isEnabled():
             self.places["here"].setChecked(True)
 

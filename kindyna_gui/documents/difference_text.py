@@ -14,12 +14,12 @@ NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
 """Of keys that no form shows."""
 
 
-def difference_text(before: Design | None, after: Design, found: Difference) -> tuple[str, str, str]:
+def difference_text(before: Design | None, after: Design, difference: Difference) -> tuple[str, str, str]:
     """A value that differs between two designs: its name, what stands in the one, what in the other."""
-    design = before if before is not None and found.after is MISSING else after
-    name = NAMES.get(found.path) or name_of(design, found.path)
-    unit = split_unit(found.path.rpartition(".")[2])[1] or NO_UNIT
-    return name, _any_text(found.before, unit), _any_text(found.after, unit)
+    design = before if before is not None and difference.after is MISSING else after
+    name = NAMES.get(difference.path) or name_of(design, difference.path)
+    unit = split_unit(difference.path.rpartition(".")[2])[1] or NO_UNIT
+    return name, _any_text(difference.before, unit), _any_text(difference.after, unit)
 
 
 def _any_text(value: Any, unit: Unit) -> str:

@@ -22,10 +22,10 @@ TEXTS = {
 class DiskButton(QToolButton):
     """Offers what can be done: read the file again, save as another, write over it.
 
-    told   (str): what has happened, for the status line
+    status_message (str): what has happened, for the status line
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
 
     def __init__(self, watch: FileWatch, documents: Documents) -> None:
         super().__init__(autoRaise=True)
@@ -52,7 +52,7 @@ class DiskButton(QToolButton):
         if happened:
             happened = happened.format(self._documents.name)
             self.setToolTip(f"{happened}. Click for what can be done.")
-            self.told.emit(happened)
+            self.status_message.emit(happened)
 
 
 __all__ = ["DiskButton"]

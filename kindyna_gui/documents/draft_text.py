@@ -6,7 +6,7 @@ from core.design import UNITS, Design, Motion, Segment, lacks, require_motion, r
 from core.errors import KindynaError
 from core.motion import Join, program
 from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.refusal import faults_told
+from kindyna_gui.documents.refusal import fault_reasons
 from kindyna_gui.labels import law_label, name_of, segment_of, sentence, value_text
 
 WHOLE = "motion.segments"
@@ -24,7 +24,7 @@ def misses(draft: Draft, design: Design) -> list[str]:
         )
     if gap := rise_gap(motion):
         rows.append(f"the follower ends {value_text(abs(gap), own)} {'above' if gap > 0.0 else 'below'} its start")
-    rows += [f"{name}: {text}" for path, name, text in faults_told(design, lacks(design)) if path != WHOLE]
+    rows += [f"{name}: {text}" for path, name, text in fault_reasons(design, lacks(design)) if path != WHOLE]
     rows += [draft.reason] if draft.reason else []
     at = segment_of(draft.path)
     if at is not None and rows and not rows[0].startswith(name_of(design, draft.path)):

@@ -65,28 +65,28 @@ class TablesDialog(QDialog):
         self.samples.setGroupSeparatorShown(False)
         self.step = QLabel()
         coloured(self.step, QUIET)
-        self.samples.valueChanged.connect(self._tell)
-        self._tell(SAMPLES)
+        self.samples.valueChanged.connect(self._show_summary)
+        self._show_summary(SAMPLES)
         where, how_many = QHBoxLayout(), QHBoxLayout()
         where.addWidget(self.folder, 1)
         where.addWidget(browse)
         how_many.addWidget(self.samples)
         how_many.addWidget(self.step, 1)
         *first, last = names(study.design)
-        told = QLabel(f"Writes {', '.join(first)} and {last}; files of these names are replaced.")
-        told.setWordWrap(True)
-        coloured(told, QUIET)
+        summary = QLabel(f"Writes {', '.join(first)} and {last}; files of these names are replaced.")
+        summary.setWordWrap(True)
+        coloured(summary, QUIET)
         form = QFormLayout()
         form.addRow("Folder", where)
         form.addRow(f"{study.angle_name.capitalize()}s per turn", how_many)
-        export = _lay_out(self, form, told, "Export")
+        export = _lay_out(self, form, summary, "Export")
         self.folder.textChanged.connect(lambda text: export.setEnabled(bool(text.strip())))
 
     @property
     def wanted(self) -> TablesWanted:
         return TablesWanted(Path(self.folder.text()).expanduser(), self.samples.value())
 
-    def _tell(self, samples: int) -> None:
+    def _show_summary(self, samples: int) -> None:
         self.step.setText(f"one row every {360.0 / samples:.6g}°")
 
     def _browse(self) -> None:
@@ -112,29 +112,29 @@ class FilmDialog(QDialog):
         self.seconds = QDoubleSpinBox(minimum=LEAST_SECONDS, maximum=600.0, decimals=2, singleStep=0.5)
         self.seconds.setValue(seconds)
         self.seconds.setSuffix(" s")
-        self.told = QLabel()
-        coloured(self.told, QUIET)
+        self.summary = QLabel()
+        coloured(self.summary, QUIET)
         for box in (self.frames, self.seconds):
-            box.valueChanged.connect(self._tell)
-        self._tell()
+            box.valueChanged.connect(self._show_summary)
+        self._show_summary()
         form = QFormLayout()
         form.addRow("Format", self.format)
         form.addRow("Size", self.size)
         form.addRow("Frames per turn", self.frames)
         form.addRow("One turn takes", self.seconds)
-        _lay_out(self, form, self.told, "Choose file...")
+        _lay_out(self, form, self.summary, "Choose file...")
 
     @property
     def wanted(self) -> Film:
         width, height = self.size.currentData()
         return Film(self.format.currentData(), self.frames.value(), width, height, self.seconds.value())
 
-    def _tell(self, *_: object) -> None:
+    def _show_summary(self, *_: object) -> None:
         frames, seconds = self.frames.value(), self.seconds.value()
-        self.told.setText(f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second")
+        self.summary.setText(f"a frame every {360.0 / frames:.4g}°, {frames / seconds:.3g} frames per second")
 
 
-def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> QPushButton:
+def _lay_out(dialog: QDialog, form: QFormLayout, summary: QLabel, accept: str) -> QPushButton:
     """Form, what it means, and the buttons below; the one that accepts."""
     buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
     buttons.button(QDialogButtonBox.StandardButton.Ok).setText(accept)
@@ -142,7 +142,7 @@ def _lay_out(dialog: QDialog, form: QFormLayout, told: QLabel, accept: str) -> Q
     buttons.rejected.connect(dialog.reject)
     column = QVBoxLayout(dialog)
     column.addLayout(form)
-    column.addWidget(told)
+    column.addWidget(summary)
     column.addWidget(buttons)
     return buttons.button(QDialogButtonBox.StandardButton.Ok)
 

@@ -87,9 +87,9 @@ def save_picture(view: View, name: str) -> None:
         dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
         return
     path = dialogs.picture_to_save(view, Settings().folder / f"{name}.png")
-    told = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
-    if told:
-        view.told.emit(told)
+    text = "" if path is None else written(view, path, lambda: view.picture(path.suffix.lower()), paints=True)
+    if text:
+        view.status_message.emit(text)
 
 
 def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
@@ -99,18 +99,18 @@ def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
         return
     design = view.session.design
     path = dialogs.table_to_save(view, Settings().folder / f"{name}.csv")
-    told = written(view, path, lambda: numbers(design, rows))
-    if told:
-        view.told.emit(told)
+    text = written(view, path, lambda: numbers(design, rows))
+    if text:
+        view.status_message.emit(text)
 
 
 class Exports(QObject):
     """What the menu File > Export does.
 
-    told   (str): what has been done, for the status line
+    status_message (str): what has been done, for the status line
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
 
     def __init__(self, session: Session, player: Player, window: QWidget) -> None:
         super().__init__(window)
@@ -141,10 +141,10 @@ class Exports(QObject):
             dialogs.show_faults(self._window, "The tables cannot be exported.", str(error).splitlines())
             return
         if made is None:
-            self.told.emit("The export of the tables was cancelled; nothing is written")
+            self.status_message.emit("The export of the tables was cancelled; nothing is written")
             return
         self._settings.folder = wanted.folder
-        self.told.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
+        self.status_message.emit(f"Wrote {', '.join(made)} into {wanted.folder}")
 
     def report(self) -> None:
         """The report as plain text."""
@@ -152,7 +152,7 @@ class Exports(QObject):
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
         design = self._session.design
-        self._tell(written(self._window, path, lambda: report(Study(design))))
+        self._report(written(self._window, path, lambda: report(Study(design))))
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
@@ -171,10 +171,10 @@ class Exports(QObject):
             dialogs.show_faults(self._window, "The mechanism cannot be drawn.", str(error).splitlines())
             return
         if data is None:
-            self.told.emit("The animation was cancelled; nothing is written")
+            self.status_message.emit("The animation was cancelled; nothing is written")
         else:
-            self._tell(written(self._window, path, lambda: data, paints=True))
+            self._report(written(self._window, path, lambda: data, paints=True))
 
-    def _tell(self, text: str) -> None:
+    def _report(self, text: str) -> None:
         if text:
-            self.told.emit(text)
+            self.status_message.emit(text)

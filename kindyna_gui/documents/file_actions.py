@@ -28,10 +28,10 @@ NEW_LAW = "modified-sine"
 class Documents(QObject):
     """What the menu File does. Nothing is left behind unsaved without asking; what fails is told with all faults.
 
-    told   (str): what has been done, for the status line
+    status_message (str): what has been done, for the status line
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
 
     def __init__(self, session: Session, settings: Settings, window: QWidget) -> None:
         super().__init__(window)
@@ -72,7 +72,7 @@ class Documents(QObject):
             design = load(path)
             if design.drive.kind == kind:
                 self._session.start(_begun(design, FOLLOWER_KINDS[kind].label))
-                self.told.emit(f"Began with the lengths of {path.stem} and a motion of four segments to be changed")
+                self.status_message.emit(f"Began with the lengths of {path.stem} and a motion of four segments to be changed")
                 return
 
     def open_file(self) -> None:
@@ -92,22 +92,22 @@ class Documents(QObject):
             try:
                 self._session.start(load(path))
             except KindynaError as error:
-                self._tell(f"{path.name} cannot be opened.", error)
+                self._show_error(f"{path.name} cannot be opened.", error)
 
     def begin(self, design: Design, name: str) -> None:
         """Begin with a design that has no file yet; Undo brings the one before back."""
         self._session.begin(design, f"Begin with {name}")
-        self.told.emit(f"Began with {name}; Undo brings the design before back")
+        self.status_message.emit(f"Began with {name}; Undo brings the design before back")
 
     def _open(self, path: Path) -> bool:
         try:
             self._session.open(path)
         except KindynaError as error:
             self._settings.drop_recent(path)
-            self._tell(f"{path.name} cannot be opened.", error)
+            self._show_error(f"{path.name} cannot be opened.", error)
             return False
         self._settings.add_recent(path)
-        self.told.emit(f"Opened {path}")
+        self.status_message.emit(f"Opened {path}")
         return True
 
     # -- saving -------------------------------------------------------------------------------------------
@@ -156,14 +156,14 @@ class Documents(QObject):
         self.settle()
         path = self._session.path
         if path is None:
-            self.told.emit("This design has no file yet that could be read again")
+            self.status_message.emit("This design has no file yet that could be read again")
             return
         try:
             self._session.reload()
         except KindynaError as error:
-            self._tell(f"{path.name} cannot be read again.", error)
+            self._show_error(f"{path.name} cannot be read again.", error)
         else:
-            self.told.emit(f"Read {path} again; Undo brings back what was here before")
+            self.status_message.emit(f"Read {path} again; Undo brings back what was here before")
 
     def _save_over_change(self, path: Path) -> bool:
         """Ask what to do with a file that another program has changed; True where the design is saved."""
@@ -190,14 +190,14 @@ class Documents(QObject):
         try:
             self._session.save(path)
         except KindynaError as error:
-            self._tell(f"{path.name} cannot be saved.", error)
+            self._show_error(f"{path.name} cannot be saved.", error)
             return False
         self._settings.add_recent(path)
         beside = "; the unfinished motion is not in it" if self._session.draft is not None else ""
-        self.told.emit(f"Saved {path}{beside}")
+        self.status_message.emit(f"Saved {path}{beside}")
         return True
 
-    def _tell(self, what: str, error: KindynaError) -> None:
+    def _show_error(self, what: str, error: KindynaError) -> None:
         dialogs.show_faults(self._window, what, str(error).splitlines())
 
 

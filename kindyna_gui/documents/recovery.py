@@ -44,10 +44,10 @@ def _end(writer: RecoveryWriter, *_: object) -> None:
 class Recovery(QObject):
     """Keeps the unsaved work of one window on the disk while there is any, and offers that of processes that have died.
 
-    told   (str): what has been done, for the status line
+    status_message (str): what has been done, for the status line
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -56,7 +56,7 @@ class Recovery(QObject):
         self._handed: tuple[object, ...] | None = None
         self._failure = ""
         self._look = QTimer(self, singleShot=True, interval=LOOK_MS)
-        self._look.timeout.connect(self._tell_failure)
+        self._look.timeout.connect(self._report_failure)
 
     # -- keeping ------------------------------------------------------------------------------------------
 
@@ -91,54 +91,54 @@ class Recovery(QObject):
             self._writer.close()
             self._writer = None
 
-    def _tell_failure(self) -> None:
+    def _report_failure(self) -> None:
         failure = self._writer.failure if self._writer is not None else ""
         if failure and failure != self._failure:
-            self.told.emit(f"Unsaved work would be lost if the program ended now: {failure}")
+            self.status_message.emit(f"Unsaved work would be lost if the program ended now: {failure}")
         self._failure = failure
 
     # -- offering -----------------------------------------------------------------------------------------
 
-    def offer(self, asked: bool = False) -> None:
+    def offer(self, from_menu: bool = False) -> None:
         """Ask what to do with the unsaved work of processes that have died.
 
         asked: the user wants to know, also where there is none
         """
-        found = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
-        if asked and not found:
-            self.told.emit("There is no unsaved work of an earlier run")
+        entries = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
+        if from_menu and not entries:
+            self.status_message.emit("There is no unsaved work of an earlier run")
         try:
-            self._ask(found)
+            self._offer_each(entries)
         finally:
-            for each in found:
+            for each in entries:
                 each.release()
 
-    def _is_saved(self, found: Found) -> bool:
+    def _is_saved(self, entry: Found) -> bool:
         """Whether the file holds all of it; then it is removed."""
         from kindyna_gui.documents.recovery_dialog import compare
 
-        saved = not compare(found.unsaved).lost
+        saved = not compare(entry.unsaved).lost
         if saved:
-            found.discard()
+            entry.discard()
         return saved
 
     def offer_again(self) -> None:
         """The same, from the menu."""
         if self._window.documents.may_leave():
-            self.offer(asked=True)
+            self.offer(from_menu=True)
 
-    def _ask(self, found: list[Found]) -> None:
+    def _offer_each(self, entries: list[Found]) -> None:
         """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
-        while found:
-            choice, chosen = dialogs.ask_to_recover(self._window, found)
+        while entries:
+            choice, chosen = dialogs.ask_to_recover(self._window, entries)
             if choice is dialogs.OnRecovery.DISCARD:
-                found.remove(chosen)
+                entries.remove(chosen)
                 chosen.discard()
                 continue
             if choice is dialogs.OnRecovery.OPEN and chosen.unsaved.path is not None:
                 self._window.documents.open_path(chosen.unsaved.path)
             elif choice is dialogs.OnRecovery.RECOVER and self._recover(chosen):
-                found.remove(chosen)
+                entries.remove(chosen)
             return
 
     def _recover(self, chosen: Found) -> bool:
@@ -151,10 +151,10 @@ class Recovery(QObject):
             dialogs.show_faults(self._window, "This work cannot be recovered.", str(error).splitlines())
             return False
         if not self.write_now():
-            self._tell_failure()
+            self._report_failure()
             return False
         chosen.discard()
-        self.told.emit("Recovered; it is still to be saved")
+        self.status_message.emit("Recovered; it is still to be saved")
         return True
 
 

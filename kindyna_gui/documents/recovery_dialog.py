@@ -30,7 +30,7 @@ from kindyna_gui.dialogs import OnRecovery
 from kindyna_gui.documents.difference_text import difference_text
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.look import QUIET
-from kindyna_gui.note import Words
+from kindyna_gui.note import MessageLabel
 
 SIZE = (680, 460)
 LINES = 4  # of the list of work
@@ -95,7 +95,7 @@ class RecoveryDialog(QDialog):
         self.list = QListWidget()
         self.list.addItems([each.title for each in self._comparisons])
         self.list.setFixedHeight(self.list.sizeHintForRow(0) * min(len(found), LINES) + 2 * self.list.frameWidth() + 4)
-        self.note = Words(QUIET)
+        self.note = MessageLabel(QUIET)
         self.table = QTableWidget(0, 3)
         self.table.setHorizontalHeaderLabels(["What differs", "In the file", "Recovered"])
         self.table.verticalHeader().hide()
@@ -139,7 +139,7 @@ class RecoveryDialog(QDialog):
 
     def _show(self, row: int) -> None:
         comparison = self._comparisons[row]
-        self.note.tell(comparison.note)
+        self.note.show_message(comparison.note)
         self.table.setRowCount(len(comparison.rows))
         for i, texts in enumerate(comparison.rows):
             for j, text in enumerate(texts):

@@ -12,7 +12,7 @@ from kindyna_gui.labels import name_of, named, sentence
 
 SAMPLES = 1800
 """Cam angles per turn on the screen."""
-Wrong = tuple[tuple[str, str, str], ...]
+Reasons = tuple[tuple[str, str, str], ...]
 """Path, name and sentence of every field that an edit is wrong for; empty where it is right."""
 
 
@@ -21,29 +21,29 @@ class Refusal:
     """An edit that was wrong: the path it was made at, and (path, name, sentence) of every field it is wrong for."""
 
     path: str
-    told: Wrong
+    reasons: Reasons
 
     def at(self, path: str) -> str:
         """What is to be read beside the field of this path; empty where it has no part in it.
 
         The field that was edited tells everything: first what concerns itself, the rest with the other's name.
         """
-        own = [sentence(text) for field, _, text in self.told if field == path]
-        others = [f"{name}: {text}" for field, name, text in self.told if field != path] if path == self.path else []
+        own = [sentence(text) for field, _, text in self.reasons if field == path]
+        others = [f"{name}: {text}" for field, name, text in self.reasons if field != path] if path == self.path else []
         return "\n".join(own + others)
 
 
-def faults_told(design: Design, found: Iterable[Fault]) -> Wrong:
+def fault_reasons(design: Design, items: Iterable[Fault]) -> Reasons:
     """Faults in the words of the forms."""
-    rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in found)
+    rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in items)
     return tuple((path, name_of(design, path), named(design, text)) for path, text in rows)
 
 
-def why_not(design: Design, stages: Iterable[str]) -> Wrong:
+def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     """What is wrong with a design: its faults, else the first of these stages that has no answer."""
-    found = faults_told(design, faults(design))
-    if found:
-        return found
+    reasons = fault_reasons(design, faults(design))
+    if reasons:
+        return reasons
     study = Study(design, SAMPLES)
     try:
         # only what is on screen: it is computed anyway once the design is in place
@@ -51,12 +51,12 @@ def why_not(design: Design, stages: Iterable[str]) -> Wrong:
             if stage in study.stages:  # another kind of linkage may lack what is shown now
                 getattr(study, stage)
     except NoAnswer as error:
-        told = named(design, str(error).removeprefix(f"{error.field}: "))
-        return ((error.field, name_of(design, error.field), told),)
+        text = named(design, str(error).removeprefix(f"{error.field}: "))
+        return ((error.field, name_of(design, error.field), text),)
     except KindynaError as error:  # a curve that there is none of
         field, _, why = str(error).partition(": ")
         return ((field, name_of(design, field), why or field),)
     return ()
 
 
-__all__ = ["SAMPLES", "Refusal", "Wrong", "faults_told", "why_not"]
+__all__ = ["SAMPLES", "Reasons", "Refusal", "fault_reasons", "refusal_reasons"]

@@ -26,7 +26,7 @@ from core.project import dumps, loads
 from core.project.on_disk import DesignFiles, OnDisk
 from core.study import Study
 from kindyna_gui.documents.draft import Draft
-from kindyna_gui.documents.refusal import SAMPLES, Refusal, Wrong, faults_told, why_not
+from kindyna_gui.documents.refusal import SAMPLES, Reasons, Refusal, fault_reasons, refusal_reasons
 from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign
 from kindyna_gui.labels import name_of, segment_of
 
@@ -165,7 +165,7 @@ class Session(QObject):
 
         False where it is refused: for a fault that nothing typed later can mend, or as ``put`` does.
         """
-        wrong = faults_told(design, blunders(design))
+        wrong = fault_reasons(design, blunders(design))
         if wrong:
             self.refused.emit(Refusal(path or wrong[0][0], wrong))
             return False
@@ -273,8 +273,8 @@ class Session(QObject):
         """What comes next is a step of its own."""
         self._gesture += 1
 
-    def _why_not(self, design: Design) -> Wrong:
-        return why_not(design, self.stages_on_screen())
+    def _why_not(self, design: Design) -> Reasons:
+        return refusal_reasons(design, self.stages_on_screen())
 
     def _show(self, design: Design, draft: Draft | None, restored: bool, begun: bool = False) -> None:
         another, redrafted = begun or design is not self.design, draft != self.draft

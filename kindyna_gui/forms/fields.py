@@ -146,13 +146,13 @@ class Field(QObject):
             self._blame.pop(refusal.path, None)
         if refusal.path == self.spec.path:
             self.editor.set_refused(True)
-        self._tell()
+        self._show_blame()
 
     def _accepted(self, path: str) -> None:
         self._blame.pop(path, None)
-        if path == self.spec.path and not self.gone:
+        if path == self.spec.path and not self.obsolete:
             self._show(self.session.typed)
-        self._tell()
+        self._show_blame()
 
     def _restored(self) -> None:
         """What was typed is void; the design in place may be of another kind, so its value waits for ``refresh``."""
@@ -160,9 +160,9 @@ class Field(QObject):
         self.editor.set_refused(False)
         if isinstance(self.editor, NumberBox):
             self.editor.show_value(self.editor.value)
-        self._tell()
+        self._show_blame()
 
-    def _tell(self) -> None:
+    def _show_blame(self) -> None:
         text = "\n".join(self._blame.values())
         if text != self.message.text() or self.message.isHidden() == bool(text):
             self.message.setText(text)
@@ -177,7 +177,7 @@ class Field(QObject):
     # -- to the session -----------------------------------------------------------------------------------
 
     @property
-    def gone(self) -> bool:
+    def obsolete(self) -> bool:
         """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
         of its name may outlast it."""
         try:
@@ -188,7 +188,7 @@ class Field(QObject):
 
     def edit(self, value: Any, text: str) -> None:
         """Put a value into the design in place, where it has this field; text names the step."""
-        if not self.gone:
+        if not self.obsolete:
             self.session.edit(self.spec.path, value, text)
 
     def _enter(self, value: Any) -> None:
@@ -204,7 +204,7 @@ class Field(QObject):
         self.session.end_gesture()
 
     def _assume(self, on: bool) -> None:
-        if self.gone:
+        if self.obsolete:
             return
         name = self.spec.info.label
         text = f"Mark {name[:1].lower()}{name[1:]} as {'assumed' if on else 'known'}"
@@ -266,8 +266,8 @@ class NameField(NameBox):
 
     def event(self, event: QEvent) -> bool:
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            asked = any(event.matches(key) for key in UNDO_KEYS)
-            if asked and not self.typing:
+            is_undo = any(event.matches(key) for key in UNDO_KEYS)
+            if is_undo and not self.typing:
                 event.ignore()
                 return False
         return super().event(event)

@@ -285,8 +285,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
-            asked = any(event.matches(key) for key in UNDO_KEYS)
-            if asked and not self.typing:
+            is_undo = any(event.matches(key) for key in UNDO_KEYS)
+            if is_undo and not self.typing:
                 event.ignore()
                 return False
         return super().event(event)

@@ -9,7 +9,7 @@ from core.design import Design
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import QUIET, WRONG, coloured
-from kindyna_gui.note import Words
+from kindyna_gui.note import MessageLabel
 
 AROUND = QSize(40, 60)  # left free on the screen, with frame and title
 
@@ -19,7 +19,7 @@ class PutDialog(QDialog):
 
     Subclasses call ``frame`` once and implement ``accept`` with ``put``.
 
-    told         what would become of the design, or what is wrong
+    message      what would become of the design, or what is wrong
     put_button   enabled by the subclass while there is something to put
     """
 
@@ -27,19 +27,19 @@ class PutDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(title)
         self._session = session
-        self.told = Words(QUIET)
+        self.message = MessageLabel(QUIET)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.put_button = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.put_button.setText("&Put into the design")
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
 
-    def frame(self, asked: QLayout, width: int, shown: QWidget | QLayout, usual: QSize, least: QSize) -> None:
+    def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, usual: QSize, least: QSize) -> None:
         """asked: what stands on the left, so many pixels wide; usual: the size where the screen has room for it."""
-        asked.setContentsMargins(0, 0, 0, 0)
-        asked.setSpacing(6)
+        questions.setContentsMargins(0, 0, 0, 0)
+        questions.setSpacing(6)
         left = QWidget()
-        left.setLayout(asked)
+        left.setLayout(questions)
         left.setFixedWidth(width)
         middle = QHBoxLayout()
         middle.setSpacing(12)
@@ -49,7 +49,7 @@ class PutDialog(QDialog):
         else:
             middle.addWidget(shown, 1)
         foot = QHBoxLayout()
-        foot.addWidget(self.told, 1)
+        foot.addWidget(self.message, 1)
         foot.addWidget(self.buttons)
         column = QVBoxLayout(self)
         column.setContentsMargins(12, 10, 12, 10)
@@ -58,16 +58,16 @@ class PutDialog(QDialog):
         self.setMinimumSize(least)
         self.resize(usual.boundedTo(self.screen().availableGeometry().size() - AROUND))
 
-    def tell(self, text: str, wrong: bool = False) -> None:
-        coloured(self.told, WRONG if wrong else QUIET)
-        self.told.tell(text)
+    def show_message(self, text: str, wrong: bool = False) -> None:
+        coloured(self.message, WRONG if wrong else QUIET)
+        self.message.show_message(text)
 
     def put(self, design: Design, step: str) -> None:
         """Put a design in place as one step of this name and close; where the session refuses it, say why and stay."""
         session, refused = self._session, []
 
         def listen(refusal: Refusal) -> None:
-            refused.extend(f"{name}: {text}" for _, name, text in refusal.told)
+            refused.extend(f"{name}: {text}" for _, name, text in refusal.reasons)
 
         session.refused.connect(listen)
         session.end_gesture()
@@ -78,7 +78,7 @@ class PutDialog(QDialog):
             super().accept()
         else:
             session.withdraw("")
-            self.tell(sentence("; ".join(refused)), wrong=True)
+            self.show_message(sentence("; ".join(refused)), wrong=True)
 
     def open_once(self) -> None:
         """Over its window; gone once it is closed."""

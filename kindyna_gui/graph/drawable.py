@@ -31,12 +31,12 @@ def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[st
     """
     there = existing(study, rows)
     drawn = different(study, there)
-    told = [lack(study, row) for row in rows if row not in there and not row.beside]
-    told += [f"{row.label} is the same curve" for row in there if row not in drawn and not row.beside]
-    return drawn, told
+    reasons = [why_missing(study, row) for row in rows if row not in there and not row.beside]
+    reasons += [f"{row.label} is the same curve" for row in there if row not in drawn and not row.beside]
+    return drawn, reasons
 
 
-def lack(study: Study, row: Channel) -> str:
+def why_missing(study: Study, row: Channel) -> str:
     """Why this design has no such channel."""
     try:
         row.values(study)

@@ -15,7 +15,7 @@ from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.requirements import NO_WHEEL, with_shaft
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 HEADINGS = (Heading("Flywheel and torque", wide=True), Heading("Value", number=True), Heading("Unit"))
 _PEAKS = {
@@ -39,7 +39,7 @@ DIGITS = 5  # of what the sizing shows, and puts into the design
 class FlywheelView(View):
     """The figures of the flywheel, and the button that fits the one they ask for."""
 
-    stages = READS["flywheel"]
+    stages = STAGES_OF_VIEWS["flywheel"]
     pause_ms = 200
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -76,16 +76,16 @@ class FlywheelView(View):
 
     def _reached(self, study: Study) -> list[Row]:
         """What the flywheel fitted makes of the speed."""
-        found = speeds(study)
-        if found is None:
+        limits = speeds(study)
+        if limits is None:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
             least = _row("Least inertia with which it does not", study.flywheel.least_inertia, "kg·m²", tip)
             return [Row(("The motor stalls", "", ""), tip=tip), least]
         rpm = UNITS["rpm"].factor
         return [
-            Row(("Fluctuation reached", digits(100.0 * (found[1] - found[0]) / study.omega, 4), "%"), tip="(highest - lowest)/mean"),
-            Row(("Speed, lowest", digits(found[0] / rpm, DIGITS), "rpm")),
-            Row(("Speed, highest", digits(found[1] / rpm, DIGITS), "rpm")),
+            Row(("Fluctuation reached", digits(100.0 * (limits[1] - limits[0]) / study.omega, 4), "%"), tip="(highest - lowest)/mean"),
+            Row(("Speed, lowest", digits(limits[0] / rpm, DIGITS), "rpm")),
+            Row(("Speed, highest", digits(limits[1] / rpm, DIGITS), "rpm")),
         ]  # fmt: skip
 
     def _peaks(self, study: Study, floor: float) -> list[Row]:
@@ -93,11 +93,11 @@ class FlywheelView(View):
         names = [name for name in _PEAKS if name in known and known[name].exists(study)]
         if "drive_torque" in names and "driver_torque" in names:  # a cam turns the shaft, not the linkage under it
             names.remove("driver_torque")
-        found = study.extremes("dynamics", tuple(names))
+        limits = study.extremes("dynamics", tuple(names))
         rows = []
         for name in names:
-            rows.append(_row(f"{_PEAKS[name]}, lowest", found[name].low.value, "N·m", floor=floor))
-            rows.append(_row(f"{_PEAKS[name]}, highest", found[name].high.value, "N·m", floor=floor))
+            rows.append(_row(f"{_PEAKS[name]}, lowest", limits[name].low.value, "N·m", floor=floor))
+            rows.append(_row(f"{_PEAKS[name]}, highest", limits[name].high.value, "N·m", floor=floor))
         return rows
 
     def _use(self) -> None:

@@ -120,13 +120,13 @@ class ChannelTree(QTreeWidget):
         super().resizeEvent(event)
         self.setColumnHidden(1, self.width() < USUAL_WIDTH - 4)
 
-    def show_rows(self, rows: Sequence[Channel], lacking: Mapping[str, str]) -> None:
+    def show_rows(self, rows: Sequence[Channel], reasons: Mapping[str, str]) -> None:
         """List these channels; lacking: why some cannot be drawn, by quantity."""
         with QSignalBlocker(self):
             if tuple(rows) != self._rows:
                 self._build(rows)
             for row in rows:
-                item, why = self._items[row.quantity], lacking.get(row.quantity, "")
+                item, why = self._items[row.quantity], reasons.get(row.quantity, "")
                 item.setForeground(0, QColor(LIGHT.quiet if why else LIGHT.ink))
                 item.setToolTip(0, escape(why) or tip_of(row))
 

@@ -21,7 +21,7 @@ from core.output.channels import Channel, channels
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.drawable import lack, stages_of
+from kindyna_gui.graph.drawable import stages_of, why_missing
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
 from kindyna_gui.graph.linkage_plots import first_graph
@@ -45,7 +45,7 @@ class GraphView(View):
         self.tree = ChannelTree()
         self.panels: list[Panel] = []
         self._rows: dict[str, Channel] = {}
-        self._lacking: dict[str, str] = {}
+        self._reasons: dict[str, str] = {}
         self._built: tuple[object, ...] = ()
         self._shared = False
         self._paper = Rebuilt(session, player)
@@ -117,21 +117,21 @@ class GraphView(View):
             self.choice = Choice(first_graph(study))
         if not self.choice.plots:  # a graph without a plot would not say how to fill it
             self.choice.add()
-        self._lacking = {}
+        self._reasons = {}
         for name in self.choice.chosen:
             try:
                 self._rows[name].values(study)
             except KindynaError:
-                self._lacking[name] = lack(study, self._rows[name])
-        self.tree.show_rows(rows, self._lacking)
+                self._reasons[name] = why_missing(study, self._rows[name])
+        self.tree.show_rows(rows, self._reasons)
         self._rebuild()
         for panel, names in zip(self.panels, self.choice.plots, strict=True):
-            there = [self._rows[name] for name in names if name not in self._lacking]
+            there = [self._rows[name] for name in names if name not in self._reasons]
             panel.name_angle(study)
             if there:
                 panel.plot.set_curves(study, there)
             else:
-                panel.plot.show_message("\n".join(self._lacking[name] for name in names) or EMPTY)
+                panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
 
     def follow(self, theta: float) -> None:
         if self.drawn:
@@ -142,7 +142,7 @@ class GraphView(View):
     @property
     def drawn(self) -> list[Channel]:
         """The channels that are drawn, in the order of the plots."""
-        return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._lacking]
+        return [self._rows[name] for name in self.choice.chosen if name in self._rows and name not in self._reasons]
 
     def _rebuild(self) -> None:
         """Make the plots anew where their number or form has changed; mark the active one, tick the tree."""
@@ -262,7 +262,7 @@ class GraphView(View):
     def picture(self, ending: str) -> bytes:
         """The plots on paper, without cursor; the page as it is where nothing is drawn."""
         self.pull()
-        rows = [[self._rows[n] for n in names if n not in self._lacking] for names in self.choice.plots]
+        rows = [[self._rows[n] for n in names if n not in self._reasons] for names in self.choice.plots]
         shown = [row for row in rows if row]
         return FORMS[self.form].file(self.session.study, shown, ending) if shown else super().picture(ending)
 

@@ -13,7 +13,7 @@ from core.errors import NoAnswer
 from core.study import Study
 from core.study.quantities import names_of
 
-STILL = 1e-9  # [rad] a link that turns less than this does not turn
+NO_TURN = 1e-9  # [rad] a link that turns less than this does not turn
 MOST = 4  # curves in one plot that can still be told apart
 Pick = Callable[[tuple[str, ...]], list[str]]
 
@@ -23,9 +23,9 @@ def _rate(ending: str) -> Pick:
 
     def pick(names: tuple[str, ...]) -> list[str]:
         for of in ("link.", "slide."):
-            found = [n for n in names if n.startswith(of) and n.removeprefix(of).lstrip("0123456789") == ending]
-            if found:
-                return found
+            chosen = [n for n in names if n.startswith(of) and n.removeprefix(of).lstrip("0123456789") == ending]
+            if chosen:
+                return chosen
         return []
 
     return pick
@@ -43,10 +43,10 @@ def _or(*picks: Pick) -> Pick:
     """What the first pick that finds anything finds."""
 
     def pick(names: tuple[str, ...]) -> list[str]:
-        found: list[str] = []
+        chosen: list[str] = []
         for each in picks:
-            found = found or [n for n in each(names) if n]
-        return found
+            chosen = chosen or [n for n in each(names) if n]
+        return chosen
 
     return pick
 
@@ -72,8 +72,8 @@ def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
         return tuple(n for n in usual if n in possible)
     there = _names(study)
     pick = _PLOTS.get(usual[0])
-    found = pick(there) if pick is not None else [n for n in usual if n in there]
-    return tuple([n for n in found if n][:MOST])
+    chosen = pick(there) if pick is not None else [n for n in usual if n in there]
+    return tuple([n for n in chosen if n][:MOST])
 
 
 def _names(study: Study) -> tuple[str, ...]:
@@ -83,8 +83,8 @@ def _names(study: Study) -> tuple[str, ...]:
         turning = study.course.turning
     except NoAnswer:
         return ()
-    still = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < STILL}
-    return tuple(n for n, row in rows.items() if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in still)
+    at_rest = {f"link.{n}" for n, turn in turning.items() if np.ptp(turn.angle) < NO_TURN}
+    return tuple(n for n, row in rows.items() if not row.turns and n.removesuffix("_velocity").removesuffix("_acceleration") not in at_rest)
 
 
 _TITLES: Mapping[str, str] = MappingProxyType(
@@ -109,8 +109,8 @@ def title_for(design: Design, usual: str, title: str) -> str:
     possible, pick = names_of(design), _PLOTS.get(usual)
     if usual in possible or pick is None:
         return title
-    found = next((name for name in pick(possible) if name), "")
-    return next((told for pattern, told in _TITLES.items() if re.fullmatch(pattern, found)), title)
+    chosen = next((name for name in pick(possible) if name), "")
+    return next((text for pattern, text in _TITLES.items() if re.fullmatch(pattern, chosen)), title)
 
 
 def first_graph(study: Study) -> list[list[str]]:
@@ -119,14 +119,14 @@ def first_graph(study: Study) -> list[list[str]]:
     return [list(row) for row in rows if row]
 
 
-def lacking(study: Study, usual: Sequence[str]) -> str:
+def why_empty(study: Study, usual: Sequence[str]) -> str:
     """Why a plot of the window is empty, in a sentence."""
     names = " nor ".join(name.replace("_", " ") for name in usual)
     name = usual[0].replace("_", " ")
     if usual[0] in ("pressure_angle", "pitch_curvature"):
         led = "motion" in study.stages
-        way = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
-        return f"No cam makes this linkage move: there is no {name}. {way}."
+        hint = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
+        return f"No cam makes this linkage move: there is no {name}. {hint}."
     if usual[0] == "jerk":
         return "No motion drives this linkage: the graph shows what its links and points do."
     return f"This mechanism has no {names}."

@@ -12,7 +12,7 @@ from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.drawable import rows_of, split, stages_of
-from kindyna_gui.graph.linkage_plots import lacking, quantities_for
+from kindyna_gui.graph.linkage_plots import quantities_for, why_empty
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
@@ -62,15 +62,15 @@ class PlotView(View):
         quantities = self.quantities
         if not quantities:
             _ = study.linkage  # where it stands nowhere, that is the reason
-        drawn, told = split(study, rows_of(study, quantities))
+        drawn, missing = split(study, rows_of(study, quantities))
         self.rows = tuple(drawn)
         self.plot.name_angle(study)
-        self.message = "" if drawn else "\n".join(told) or lacking(study, self.usual)
+        self.message = "" if drawn else "\n".join(missing) or why_empty(study, self.usual)
         if drawn:
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
             self.plot.show_message(self.message)
-        self.note.tell("; ".join(told) if drawn else "")
+        self.note.show_message("; ".join(missing) if drawn else "")
 
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)

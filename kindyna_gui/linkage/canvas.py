@@ -23,12 +23,12 @@ def joints_now(scene: MechanismScene) -> dict[str, complex]:
     reading = scene.reading
     if reading is None:
         return {}
-    wanted, found = joints_of(reading.study.design), {}
+    wanted, joints = joints_of(reading.study.design), {}
     for body in reading.bodies.values():
         for name, place in body.points.items():
             if name in wanted:
-                found[name] = complex(body.track(place)[scene.index])
-    return found
+                joints[name] = complex(body.track(place)[scene.index])
+    return joints
 
 
 class Canvas(QGraphicsView):
@@ -125,8 +125,8 @@ class Canvas(QGraphicsView):
     def joint_at(self, pixel: QPointF) -> str:
         """The name of the joint under a place of the viewport that can be drawn elsewhere; empty where there is none."""
         at = self._drawn_at(pixel)
-        found = joints_now(self._scene)
-        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in found.items()}
+        joints = joints_now(self._scene)
+        near = {name: abs(place - complex(at.x(), at.y())) * self._scale for name, place in joints.items()}
         best = min(near, key=lambda name: near[name], default="")
         return best if best and near[best] <= REACH else ""
 

@@ -53,7 +53,7 @@ def label(links: tuple[int, int]) -> str:
     return f"I{links[0]}{',' if max(links) > 9 else ''}{links[1]}"
 
 
-def found_by(row: CentreRow) -> str:
+def method_text(row: CentreRow) -> str:
     """How a centre is found: at sight, by its pair, or where which two lines cross."""
     if not row.lines:
         return "at sight"
@@ -74,8 +74,8 @@ def _centre(row: CentreRow) -> Row:
     else:
         x, y = "none", "at rest"
     return Row(
-        (label(row.links), x, y, found_by(row)),
-        tip=f"Instant centre of links {row.links[0]} and {row.links[1]}; found {found_by(row)}",
+        (label(row.links), x, y, method_text(row)),
+        tip=f"Instant centre of links {row.links[0]} and {row.links[1]}; found {method_text(row)}",
     )
 
 
@@ -142,7 +142,7 @@ class CentresView(View):
         box = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
         box.setAccessibleName(name)
         box.setToolTip("The distance between two centres at this angle")
-        box.activated.connect(lambda _: self._tell_distance())
+        box.activated.connect(lambda _: self._show_distance())
         return box
 
     def refresh(self, study: Study) -> None:
@@ -165,9 +165,9 @@ class CentresView(View):
         self.points.update_rows([_point(row) for row in self.now.points])
         self.differences.update_rows([_difference(row) for row in self.now.differences])
         self._fill([row.links for row in self.now.centres])
-        self._tell_distance()
-        told = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in self.now.transmission)
-        self.transmission.setText(f"Transmission angle: {told}" if told else "")
+        self._show_distance()
+        angles = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in self.now.transmission)
+        self.transmission.setText(f"Transmission angle: {angles}" if angles else "")
 
     def _fill(self, keys: Sequence[tuple[int, int]]) -> None:
         """The centres to choose from; at first the driver's pole and the next link's."""
@@ -178,7 +178,7 @@ class CentresView(View):
                     box.addItem(label(key), key)
                 box.setCurrentIndex(min(first, box.count() - 1))
 
-    def _tell_distance(self) -> None:
+    def _show_distance(self) -> None:
         one, other = self.one.currentData(), self.other.currentData()
         if self.now is None or one is None or other is None:
             return

@@ -99,7 +99,7 @@ class Diagram(QWidget):
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, str(link_number(body)))
 
 
-def told(plan: Construction, step: int) -> str:
+def step_text(plan: Construction, step: int) -> str:
     """The step in words."""
     if step == 0:
         names = ", ".join(centre_name(key) for key in plan.known)
@@ -154,7 +154,7 @@ class CircleView(View):
         step = min(chosen or 0, len(plan.steps))
         self.diagram.show_step(bodies, plan, step)
         more = f" {len(plan.beyond)} centres are not reached by two triangles." if plan.beyond and step == len(plan.steps) else ""
-        self.text.setText(told(plan, step) + more)
+        self.text.setText(step_text(plan, step) + more)
         self.count.setText(f"{step} of {len(plan.steps)}")
         self.back.setEnabled(step > 0)
         self.next.setEnabled(step < len(plan.steps))
@@ -166,10 +166,10 @@ class CircleView(View):
         else:
             self.invalidate()
 
-    def _go(self, way: int) -> None:
+    def _go(self, step: int) -> None:
         _, plan = self._plan()
         now = self.session.step or 0
-        self.session.choose_step(min(max(now + way, 0), len(plan.steps)))
+        self.session.choose_step(min(max(now + step, 0), len(plan.steps)))
 
 
 __all__ = ["CircleView", "Diagram"]

@@ -23,7 +23,7 @@ from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.player_keys import obey
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 
 class MechanismView(View):
@@ -55,13 +55,13 @@ class MechanismView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces are computed only while they are drawn."""
-        return READS["mechanism with forces" if self._layers_wanted["forces"] else "mechanism"]
+        return STAGES_OF_VIEWS["mechanism with forces" if self._layers_wanted["forces"] else "mechanism"]
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
         self._take_layers()
-        self._say_what_lacks(study)
+        self._show_missing_cam(study)
         self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
         self.scene.update_study(study, keep_labels=True, lay=not self._fit_wanted)
         self.canvas.rest.start()
@@ -71,14 +71,14 @@ class MechanismView(View):
         else:
             self.canvas.look_again()
 
-    def _say_what_lacks(self, study: Study) -> None:
+    def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it."""
-        told = ""
+        text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
         except NoAnswer as error:
-            told = f"No cam: {reason(study.design, error)}"
-        self.note.tell(told)
+            text = f"No cam: {reason(study.design, error)}"
+        self.note.show_message(text)
 
     def follow(self, theta: float) -> None:
         self._take_layers()

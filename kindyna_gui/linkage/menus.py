@@ -63,7 +63,7 @@ def _drive(window: MainWindow, driver: Driver, *_: object) -> None:
     window.designing.change(changed, f"{step}, without {loses}" if loses else step)
     if session.design is not before:
         if loses:
-            window.status.tell(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
+            window.status.show_message(f"{step}: the linkage has lost {loses}, Undo brings back what it had")
         player.set_theta(driver_place(session.design.drive.mechanism, kinematics) % TURN if driver.kind == CRANK else 0.0)
 
 
@@ -80,8 +80,8 @@ def fill_rollers(window: MainWindow, menu: QMenu) -> None:
         here = cam is not None and cam.point == point
         action = _choice(menu, group, f"{point} on link {link}", here)
         action.setEnabled(design.drive.motion is not None)
-        told = "A cam about the origin under a roller here makes the linkage follow its motion"
-        action.setStatusTip(told if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver")
+        tip = "A cam about the origin under a roller here makes the linkage follow its motion"
+        action.setStatusTip(tip if design.drive.motion is not None else "First let a link follow a motion: Compo > Driver")
         if design.drive.motion is not None and not here:
             made = with_roller(design, link, point)
             action.triggered.connect(partial(_change, window, made, f"Put the cam roller on {point} of link {link}"))

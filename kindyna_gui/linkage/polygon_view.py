@@ -41,9 +41,9 @@ class PolygonView(View):
             there = self.session.at(theta)
             polygon = velocity_polygon(there.linkage)
         except KindynaError as error:
-            self.note.tell(sentence(str(error)))
+            self.note.show_message(sentence(str(error)))
             return
-        self.note.tell("")
+        self.note.show_message("")
         name = study.angle_name.capitalize()
         self.sheet.show_polygon(polygon, study.omega, f"{name} {math.degrees(theta):.1f}°")
 

@@ -29,10 +29,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.labels import sentence
-from kindyna_gui.measured.faults import FoundTable, counted, found_in, found_wrong
+from kindyna_gui.measured.faults import EntryTable, counted, fault_entries, fit_entries
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import MeasuredPlot
-from kindyna_gui.measured.request import Answer, Asked, Reader, spelled, symbol
+from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
 from kindyna_gui.settings import Settings
 
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
@@ -49,17 +49,17 @@ class MeasuredDialog(PutDialog):
         motion = require_motion(session.design)
         self._unit = motion.unit
         self._reader = self._read(data)
-        self._rest = Asked()
+        self._request = Request()
         self.answer = Answer()
         self.form = ReadingForm(motion.unit)
         self.error, self.lowest = NumberBox(NOT_NEGATIVE), NumberBox(ANY_NUMBER)
         self.keep_all = QCheckBox("Keep all rows, wrong ones too")
         self.keep_all.setToolTip("Else rows that no smooth curve joins to those beside them are left out")
         self.rows_plot, self.residual_plot = MeasuredPlot(angles=False), MeasuredPlot(angles=True)
-        self.found = FoundTable()
+        self.entries = EntryTable()
         self._lay_out()
         self._connect()
-        self.ask()
+        self.read_and_fit()
 
     def _read(self, data: bytes) -> Reader:
         return Reader(self._path.name, data, self._unit, self._session.design.speed_rpm)
@@ -85,7 +85,7 @@ class MeasuredDialog(PutDialog):
         right.setSpacing(2)
         right.addWidget(self.rows_plot, 5)
         right.addWidget(self.residual_plot, 3)
-        right.addWidget(self.found, 3)
+        right.addWidget(self.entries, 3)
         self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
 
     def _head(self) -> QHBoxLayout:
@@ -109,10 +109,10 @@ class MeasuredDialog(PutDialog):
         self.estimate.setToolTip("What the scatter of the rows tells, at least the rounding of the last digit")
         self.estimate.setAutoDefault(False)
         rows = (("Measuring &error", self.error, "error"), ("&Lowest position", self.lowest, "lowest"))
-        for row, (label, box, name) in enumerate(rows):
-            told = QLabel(label)
-            told.setBuddy(box)
-            grid.addWidget(told, row, 0)
+        for row, (text, box, name) in enumerate(rows):
+            label = QLabel(text)
+            label.setBuddy(box)
+            grid.addWidget(label, row, 0)
             grid.addWidget(box, row, 1)
             grid.addWidget(self.units[name], row, 2)
         grid.addWidget(self.estimate, 0, 3)
@@ -124,20 +124,20 @@ class MeasuredDialog(PutDialog):
     def _connect(self) -> None:
         self.form.changed.connect(self._read_otherwise)
         self.error.entered.connect(self._state_error)
-        self.lowest.entered.connect(lambda value: self._ask(lowest=value))
+        self.lowest.entered.connect(lambda value: self._change_request(lowest=value))
         for box in (self.error, self.lowest):
             box.unreadable.connect(lambda box=box: box.set_refused(True))
-        self.estimate.clicked.connect(lambda: self._ask(error=None))
-        self.keep_all.toggled.connect(lambda on: self._ask(keep_all=on))
+        self.estimate.clicked.connect(lambda: self._change_request(error=None))
+        self.keep_all.toggled.connect(lambda on: self._change_request(keep_all=on))
         self.again.clicked.connect(self._read_again)
-        self.found.clicked.connect(self._point_out)
-        self.found.activated.connect(self._point_out)
+        self.entries.clicked.connect(self._point_out)
+        self.entries.activated.connect(self._point_out)
 
     # -- asking ---------------------------------------------------------------------------------------------
 
-    def ask(self) -> None:
+    def read_and_fit(self) -> None:
         """Read and fit as asked, and show what comes of it."""
-        self.answer = self._reader.ask(self.form.asked(self._rest))
+        self.answer = self._reader.answer(self.form.request(self._request))
         answer = self.answer
         self.form.show_read(answer.sheet, answer.layout)
         self.units["error"].setText(symbol(answer.layout.unit.name) if answer.layout else "")
@@ -147,28 +147,28 @@ class MeasuredDialog(PutDialog):
         if answer.fit is not None:
             self._show_fit(answer.fit)
             if answer.faults:
-                self.tell(sentence(answer.faults[0].text), wrong=True)
+                self.show_message(sentence(answer.faults[0].text), wrong=True)
         elif answer.refused:  # the last curve stays
             self.error.set_refused(True)
-            self.tell(sentence(answer.faults[0].text), wrong=True)
+            self.show_message(sentence(answer.faults[0].text), wrong=True)
         else:
             self._show_faults()
 
-    def _ask(self, **changes: float | bool | None) -> None:
-        self._rest = replace(self._rest, **changes)  # type: ignore[arg-type]
-        self.ask()
+    def _change_request(self, **changes: float | bool | None) -> None:
+        self._request = replace(self._request, **changes)  # type: ignore[arg-type]
+        self.read_and_fit()
 
     def _state_error(self, value: float) -> None:
         if value >= 0.0:
-            self._ask(error=value)
+            self._change_request(error=value)
         else:
             self.error.set_refused(True)
-            self.tell("Measuring error: allowed: 0 or more", wrong=True)
+            self.show_message("Measuring error: allowed: 0 or more", wrong=True)
 
     def _read_otherwise(self) -> None:
         """In other units, or another column: neither error nor level mean what they meant."""
-        self._rest = replace(self._rest, error=None, lowest=None)
-        self.ask()
+        self._request = replace(self._request, error=None, lowest=None)
+        self.read_and_fit()
 
     def _read_again(self) -> None:
         try:
@@ -176,7 +176,7 @@ class MeasuredDialog(PutDialog):
         except KindynaError as error:
             dialogs.show_faults(self, f"{self._path.name} cannot be read.", str(error).splitlines())
         else:
-            self.ask()
+            self.read_and_fit()
 
     # -- showing --------------------------------------------------------------------------------------------
 
@@ -184,18 +184,18 @@ class MeasuredDialog(PutDialog):
         self.rows_plot.show_rows(fit)
         self.residual_plot.show_residuals(fit)
         self.error.show_value(fit.error)
-        self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._rest.lowest is None else fit.lowest)
+        self.lowest.show_value(float(f"{fit.lowest:.6g}") if self._request.lowest is None else fit.lowest)
         self._show_figures(figures(fit))
-        self.found.show_found(found_in(fit))
-        self.tell("The motion of the design is replaced; Undo brings it back.")
+        self.entries.show_entries(fit_entries(fit))
+        self.show_message("The motion of the design is replaced; Undo brings it back.")
 
     def _show_faults(self) -> None:
         faults = self.answer.faults
-        self.found.show_found(found_wrong(faults))
+        self.entries.show_entries(fault_entries(faults))
         self._show_figures([])
         self.rows_plot.show_message("Nothing can be drawn before the table can be read")
         self.residual_plot.show_message("")
-        self.tell(counted(faults), wrong=True)
+        self.show_message(counted(faults), wrong=True)
 
     def _show_figures(self, rows: list[tuple[str, str]]) -> None:
         """What the fit came to; what stands beside it already is left out."""
@@ -209,7 +209,7 @@ class MeasuredDialog(PutDialog):
 
     def _point_out(self, index: QModelIndex) -> None:
         for plot in (self.rows_plot, self.residual_plot):
-            plot.point_out(self.found.angle(index.row()))
+            plot.point_out(self.entries.angle(index.row()))
 
     # -- the end --------------------------------------------------------------------------------------------
 

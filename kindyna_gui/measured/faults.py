@@ -17,7 +17,7 @@ MOST = 200  # faults or wrong rows in the list
 
 
 @dataclass(frozen=True)
-class Found:
+class Entry:
     """One entry: the line of the file (0: none), what is told, how grave it is, the cam angle [deg] where it stands."""
 
     line: int
@@ -26,24 +26,24 @@ class Found:
     angle: float | None = None
 
 
-def found_in(fit: Fit) -> list[Found]:
+def fit_entries(fit: Fit) -> list[Entry]:
     """Wrong rows, the worst first, then what was guessed and noticed."""
     rows = worst_first(fit)[:MOST]
-    wrong = [Found(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
-    return wrong + [Found(0, spelled(note), NOTE) for note in notes(fit)]
+    wrong = [Entry(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
+    return wrong + [Entry(0, spelled(note), NOTE) for note in notes(fit)]
 
 
 def _off(fit: Fit, row: int) -> str:
     """What is wrong with a row; its line stands in the other column."""
-    told = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
-    return f"{told}, left out" if row in fit.left_out else told
+    text = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
+    return f"{text}, left out" if row in fit.left_out else text
 
 
-def found_wrong(faults: Sequence[RowFault]) -> list[Found]:
+def fault_entries(faults: Sequence[RowFault]) -> list[Entry]:
     """The faults of a file."""
-    shown = [Found(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
-    rest = len(faults) - MOST
-    return [*shown, Found(0, f"and {rest} more", ERROR)] if rest > 0 else shown
+    shown = [Entry(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
+    more = len(faults) - MOST
+    return [*shown, Entry(0, f"and {more} more", ERROR)] if more > 0 else shown
 
 
 def counted(faults: Sequence[RowFault]) -> str:
@@ -54,24 +54,24 @@ def counted(faults: Sequence[RowFault]) -> str:
     return f"{rows} {'row is' if rows == 1 else 'rows are'} wrong: correct how the file is read, or mend it and read it again."
 
 
-class FoundTable(RowsTable):
+class EntryTable(RowsTable):
     """The list of all that."""
 
     def __init__(self) -> None:
         super().__init__((Heading("Line", number=True), Heading("What was found", wide=True)))
-        self._found: tuple[Found, ...] = ()
+        self._entries: tuple[Entry, ...] = ()
 
-    def show_found(self, found: Sequence[Found]) -> None:
+    def show_entries(self, entries: Sequence[Entry]) -> None:
         """Show these entries."""
-        self._found = tuple(found)
+        self._entries = tuple(entries)
         tip = "Click to see it in the plots"
         self.show_rows(
             [
                 Row((str(f.line or ""), sentence(f.text)), sign(f.severity), "" if f.angle is None else tip)
-                for f in self._found
+                for f in self._entries
             ]
         )
 
     def angle(self, row: int) -> float | None:
         """The cam angle [deg] of an entry, None where it has none."""
-        return self._found[row].angle if 0 <= row < len(self._found) else None
+        return self._entries[row].angle if 0 <= row < len(self._entries) else None

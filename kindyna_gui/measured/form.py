@@ -21,7 +21,7 @@ from core.measured import (
     value_units,
 )
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.measured.request import Asked, symbol
+from kindyna_gui.measured.request import Request, symbol
 
 _WORDS: Mapping[str, str] = MappingProxyType(
     {"deg": "degrees", "rad": "radians", "turns": "turns", "s": "seconds", "ms": "milliseconds"}
@@ -48,7 +48,7 @@ class ReadingForm(QWidget):
     def __init__(self, motion_unit: str) -> None:
         super().__init__()
         self._motion_unit = motion_unit
-        self._said: dict[str, str] = {}
+        self._choices: dict[str, str] = {}
         self.boxes: dict[str, WordBox] = {}
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 0, 0, 0)
@@ -56,24 +56,24 @@ class ReadingForm(QWidget):
         grid.setVerticalSpacing(4)
         for row, (name, label) in enumerate(_ROWS):
             box = self.boxes[name] = WordBox()
-            told = QLabel(label)
-            told.setBuddy(box)
-            grid.addWidget(told, row, 0)
+            caption = QLabel(label)
+            caption.setBuddy(box)
+            grid.addWidget(caption, row, 0)
             grid.addWidget(box, row, 1)
-            box.activated.connect(lambda _, name=name: self._say(name))
+            box.activated.connect(lambda _, name=name: self._choice_made(name))
         grid.setColumnStretch(1, 1)
         self._fill("delimiter", [(key, f"{key.capitalize()}") for key in DELIMITERS])
         self._fill("decimal", [(key, f"{key.capitalize()}  ( {mark} )") for key, mark in DECIMALS.items()])
         self._fill("angle_unit", [(unit, _WORDS[unit]) for unit in (*ANGLE_UNITS, *TIME_UNITS)])
         self._fill("quantity", [(name, f"{name}s" if name != "velocity" else "velocities") for name in QUANTITIES])
 
-    def asked(self, rest: Asked) -> Asked:
+    def request(self, request: Request) -> Request:
         """The rest of what is asked with what was corrected here."""
-        said = self._said
-        wish = ColumnChoice(
-            **{name: said.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
+        choices = self._choices
+        columns = ColumnChoice(
+            **{name: choices.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
         )
-        return replace(rest, delimiter=said.get("delimiter", ""), decimal=said.get("decimal", ""), wish=wish)
+        return replace(request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns)
 
     def show_read(self, sheet: Sheet | None, how: Layout | None) -> None:
         """What was read: that is what the boxes show."""
@@ -83,22 +83,22 @@ class ReadingForm(QWidget):
             names = [(str(i + 1), f"{i + 1}  {name}".rstrip()) for i, name in enumerate(sheet.names)]
             for name in ("angle_column", "column"):
                 self._fill(name, names)
-        self._choose("angle_column", str(how.angle_column + 1) if how else self._said.get("angle_column", ""))
-        self._choose("column", str(how.value_column + 1) if how else self._said.get("column", ""))
-        quantity = how.quantity if how else self._said.get("quantity", "")
-        self._choose("angle_unit", how.angle_unit if how else self._said.get("angle_unit", ""))
+        self._choose("angle_column", str(how.angle_column + 1) if how else self._choices.get("angle_column", ""))
+        self._choose("column", str(how.value_column + 1) if how else self._choices.get("column", ""))
+        quantity = how.quantity if how else self._choices.get("quantity", "")
+        self._choose("angle_unit", how.angle_unit if how else self._choices.get("angle_unit", ""))
         self._choose("quantity", quantity)
         units = value_units(quantity or QUANTITIES[0], self._motion_unit)
         self._fill("value_unit", [(unit, symbol(unit)) for unit in units])
-        self._choose("value_unit", how.unit.name if how else self._said.get("value_unit", ""))
+        self._choose("value_unit", how.unit.name if how else self._choices.get("value_unit", ""))
 
     def forget(self) -> None:
         """All as detected again."""
-        self._said.clear()
+        self._choices.clear()
 
-    def _say(self, name: str) -> None:
+    def _choice_made(self, name: str) -> None:
         """What the user says of one thing voids what was said of those that hang on it."""
-        self._said[name] = self.boxes[name].currentData()
+        self._choices[name] = self.boxes[name].currentData()
         void: Mapping[str, Sequence[str]] = {
             "delimiter": ("column", "angle_column", "angle_unit", "value_unit", "quantity"),
             "column": ("value_unit", "quantity"),
@@ -106,7 +106,7 @@ class ReadingForm(QWidget):
             "quantity": ("value_unit",),
         }
         for other in void.get(name, ()):
-            self._said.pop(other, None)
+            self._choices.pop(other, None)
         self.changed.emit()
 
     def _fill(self, name: str, rows: Sequence[tuple[str, str]]) -> None:

@@ -86,7 +86,7 @@ class MeasuredPlot(FixedPlot):
         for old in self.limits:
             old.remove(self._view)
         self.limits = [LimitLine(self._view, self._theme, value, text) for value, text in lines]
-        self._title, self._colour, self._words = title, self._theme.letters(colour), ""
+        self._title, self._colour, self._message_text = title, self._theme.letters(colour), ""
         self._view.setRange(yRange=sides, padding=0.0)
         self._lay()
 
@@ -96,7 +96,7 @@ class MeasuredPlot(FixedPlot):
             item.setData([], [])
         for old in self.limits:
             old.remove(self._view)
-        self.limits, self._title, self._words = [], "", text
+        self.limits, self._title, self._message_text = [], "", text
         self.cursor.hide()
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()

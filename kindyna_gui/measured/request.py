@@ -27,12 +27,12 @@ _SIGNS = {"um": "µm", "deg": "°", "rad": "rad"}
 
 
 @dataclass(frozen=True)
-class Asked:
+class Request:
     """How a file shall be read and fitted; empty or None = as detected."""
 
     delimiter: str = ""
     decimal: str = ""
-    wish: ColumnChoice = ALL_DETECTED
+    columns: ColumnChoice = ALL_DETECTED
     error: float | None = None
     lowest: float | None = None
     keep_all: bool = False
@@ -64,28 +64,28 @@ class Reader:
         self._answer = Answer()
         self._table: Table | None = None
 
-    def ask(self, asked: Asked) -> Answer:
+    def answer(self, request: Request) -> Answer:
         """Read and fit; never raises what a file can do."""
-        key = (asked.delimiter, asked.decimal, asked.wish)
+        key = (request.delimiter, request.decimal, request.columns)
         if key != self._key:
             self._key, self._table = key, None
             self._answer = self._read(*key)
         if self._table is None:
             return self._answer
         try:
-            return replace(self._answer, fit=fit(self._table, asked.error, asked.lowest, asked.keep_all))
+            return replace(self._answer, fit=fit(self._table, request.error, request.lowest, request.keep_all))
         except Contradiction as error:
-            shown = fit(self._table, asked.error, asked.lowest, keep_all=True)
-            return replace(self._answer, fit=shown, faults=(RowFault(0, str(error)),))
+            whole_fit = fit(self._table, request.error, request.lowest, keep_all=True)
+            return replace(self._answer, fit=whole_fit, faults=(RowFault(0, str(error)),))
         except FitError as error:
             return replace(self._answer, faults=(RowFault(0, str(error)),), refused=True)
 
-    def _read(self, delimiter: str, decimal: str, wish: ColumnChoice) -> Answer:
+    def _read(self, delimiter: str, decimal: str, columns: ColumnChoice) -> Answer:
         answer = Answer()
         try:
             sheet = read_sheet(self._data, self.name, delimiter or None, decimal or None)
             answer = replace(answer, sheet=sheet)
-            how = layout(sheet, wish, self._unit, self._speed)
+            how = layout(sheet, columns, self._unit, self._speed)
             answer = replace(answer, layout=how)
             self._table = read_table(sheet, how, self._speed)
         except TableError as error:
@@ -98,8 +98,8 @@ def symbol(unit: str) -> str:
     base, _, per = unit.partition("/")
     power = "²" if per.endswith("2") else ""
     per = per.removesuffix("2")
-    told = _SIGNS.get(base, base)
-    return f"{told}/{_SIGNS.get(per, per)}{power}" if per else told
+    numerator = _SIGNS.get(base, base)
+    return f"{numerator}/{_SIGNS.get(per, per)}{power}" if per else numerator
 
 
 def spelled(text: str) -> str:

@@ -34,7 +34,7 @@ class SegmentBar(QWidget):
             row.addWidget(button)
         row.addStretch(1)
         row.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
-        self._words = sum(button.sizeHint().width() for button in self.buttons.values()) + 8
+        self._text_width = sum(button.sizeHint().width() for button in self.buttons.values()) + 8
 
     def _button(self, name: str) -> QToolButton:
         row = ACTIONS[name]
@@ -52,12 +52,12 @@ class SegmentBar(QWidget):
         return QSize(len(self.buttons) * (height + 4), height)
 
     def sizeHint(self) -> QSize:
-        return QSize(self._words, self.minimumSizeHint().height())
+        return QSize(self._text_width, self.minimumSizeHint().height())
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
-        with_words = self.width() >= self._words
-        style = Qt.ToolButtonStyle.ToolButtonTextBesideIcon if with_words else Qt.ToolButtonStyle.ToolButtonIconOnly
+        with_text = self.width() >= self._text_width
+        style = Qt.ToolButtonStyle.ToolButtonTextBesideIcon if with_text else Qt.ToolButtonStyle.ToolButtonIconOnly
         for button in self.buttons.values():
             button.setToolButtonStyle(style)
 

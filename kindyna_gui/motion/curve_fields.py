@@ -40,10 +40,10 @@ def kind_of_form(motion: Motion, index: int) -> type | None:
 class CurveForm(QWidget):
     """The form of one segment's curve; made anew only for another kind of curve or another segment.
 
-    told   (str): what is wrong with a point of a spline, empty when nothing is
+    error_changed (str): what is wrong with a point of a spline, empty when nothing is
     """
 
-    told = Signal(str)
+    error_changed = Signal(str)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__()
@@ -81,9 +81,9 @@ class CurveForm(QWidget):
         self._place.replace(self._paper)
 
     def _nothing(self, design: Design, index: int) -> None:
-        told = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
-        coloured(told, QUIET)
-        self._grid().addWidget(told, 0, 0)
+        label = QLabel(f"{law_label(require_motion(design).segments[index].curve.law)}: span and rise say everything")
+        coloured(label, QUIET)
+        self._grid().addWidget(label, 0, 0)
 
     # -- forms --------------------------------------------------------------------------------------------
 
@@ -121,7 +121,7 @@ class CurveForm(QWidget):
     def _points(self, design: Design, index: int) -> None:
         """The points of a spline: a table."""
         self.points = PointsTable(self._session, self._player)
-        self.points.model.told.connect(self.told)
+        self.points.model.error_changed.connect(self.error_changed)
         self._grid().addWidget(self.points, 0, 0)
 
     def _grid(self) -> QGridLayout:

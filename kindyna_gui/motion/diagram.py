@@ -209,9 +209,9 @@ class MotionDiagram(CurvePlot):
         """One below the other, each as long as there is room beside the line at ``x``."""
         metrics = QFontMetricsF(painter.font())
         for k, mark in enumerate(row):
-            told = (f"Δ{mark.letter} {mark.sized}", f"Δ{mark.letter} {mark.size}") if mark.loud else ()
+            texts = (f"Δ{mark.letter} {mark.sized}", f"Δ{mark.letter} {mark.size}") if mark.loud else ()
             short = f"Δ{mark.letter}" if mark.jumps else mark.letter
-            text = next((t for t in told if metrics.horizontalAdvance(t) <= room), short)
+            text = next((t for t in texts if metrics.horizontalAdvance(t) <= room), short)
             width = metrics.horizontalAdvance(text)
             box = QRectF(x - BESIDE - width if left else x + BESIDE, top + k * ROW, width, ROW)
             painter.fillRect(box.adjusted(-1.0, 0.0, 1.0, 0.0), brush(self._theme.paper, 0.75))
@@ -242,12 +242,12 @@ def label_text(motion: Motion, angle: float | None, level: float | None, join: i
 def step_name(before: Design, after: Design, join: int) -> str:
     """The step of the undo stack: ``Move start of segment 3 to 80°, -10 mm``; only what has changed is told."""
     was, now = require_motion(before), require_motion(after)
-    told = [
+    texts = [
         value_text(values(now)[join], UNITS[unit])
         for values, unit in ((join_angles, "deg"), (join_levels, now.unit))
         if values(was)[join] != values(now)[join]
     ]
-    return f"Move start of segment {join + 1} to {', '.join(told)}"
+    return f"Move start of segment {join + 1} to {', '.join(texts)}"
 
 
 def numbered(rows: Sequence[Span], width: float) -> list[tuple[float, str]]:

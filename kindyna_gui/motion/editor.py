@@ -26,7 +26,7 @@ SHAPES: Mapping[str, Qt.CursorShape] = MappingProxyType(
         LEVEL: Qt.CursorShape.SizeVerCursor,
     }
 )
-WAYS: Mapping[int, tuple[int, int]] = MappingProxyType(
+DIRECTIONS: Mapping[int, tuple[int, int]] = MappingProxyType(
     {
         Qt.Key.Key_Left: (-1, 0),
         Qt.Key.Key_Right: (1, 0),
@@ -103,7 +103,7 @@ class MotionEditor(MotionDiagram):
     def _path(self) -> str:
         return f"motion.joins[{self.over.join if self.over is not None else 0}]"
 
-    def _tell(self, angle: float | None, level: float | None, refused: bool = False) -> None:
+    def _show_label(self, angle: float | None, level: float | None, refused: bool = False) -> None:
         """Write beside the join where it is drawn to."""
         assert self.over is not None
         text = label_text(require_motion(self._session.design), angle, level, self.over.join)
@@ -152,7 +152,7 @@ class MotionEditor(MotionDiagram):
         self._at = event.position()
         self._begin(grip, grip.join == 0 and self._angle_at(self._at) > 180.0)
         self._pull = Pull(self.motion, grip, self.scale_now())
-        self._tell(None, None)
+        self._show_label(None, None)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
         if self._pull is not None:
@@ -170,10 +170,10 @@ class MotionEditor(MotionDiagram):
             return
         by, self._at = event.position() - self._at, event.position()
         keys = event.modifiers()
-        fine, one_way = keys & Qt.KeyboardModifier.ControlModifier, keys & Qt.KeyboardModifier.ShiftModifier
-        angle, level = self._pull.move(by.x(), by.y(), bool(fine), bool(one_way))
+        fine, one_direction = keys & Qt.KeyboardModifier.ControlModifier, keys & Qt.KeyboardModifier.ShiftModifier
+        angle, level = self._pull.move(by.x(), by.y(), bool(fine), bool(one_direction))
         possible = self._apply(move_join(self._from, self._pull.grip.join, angle, level))
-        self._tell(angle, level, not possible)
+        self._show_label(angle, level, not possible)
 
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         event.accept()
@@ -233,12 +233,12 @@ class MotionEditor(MotionDiagram):
             self._end()
             last = len(self.motion.segments) - 1
             self.segment_chosen.emit(min(max(self.chosen + PAGES[event.key()], 0), last))
-        elif self.motion is not None and event.key() in WAYS and keys == Qt.KeyboardModifier.AltModifier:
-            self.nudge(WAYS[event.key()], bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier))
+        elif self.motion is not None and event.key() in DIRECTIONS and keys == Qt.KeyboardModifier.AltModifier:
+            self.nudge(DIRECTIONS[event.key()], bool(event.modifiers() & Qt.KeyboardModifier.ShiftModifier))
         elif not obey(self._player, event):
             event.ignore()
 
-    def nudge(self, way: tuple[int, int], fine: bool) -> None:
+    def nudge(self, direction: tuple[int, int], fine: bool) -> None:
         """Move the join at the end of the chosen segment by one step; steps in a row are one step back."""
         if self.pulling or self.motion is None or self.locked:
             return
@@ -247,10 +247,10 @@ class MotionEditor(MotionDiagram):
             self._end()
             self._begin(grip)
         # from where the join is now, not from where the gesture began
-        wanted = nudged(self.motion, self.join, self.scale_now(), way, fine)
+        wanted = nudged(self.motion, self.join, self.scale_now(), direction, fine)
         if wanted != (None, None):
             possible = self._apply(move_join(self._session.design, self.join, *wanted))
-            self._tell(*wanted, refused=not possible)
+            self._show_label(*wanted, refused=not possible)
 
     def escape(self) -> None:
         """Take back what is being moved; else let what recalls the last edit go."""
@@ -279,14 +279,14 @@ class MotionEditor(MotionDiagram):
         grip = self._grip(place)
         if grip is None:
             index = segment_at(self.motion, self._angle_at(place))
-            told = f"Segment {index + 1}: {law_label(self.motion.segments[index].curve.law)}"
+            text = f"Segment {index + 1}: {law_label(self.motion.segments[index].curve.law)}"
         elif grip.kind == LEVEL:
-            told = f"Level of the dwell, segment {grip.segment + 1}"
+            text = f"Level of the dwell, segment {grip.segment + 1}"
         else:
             joins = self._session.study.program.joins
-            told = f"Segment {grip.segment + 1} ends, segment {grip.join + 1} begins\n"
-            told += join_help(joins[grip.segment], self.motion)
-        return f"{told}\n\n{HOW}"
+            text = f"Segment {grip.segment + 1} ends, segment {grip.join + 1} begins\n"
+            text += join_help(joins[grip.segment], self.motion)
+        return f"{text}\n\n{HOW}"
 
 
-__all__ = ["HOW", "WAYS", "MotionEditor"]
+__all__ = ["DIRECTIONS", "HOW", "MotionEditor"]

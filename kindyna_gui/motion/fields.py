@@ -100,7 +100,7 @@ class CurveField(Field):
 
     def _enter(self, value: Any) -> None:
         spec = self.spec
-        if self.gone:
+        if self.obsolete:
             return
         if not spec.info.admits(value):
             self.session.refuse(spec.path, f"outside its range; allowed: {spec.info.allowed(spec.unit)}")

@@ -15,7 +15,7 @@ from kindyna_gui.pictures.units import nice_below
 POINT, LINE, LEVEL = "point", "line", "level"
 REACH, LINE_REACH = 7.0, 4.0  # pixels from a point, from a line
 AWAY = 8.0  # a dwell's line begins so many pixels from its ends, which belong to the points
-STILL = 3.0  # pixels that a hand may tremble in a direction that it does not mean
+TREMBLE = 3.0  # pixels that a hand may tremble in a direction that it does not mean
 ANGLE_STEP = 0.5  # degrees
 LEVEL_PIXELS = 2.5  # the most that a step of levels, 1, 2 or 5 times a power of ten, is high
 FINE = 0.1  # of the way, and of the steps
@@ -108,10 +108,10 @@ def segment_at(motion: Motion, angle: float) -> int:
     return max(i for i, begin in enumerate(join_angles(motion)) if begin <= angle)
 
 
-def snapped(value: float, step: float, way: int = 0) -> float:
+def snapped(value: float, step: float, direction: int = 0) -> float:
     """The nearest multiple of a step, or the next one up (way 1) or down (way -1), in decimals."""
     count = value / step
-    whole = {0: round(count), 1: math.floor(count + 1e-6) + 1, -1: math.ceil(count - 1e-6) - 1}[way]
+    whole = {0: round(count), 1: math.floor(count + 1e-6) + 1, -1: math.ceil(count - 1e-6) - 1}[direction]
     return round(whole * step, 10) + 0.0
 
 
@@ -126,7 +126,7 @@ class Pull:
     the join shall have, None where it keeps what it had.
 
     A direction counts once the hand has moved in it by more than it trembles, so a point drawn sideways keeps its
-    level. Values snap to steps, ``fine`` ten times finer at a tenth of the way; ``one_way``: only in the direction in
+    level. Values snap to steps, ``fine`` ten times finer at a tenth of the way; ``one_direction``: only in the direction in
     which the hand has moved more. An angle stays between its neighbours.
     """
 
@@ -135,21 +135,21 @@ class Pull:
         self._scale = scale  # as it was: the diagram may grow meanwhile
         self._angle, self._level = join_angles(motion)[grip.join], join_levels(motion)[grip.join]
         self._range = join_range(motion, grip.join)
-        self._way = [0.0, 0.0]  # of the hand, pixels
+        self._travel = [0.0, 0.0]  # of the hand, pixels
         self._moved = [0.0, 0.0]  # of the join, pixels
-        self._meant = [False, False]
+        self._intended = [False, False]
 
     def move(
-        self, dx: float, dy: float, fine: bool = False, one_way: bool = False
+        self, dx: float, dy: float, fine: bool = False, one_direction: bool = False
     ) -> tuple[float | None, float | None]:
         """The hand has moved on by so many pixels."""
         for k, by in enumerate((dx, dy)):
-            self._way[k] += by
+            self._travel[k] += by
             self._moved[k] += by * (FINE if fine else 1.0)
-            self._meant[k] = self._meant[k] or abs(self._way[k]) > STILL
-        sideways = abs(self._way[0]) >= abs(self._way[1])
-        turns = self.grip.turns and self._meant[0] and (not one_way or sideways or not self.grip.lifts)
-        lifts = self.grip.lifts and self._meant[1] and (not one_way or not sideways or not self.grip.turns)
+            self._intended[k] = self._intended[k] or abs(self._travel[k]) > TREMBLE
+        sideways = abs(self._travel[0]) >= abs(self._travel[1])
+        turns = self.grip.turns and self._intended[0] and (not one_direction or sideways or not self.grip.lifts)
+        lifts = self.grip.lifts and self._intended[1] and (not one_direction or not sideways or not self.grip.turns)
         by = FINE if fine else 1.0
         return self._turned(by) if turns else None, self._lifted(by) if lifts else None
 
@@ -163,11 +163,11 @@ class Pull:
 
 
 def nudged(
-    motion: Motion, join: int, scale: Scale, way: tuple[int, int], fine: bool = False
+    motion: Motion, join: int, scale: Scale, direction: tuple[int, int], fine: bool = False
 ) -> tuple[float | None, float | None]:
-    """Angle and level of a join one step on by keys: way -1, 0 or 1 in both directions."""
+    """Angle and level of a join one step on by keys: -1, 0 or 1 in angle and in level."""
     by = FINE if fine else 1.0
     low, high = join_range(motion, join)
-    angle = min(max(snapped(join_angles(motion)[join], ANGLE_STEP * by, way[0]), low), high)
-    level = snapped(join_levels(motion)[join], scale.level_step * by, way[1])
-    return angle if way[0] and join else None, level if way[1] else None
+    angle = min(max(snapped(join_angles(motion)[join], ANGLE_STEP * by, direction[0]), low), high)
+    level = snapped(join_levels(motion)[join], scale.level_step * by, direction[1])
+    return angle if direction[0] and join else None, level if direction[1] else None

@@ -18,7 +18,7 @@ from kindyna_gui.rebuilt import Rebuilt
 STROKE = Info(
     "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
 )
-STILL_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
+NO_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
 LEAST = 74  # width of a number, pixels
 
 
@@ -35,7 +35,7 @@ class StrokeField(Field):
     """The stroke: all levels grow with it."""
 
     def edit(self, value: Any, text: str) -> None:
-        if not self.gone:
+        if not self.obsolete:
             design, now = self.session.typed, stroke_of(self.session.typed)
             changed = with_motion(design, with_stroke(require_motion(design), value, now))
             self.session.lay_out(changed, text, self.spec.path)
@@ -65,7 +65,7 @@ class MotionHead(QWidget):
         self.moves = stroke_of(design) != 0.0
         field = self.fields[f"motion.stroke_{motion.unit}"]
         field.editor.setEnabled(self.moves)
-        field.editor.setToolTip(field.label.toolTip() if self.moves else STILL_STROKE)
+        field.editor.setToolTip(field.label.toolTip() if self.moves else NO_STROKE)
 
     @staticmethod
     def _specs(design: Design) -> list[Spec]:

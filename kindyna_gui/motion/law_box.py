@@ -17,10 +17,10 @@ _COMMANDS = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifie
 class LawBox(WordBox):
     """The name of a law; its list is the picker.
 
-    given_up  the picker was closed without a choice
+    cancelled  the picker was closed without a choice
     """
 
-    given_up = Signal()
+    cancelled = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -52,7 +52,7 @@ class LawBox(WordBox):
 
     def _closed(self) -> None:
         self.picker = None
-        self.given_up.emit()
+        self.cancelled.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if event.text().strip() and event.text().isprintable() and not event.modifiers() & _COMMANDS:

@@ -43,7 +43,7 @@ OWN: Mapping[str, str] = MappingProxyType(
 )
 """What a law with parameters of its own has in place of peaks."""
 
-_TOLD: Mapping[str, str] = MappingProxyType(
+_SOURCES: Mapping[str, str] = MappingProxyType(
     {
         "scca": "sine, constant and cosine acceleration with widths to choose, and constant velocity in the middle",
         "polynomial": "velocity, acceleration and jerk at both ends to choose",
@@ -80,13 +80,13 @@ def short_label(slug: str) -> str:
 
 def groups() -> dict[str, tuple[str, ...]]:
     """Heading -> laws; every law stands in one of them."""
-    told = {slug for slugs in _GROUPS.values() for slug in slugs}
-    others = tuple(slug for slug in (*LAWS, *CURVES) if slug not in told)
+    grouped = {slug for slugs in _GROUPS.values() for slug in slugs}
+    others = tuple(slug for slug in (*LAWS, *CURVES) if slug not in grouped)
     rows = {name: tuple(s for s in slugs if s in LAWS or s in CURVES) for name, slugs in _GROUPS.items()}
     return {**rows, "Others": others} if others else rows
 
 
-def found(text: str) -> dict[str, tuple[str, ...]]:
+def matching(text: str) -> dict[str, tuple[str, ...]]:
     """The groups with those laws that have all words of a text in their name or that of their group."""
     words = text.lower().split()
     kept = {}
@@ -110,14 +110,14 @@ def peaks_text(slug: str) -> str:
 def law_tip(slug: str) -> str:
     """What a law is, in a line or two."""
     law = find_law(slug)
-    told = sentence(law.source if law is not None else _TOLD.get(slug, ""))
+    text = sentence(law.source if law is not None else _SOURCES.get(slug, ""))
     if law is not None and not law.is_dwell:
-        told += "\nPeaks for unit rise and span; jerk counts the inside of the law only"
+        text += "\nPeaks for unit rise and span; jerk counts the inside of the law only"
         if float(np.abs(law(np.array([0.0, 1.0]))[1]).max()) > MOVING:
-            told += "\nIt begins or ends in motion: the velocity jumps where it meets a dwell"
+            text += "\nIt begins or ends in motion: the velocity jumps where it meets a dwell"
         elif peaks(law).jumps_at_an_end:
-            told += "\nIts acceleration jumps where it meets a dwell"
-    return told
+            text += "\nIts acceleration jumps where it meets a dwell"
+    return text
 
 
-__all__ = ["OWN", "found", "groups", "law_tip", "peaks_text", "short_label"]
+__all__ = ["OWN", "groups", "law_tip", "matching", "peaks_text", "short_label"]

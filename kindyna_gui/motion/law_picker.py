@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, 
 
 from kindyna_gui.labels import law_label
 from kindyna_gui.look import CHOSEN, LINE, QUIET, coloured
-from kindyna_gui.motion.law_list import found, groups, law_tip, peaks_text
+from kindyna_gui.motion.law_list import groups, law_tip, matching, peaks_text
 from kindyna_gui.pictures.drawing.items import wrapped
 from kindyna_gui.pictures.plots.law_icon import paint_law
 from kindyna_gui.pictures.style import LIGHT, SMALL, font
@@ -165,11 +165,11 @@ class LawPicker(QFrame):
         self.setStyleSheet(f"LawPicker {{ border: 1px solid {LINE}; }}")
         self.grid = LawGrid()
         self.grid.choose(current)
-        self.words = QLineEdit(typed)
-        self.words.setPlaceholderText("Type a part of the name, such as cycl, 3-4-5, blending")
-        self.words.setClearButtonEnabled(True)
-        self.words.textChanged.connect(self._filter)
-        self.words.installEventFilter(self)
+        self.filter = QLineEdit(typed)
+        self.filter.setPlaceholderText("Type a part of the name, such as cycl, 3-4-5, blending")
+        self.filter.setClearButtonEnabled(True)
+        self.filter.textChanged.connect(self._filter)
+        self.filter.installEventFilter(self)
         self.nothing = QLabel("No law has this in its name.", alignment=Qt.AlignmentFlag.AlignCenter)
         coloured(self.nothing, QUIET)
         self.nothing.hide()
@@ -188,14 +188,14 @@ class LawPicker(QFrame):
         column = QVBoxLayout(self)
         column.setContentsMargins(6, 6, 6, 6)
         column.setSpacing(4)
-        column.addWidget(self.words)
+        column.addWidget(self.filter)
         column.addWidget(self.nothing)
         column.addWidget(self.area, 1)
         column.addWidget(legend)
         bar = self.area.verticalScrollBar().sizeHint().width()
         self.area.setFixedWidth(self.grid.width() + bar)
         self.area.setMinimumHeight(min(ROOM, self.grid.height()))
-        self.setFocusProxy(self.words)
+        self.setFocusProxy(self.filter)
         self.grid.picked.connect(self._pick)
         self._chosen = False
         if typed:
@@ -210,7 +210,7 @@ class LawPicker(QFrame):
         y = below if below + self.height() <= room.bottom() else max(room.top(), cell.top() - self.height())
         self.move(x, y)
         self.show()
-        self.words.setFocus(Qt.FocusReason.PopupFocusReason)
+        self.filter.setFocus(Qt.FocusReason.PopupFocusReason)
         QTimer.singleShot(0, self.grid, self._reveal)
 
     def _reveal(self) -> None:
@@ -218,7 +218,7 @@ class LawPicker(QFrame):
         self.area.ensureVisible(box.center().x(), box.center().y(), 0, CELL.height() // 2 + HEADING)
 
     def _filter(self, text: str) -> None:
-        rows = found(text)
+        rows = matching(text)
         self.grid.show_laws(rows)
         self.nothing.setVisible(not rows)
         self._reveal()

@@ -73,12 +73,12 @@ class LawRow:
     @property
     def ends_help(self) -> str:
         names = {"v": "velocity", "a": "acceleration"}
-        told = [
+        parts = [
             f"{' and '.join(names[letter] for letter in letters.split())} {verb} at 0"
             for letters, verb in ((self.starts, "does not start"), (self.ends, "does not end"))
             if letters
         ]
-        return "; ".join(told).capitalize() if told else "Starts and ends without velocity and acceleration"
+        return "; ".join(parts).capitalize() if parts else "Starts and ends without velocity and acceleration"
 
 
 @cache
@@ -86,9 +86,9 @@ def law_rows() -> tuple[LawRow, ...]:
     """Every law, in the order of the table of laws."""
     rows = []
     for law in LAWS.values():
-        found = peaks(law)
+        peak = peaks(law)
         at_ends = law(np.array([0.0, 1.0]))[1:3]
-        sizes = (found.cv, found.ca)
+        sizes = (peak.cv, peak.ca)
         starts, ends = (
             " ".join(
                 letter
@@ -97,7 +97,7 @@ def law_rows() -> tuple[LawRow, ...]:
             )
             for side in (0, 1)
         )
-        rows.append(LawRow(law, (found.cv, found.ca, found.cj, found.cm), starts, ends))
+        rows.append(LawRow(law, (peak.cv, peak.ca, peak.cj, peak.cm), starts, ends))
     return tuple(rows)
 
 
@@ -141,10 +141,10 @@ class LawsModel(QAbstractTableModel):
         self._all_changed()
         self.ticked.emit()
 
-    def mark(self, slug: str, words: str) -> None:
+    def mark(self, slug: str, text: str) -> None:
         """Say something beside one law: which segment has it."""
-        if (slug, words) != self._marked:
-            self._marked = (slug, words)
+        if (slug, text) != self._marked:
+            self._marked = (slug, text)
             self._all_changed()
 
     def _all_changed(self) -> None:

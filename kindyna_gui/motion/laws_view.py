@@ -192,9 +192,9 @@ class LawsView(View):
         slug, number = self.table.slug, self.session.segment + 1
         self.use_button.setEnabled(bool(slug) and motion_of(self.session.typed) is not None)
         self.use_button.setText(f"Use in segment {number}")
-        told = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
-        self.use_button.setToolTip(told)
-        self.use_button.setStatusTip(told)
+        tip = f"Give segment {number} the law {law_label(slug)}; the arrow lists the other segments" if slug else ""
+        self.use_button.setToolTip(tip)
+        self.use_button.setStatusTip(tip)
 
     def _draw(self) -> None:
         laws = self.model.drawn
@@ -211,10 +211,10 @@ class LawsView(View):
         if not slug or motion_of(self.session.typed) is None:
             return
         path = f"motion.segments[{index}].law"
-        told: list[str] = []
+        reasons: list[str] = []
 
         def listen(refusal: Refusal) -> None:
-            told.extend(text for _, _, text in refusal.told)
+            reasons.extend(text for _, _, text in refusal.reasons)
 
         self.session.refused.connect(listen)
         text = f"Change law of segment {index + 1} to {law_label(slug)}"
@@ -226,10 +226,10 @@ class LawsView(View):
         self.session.end_gesture()
         if not done:
             self.session.withdraw(path)  # no field holds what was refused
-        self._tell("" if done else f"Not in segment {index + 1}: {'; '.join(told)}")
-        self.told.emit(f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(told)}")
+        self._show_text("" if done else f"Not in segment {index + 1}: {'; '.join(reasons)}")
+        self.status_message.emit(f"Segment {index + 1}: {law_label(slug)}" if done else f"Refused: {'; '.join(reasons)}")
 
-    def _tell(self, text: str) -> None:
+    def _show_text(self, text: str) -> None:
         self.note.setText(text)
         self.note.setToolTip(text)
 
@@ -284,15 +284,15 @@ class LawsView(View):
 
 def segment_texts(motion: Motion) -> list[str]:
     """``2  Modified sine, 35° … 76.5°, −150 mm`` for each segment."""
-    told, at = [], 0.0
+    texts, at = [], 0.0
     for number, segment in enumerate(motion.segments, 1):
         end = at + segment.span_deg
         rise = f", {value_text(segment.rise, UNITS[motion.unit])}" if segment.rise else ""
-        told.append(
+        texts.append(
             f"{number}  {law_label(segment.curve.law)}, {shortest(round(at, 9))}° … {shortest(round(end, 9))}°{rise}"
         )
         at = end
-    return told
+    return texts
 
 
 __all__ = ["EMPTY", "FIRST", "LawsTable", "LawsView", "segment_texts"]

@@ -58,24 +58,24 @@ def jump_text(join: Join, order: int, motion: Motion) -> str:
 
 FIRST = 3  # of the wordings: the first loud jump with its size
 
-Words = tuple[tuple[str, str], ...]
+Parts = tuple[tuple[str, str], ...]
 """Texts and their colours, from left to right."""
 
 
-def wordings(row: Sequence[Mark]) -> tuple[Words, ...]:
+def variants(row: Sequence[Mark]) -> tuple[Parts, ...]:
     """Ways to write the marks of a join, the longest first: every jump with its size and unit; only the loud ones;
     without units; only the first; none."""
     loud = next((mark for mark in row if mark.loud), None)
     return (
-        tuple((_told(mark, mark.sized), mark.colour) for mark in row),
-        tuple((_told(mark, mark.sized if mark.loud else ""), mark.colour) for mark in row),
-        tuple((_told(mark, mark.size if mark.loud else ""), mark.colour) for mark in row),
-        tuple((_told(mark, mark.size if mark is loud else ""), mark.colour) for mark in row),
-        tuple((_told(mark, ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.sized), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.sized if mark.loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.size if mark.loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, mark.size if mark is loud else ""), mark.colour) for mark in row),
+        tuple((_mark_text(mark, ""), mark.colour) for mark in row),
     )
 
 
-def _told(mark: Mark, size: str) -> str:
+def _mark_text(mark: Mark, size: str) -> str:
     if not mark.jumps:
         return mark.letter
     return f"Δ{mark.letter}\u00a0{size}" if size else f"Δ{mark.letter}"
@@ -83,7 +83,7 @@ def _told(mark: Mark, size: str) -> str:
 
 def join_text(join: Join, motion: Motion) -> str:
     """``s v a Δj``: a letter where the quantity is continuous, its jump where not; the first loud one with its size."""
-    return " ".join(text for text, _ in wordings(marks(join, motion))[FIRST])
+    return " ".join(text for text, _ in variants(marks(join, motion))[FIRST])
 
 
 def join_help(join: Join, motion: Motion) -> str:
@@ -96,4 +96,4 @@ def join_help(join: Join, motion: Motion) -> str:
     return "\n".join(map(sentence, rows))
 
 
-__all__ = ["FIRST", "LETTERS", "Mark", "Words", "join_help", "join_text", "jump_text", "marks", "wordings"]
+__all__ = ["FIRST", "LETTERS", "Mark", "Parts", "join_help", "join_text", "jump_text", "marks", "variants"]

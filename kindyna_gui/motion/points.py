@@ -43,10 +43,10 @@ HELP = (
 class PointsModel(QAbstractTableModel):
     """The points of one segment.
 
-    told   (str): what is wrong with the last edit, empty when nothing is
+    error_changed (str): what is wrong with the last edit, empty when nothing is
     """
 
-    told = Signal(str)
+    error_changed = Signal(str)
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -142,7 +142,7 @@ class PointsModel(QAbstractTableModel):
     def _refused(self, refusal: Refusal) -> None:
         if refusal.path.startswith(f"motion.segments[{self.segment}].points[") and self._points:
             self._wrong = {refusal.path: self._trying}
-            self.told.emit(refusal.at(refusal.path))
+            self.error_changed.emit(refusal.at(refusal.path))
             self._changed()
 
     def _accepted(self, path: str) -> None:
@@ -153,7 +153,7 @@ class PointsModel(QAbstractTableModel):
         """Forget what was refused."""
         if self._wrong:
             self._wrong.clear()
-            self.told.emit("")
+            self.error_changed.emit("")
             self._changed()
 
 

@@ -31,7 +31,7 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.labels import law_label, no_number, parsed, sentence, shortest, value_text
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion.law_list import law_tip, short_label
-from kindyna_gui.motion.marks import Words, join_help, join_text, marks, wordings
+from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants
 
 Index = QModelIndex | QPersistentModelIndex
 LAW, FROM, TO, SPAN, RISE, JOIN = range(6)
@@ -83,7 +83,7 @@ def _ends(motion: Motion) -> tuple[float, ...]:
 
 
 @dataclass(frozen=True)
-class Look:
+class Cell:
     """A cell as it is painted: its text, with what is written where there is little room; or for a join the ways to
     write its marks, the longest first."""
 
@@ -93,16 +93,16 @@ class Look:
     short: str = ""
     italic: bool = False
     refused: bool = False
-    words: tuple[Words, ...] = ()
+    variants: tuple[Parts, ...] = ()
 
 
 class SegmentsModel(QAbstractTableModel):
     """The segments in order. What is typed is an edit of the session; what it refuses stays in its cell, in red.
 
-    told   (str): what is wrong with the last edit, empty when nothing is
+    error_changed (str): what is wrong with the last edit, empty when nothing is
     """
 
-    told = Signal(str)
+    error_changed = Signal(str)
 
     def __init__(self, session: Session, parent: QObject | None = None) -> None:
         super().__init__(parent)
@@ -113,7 +113,7 @@ class SegmentsModel(QAbstractTableModel):
         self._amiss: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
         self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
-        self._looks: dict[tuple[int, int], Look] = {}
+        self._cells: dict[tuple[int, int], Cell] = {}
         self._trying = ""
         session.refused.connect(self._refused)
         session.accepted.connect(self._accepted)
@@ -130,7 +130,7 @@ class SegmentsModel(QAbstractTableModel):
         same = self._shown and len(motion.segments) == len(self._motion.segments)
         if not same:
             self.beginResetModel()
-        self._looks.clear()
+        self._cells.clear()
         self._motion, self._assumed, self._joins, self._amiss = motion, assumed, joins, amiss
         self._angles, self._shown = _ends(motion), True
         if same:
@@ -138,10 +138,10 @@ class SegmentsModel(QAbstractTableModel):
         else:
             self._wrong.clear()
             self.endResetModel()
-            self.told.emit("")
+            self.error_changed.emit("")
 
     def _all_changed(self) -> None:
-        self._looks.clear()
+        self._cells.clear()
         last = self.index(self.rowCount() - 1, self.columnCount() - 1)
         self.dataChanged.emit(self.index(0, 0), last)
 
@@ -149,7 +149,7 @@ class SegmentsModel(QAbstractTableModel):
         rows = range(self.rowCount())
         if any(refusal.path == self.path(row, column) for row in rows for column in (LAW, SPAN, RISE)):
             self._wrong = {refusal.path: self._trying}
-            self.told.emit(refusal.at(refusal.path))
+            self.error_changed.emit(refusal.at(refusal.path))
             self._all_changed()
 
     def _accepted(self, path: str) -> None:
@@ -161,7 +161,7 @@ class SegmentsModel(QAbstractTableModel):
         if not self._wrong:
             return False
         wrong, self._wrong = self._wrong, {}
-        self.told.emit("")
+        self.error_changed.emit("")
         self._all_changed()
         for path in wrong:
             self._session.take_back(path)
@@ -239,41 +239,41 @@ class SegmentsModel(QAbstractTableModel):
             return self.value(row, column) if wrong is None else wrong
         if role == Qt.ItemDataRole.ToolTipRole:
             return self._tip(row, column)
-        look = self.look(row, column)
+        cell = self.cell(row, column)
         if role == Qt.ItemDataRole.DisplayRole:
-            return look.text
+            return cell.text
         if role == Qt.ItemDataRole.ForegroundRole:
-            return None if look.colour is None else QColor(look.colour)
-        if role == Qt.ItemDataRole.FontRole and look.italic:
+            return None if cell.colour is None else QColor(cell.colour)
+        if role == Qt.ItemDataRole.FontRole and cell.italic:
             font = QFont()
             font.setItalic(True)
             return font
         return None
 
-    def look(self, row: int, column: int) -> Look:
+    def cell(self, row: int, column: int) -> Cell:
         """A cell as it is painted; made once for each state of the motion, for a table is painted often."""
-        known = self._looks.get((row, column))
-        if known is None:
-            known = self._looks[row, column] = self._made_look(row, column)
-        return known
+        cell = self._cells.get((row, column))
+        if cell is None:
+            cell = self._cells[row, column] = self._make_cell(row, column)
+        return cell
 
-    def _made_look(self, row: int, column: int) -> Look:
+    def _make_cell(self, row: int, column: int) -> Cell:
         refused, assumed = self.refused(row, column), self.assumed(row, column)
         value = self._wrong[self.path(row, column)] if refused else self.value(row, column)
         if column == JOIN:
-            rows = wordings(marks(self._joins[row], self._motion)) if self._joins else ()
-            return Look(value, QUIET, False, words=rows)
+            rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
+            return Cell(value, QUIET, False, variants=rows)
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
         refused = refused or self.amiss(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
-        return Look(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
+        return Cell(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
 
     def _tip(self, row: int, column: int) -> str:
         if column == JOIN:
             return join_help(self._joins[row], self._motion) if self._joins else ""
-        told = law_tip(self.value(row, LAW)) if column == LAW else COLUMNS[column].help
+        text = law_tip(self.value(row, LAW)) if column == LAW else COLUMNS[column].help
         mark = "\nAssumed, not taken from a source" if self.assumed(row, column) else ""
-        return sentence(told) + mark
+        return sentence(text) + mark
 
     def assumed(self, row: int, column: int) -> bool:
         return column in (LAW, SPAN, RISE) and self.path(row, column) in self._assumed
@@ -319,4 +319,4 @@ class SegmentsModel(QAbstractTableModel):
         return self._session.edit(path, span, f"Move start of segment {row + 1} to {value_text(angle, UNITS['deg'])}")
 
 
-__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "Look", "SegmentsModel"]
+__all__ = ["COLUMNS", "FROM", "JOIN", "LAW", "RISE", "SPAN", "TO", "Cell", "SegmentsModel"]

@@ -20,10 +20,10 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.cell_editor import CellDelegate
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import INK, PAPER, WRONG
-from kindyna_gui.motion.editor import WAYS
+from kindyna_gui.motion.editor import DIRECTIONS
 from kindyna_gui.motion.law_box import LawBox
-from kindyna_gui.motion.marks import FIRST, Words
-from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Look, SegmentsModel
+from kindyna_gui.motion.marks import FIRST, Parts
+from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Cell, SegmentsModel
 
 Index = QModelIndex | QPersistentModelIndex
 ROW_CHOSEN = "#E4ECF2"  # behind the cells of the chosen segment
@@ -54,7 +54,7 @@ class SegmentDelegate(CellDelegate):
             laws = LawBox()
             laws.setParent(parent)
             laws.activated.connect(lambda _: self._choose(laws))
-            laws.given_up.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
+            laws.cancelled.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
             QTimer.singleShot(0, laws, laws.showPopup)
             self.opened(laws)
             return laws
@@ -109,7 +109,7 @@ class SegmentDelegate(CellDelegate):
 
     def paint(self, painter: QPainter, option: QStyleOptionViewItem, index: Index) -> None:
         row, column = index.row(), index.column()
-        look, box = self._model.look(row, column), option.rect
+        cell, box = self._model.cell(row, column), option.rect
         current = self._table.currentIndex()
         chosen = row == current.row() and column == current.column()
         active = bool(option.state & QStyle.StateFlag.State_Active) and self._table.hasFocus()
@@ -118,30 +118,30 @@ class SegmentDelegate(CellDelegate):
         elif row == current.row():
             painter.fillRect(box, QColor(ROW_CHOSEN))
         inner = box.adjusted(INSET, 0, -INSET, 0)
-        if look.words:
-            self._paint_words(painter, inner, look.words, chosen and active)
+        if cell.variants:
+            self._paint_marks(painter, inner, cell.variants, chosen and active)
         else:
-            self._paint_text(painter, inner, look, chosen and active)
-        if look.refused:
+            self._paint_text(painter, inner, cell, chosen and active)
+        if cell.refused:
             painter.save()
             painter.setPen(QPen(QColor(WRONG), 1.6))
             painter.drawRect(box.adjusted(1, 1, -2, -2))
             painter.restore()
 
-    def _paint_text(self, painter: QPainter, box: QRect, look: Look, light: bool) -> None:
-        painter.setPen(QColor(PAPER if light else look.colour or INK))
-        painter.setFont(self._font(look.italic))
-        side = Qt.AlignmentFlag.AlignRight if look.right else Qt.AlignmentFlag.AlignLeft
-        text, metrics = look.text, painter.fontMetrics()
+    def _paint_text(self, painter: QPainter, box: QRect, cell: Cell, light: bool) -> None:
+        painter.setPen(QColor(PAPER if light else cell.colour or INK))
+        painter.setFont(self._font(cell.italic))
+        side = Qt.AlignmentFlag.AlignRight if cell.right else Qt.AlignmentFlag.AlignLeft
+        text, metrics = cell.text, painter.fontMetrics()
         if metrics.horizontalAdvance(text) > box.width():
-            text = metrics.elidedText(look.short or text, Qt.TextElideMode.ElideRight, box.width())
+            text = metrics.elidedText(cell.short or text, Qt.TextElideMode.ElideRight, box.width())
         painter.drawText(box, side | Qt.AlignmentFlag.AlignVCenter, text)
 
-    def _paint_words(self, painter: QPainter, box: QRect, words: tuple[Words, ...], light: bool) -> None:
+    def _paint_marks(self, painter: QPainter, box: QRect, variants: tuple[Parts, ...], light: bool) -> None:
         """The longest way to write them that fits."""
         painter.setFont(self._font(False))
         metrics = painter.fontMetrics()
-        row = next((w for w in words if words_width(w, metrics) <= box.width()), words[-1])
+        row = next((parts for parts in variants if parts_width(parts, metrics) <= box.width()), variants[-1])
         x = box.left()
         for text, colour in row:
             painter.setPen(QColor(PAPER if light else colour))
@@ -156,9 +156,9 @@ class SegmentDelegate(CellDelegate):
         return font
 
 
-def words_width(words: Words, metrics: QFontMetrics) -> int:
+def parts_width(parts: Parts, metrics: QFontMetrics) -> int:
     """Pixels that the marks of a join take, the gaps between them included."""
-    return sum(metrics.horizontalAdvance(text) for text, _ in words) + GAP * (len(words) - 1)
+    return sum(metrics.horizontalAdvance(text) for text, _ in parts) + GAP * (len(parts) - 1)
 
 
 class SegmentsTable(QTableView):
@@ -214,16 +214,16 @@ class SegmentsTable(QTableView):
         """Columns as wide as their texts; done here, for a header that does it itself lays all of them out anew at
         every change. The joins give way to the names of the laws, and share what is left over in a wide table."""
         rows, room = range(self._model.rowCount()), self.viewport().width()
-        looks = [self._model.look(row, column) for row in rows for column in range(len(COLUMNS))]
-        lengths = (room, *(len(look.text) if look.right or look.words else look.text for look in looks))
+        cells = [self._model.cell(row, column) for row in rows for column in range(len(COLUMNS))]
+        lengths = (room, *(len(cell.text) if cell.right or cell.variants else cell.text for cell in cells))
         if lengths == self._lengths:  # texts as long as before, as mostly while a join is drawn
             return
         self._lengths = lengths
         metrics = self.fontMetrics()
         widths = [self._wanted(column, metrics, FIRST) for column in range(len(COLUMNS))]
         room -= sum(widths[FROM:JOIN])
-        laws = [self._model.look(row, LAW) for row in rows]
-        least = max((metrics.horizontalAdvance(look.short or look.text) for look in laws), default=0) + 2 * INSET
+        laws = [self._model.cell(row, LAW) for row in rows]
+        least = max((metrics.horizontalAdvance(cell.short or cell.text) for cell in laws), default=0) + 2 * INSET
         if room - widths[JOIN] < least:
             widths[JOIN] = max(room - least, self._wanted(JOIN, metrics, -1))
         widths[JOIN] += max((room - widths[JOIN] - widths[LAW]) * 2 // 3, 0)
@@ -233,13 +233,13 @@ class SegmentsTable(QTableView):
                 if column != LAW:
                     self.setColumnWidth(column, width)
 
-    def _wanted(self, column: int, metrics: QFontMetrics, wording: int) -> int:
+    def _wanted(self, column: int, metrics: QFontMetrics, variant: int) -> int:
         """The width of a column; wording: which way to write the marks of joins."""
         head = self._model.headerData(column, Qt.Orientation.Horizontal)
         wanted = metrics.horizontalAdvance(str(head))
         for row in range(self._model.rowCount()):
-            look = self._model.look(row, column)
-            width = words_width(look.words[wording], metrics) if look.words else metrics.horizontalAdvance(look.text)
+            cell = self._model.cell(row, column)
+            width = parts_width(cell.variants[variant], metrics) if cell.variants else metrics.horizontalAdvance(cell.text)
             wanted = max(wanted, width)
         return wanted + 2 * INSET + 1
 
@@ -276,8 +276,8 @@ class SegmentsTable(QTableView):
         }
         held = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
         fine = bool(held & Qt.KeyboardModifier.ShiftModifier)
-        if not editing and event.key() in WAYS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
-            self.nudge_wanted.emit(WAYS[event.key()], fine)
+        if not editing and event.key() in DIRECTIONS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
+            self.nudge_wanted.emit(DIRECTIONS[event.key()], fine)
             return
         action = None if editing else keys.get(Qt.Key(event.key()))
         if action is None:
@@ -289,4 +289,4 @@ class SegmentsTable(QTableView):
 _ALT = Qt.KeyboardModifier.AltModifier
 _ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where a cell cannot be edited
 
-__all__ = ["SegmentDelegate", "SegmentsTable", "words_width"]
+__all__ = ["SegmentDelegate", "SegmentsTable", "parts_width"]

@@ -27,7 +27,7 @@ from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import CurveForm
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.grips import ANGLE_STEP, meant, snapped
-from kindyna_gui.motion.head import STILL_STROKE, MotionHead
+from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.requirements import require_motion
@@ -97,8 +97,8 @@ class SegmentsView(View):
         self.set_content_layout(layout)
 
     def _connect(self) -> None:
-        self.model.told.connect(self._tell)
-        self.curve.told.connect(self._tell)
+        self.model.error_changed.connect(self._show_text)
+        self.curve.error_changed.connect(self._show_text)
         self.table.insert_wanted.connect(partial(self.act, "insert"))
         self.table.delete_wanted.connect(partial(self.act, "delete"))
         self.bar.wanted.connect(self.act)
@@ -194,19 +194,19 @@ class SegmentsView(View):
         self._forgotten = True
         self._draw()
 
-    def _tell(self, text: str) -> None:
+    def _show_text(self, text: str) -> None:
         self.message.setText(text)
         self.message.setVisible(bool(text))
 
     def _refused(self, refusal: Refusal) -> None:
         if refusal.path == _ACTS:
             self._act_refused = True
-            self._tell(refusal.at(_ACTS))
+            self._show_text(refusal.at(_ACTS))
 
     def _accepted(self, path: str) -> None:
         if path == _ACTS and self._act_refused:
             self._act_refused = False
-            self._tell("")
+            self._show_text("")
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
@@ -287,7 +287,7 @@ class SegmentsView(View):
             return False
         if self.head.focus_field(path):
             if path.startswith("motion.stroke") and not self.head.moves:
-                self.told.emit(STILL_STROKE)
+                self.status_message.emit(NO_STROKE)
             return True
         self.choose(segment_of(path) or 0, _KEYS.get(path.rpartition(".")[2], LAW))
         if not self.curve.focus_field(path):

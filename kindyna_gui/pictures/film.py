@@ -31,7 +31,7 @@ FORMATS: Mapping[str, str] = MappingProxyType({".gif": "GIF animation", ".webp":
 MOST_FRAMES, LEAST_SECONDS = 360, 0.2
 TICK = 10  # milliseconds: what a GIF counts in
 LEAST_DELAY = 20  # a viewer plays what is shorter at a speed of its own
-COLOURS, LOOKS = 255, 6  # of the palette, and frames it is made from
+COLOURS, SAMPLE_FRAMES = 255, 6  # of the palette, and frames it is made from
 LEAST_SAMPLES = 1440  # of a turn, for smooth outlines
 
 GoOn = Callable[[int], bool]
@@ -103,8 +103,8 @@ class Palette:
     of their edges take the nearest. (Pillow's own look-up is coarser and would turn white paper grey.)"""
 
     def __init__(self, camera: Camera, film: Film) -> None:
-        looks = np.concatenate([_packed(camera.take(film.frames * i // LOOKS)).ravel() for i in range(LOOKS)])
-        colours, counts = np.unique(looks, return_counts=True)
+        pixels = np.concatenate([_packed(camera.take(film.frames * i // SAMPLE_FRAMES)).ravel() for i in range(SAMPLE_FRAMES)])
+        colours, counts = np.unique(pixels, return_counts=True)
         self._colours = colours[np.lexsort((colours, -counts.astype(np.int64)))][:COLOURS]
         self._known = np.full(1 << 24, -1, dtype=np.int16)
         self._known[self._colours] = np.arange(self._colours.size)
@@ -114,13 +114,13 @@ class Palette:
         from PIL import Image
 
         packed = _packed(frame)
-        found = self._known[packed]
-        new = np.unique(packed[found < 0])
+        indices = self._known[packed]
+        new = np.unique(packed[indices < 0])
         if new.size:
             apart = [_part(new, i)[:, None] - _part(self._colours, i) for i in range(3)]
             self._known[new] = np.argmin(sum(d * d for d in apart), axis=1)
-            found = self._known[packed]
-        reduced = Image.fromarray(found.astype(np.uint8), "P")
+            indices = self._known[packed]
+        reduced = Image.fromarray(indices.astype(np.uint8), "P")
         reduced.putpalette([int(_part(colour, i)) for colour in self._colours for i in range(3)])
         return reduced
 

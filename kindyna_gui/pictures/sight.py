@@ -27,12 +27,12 @@ class Sight:
         """Where the ray from the middle leaves the picture, so many pixels before its edge [mm]."""
         room = margin / self.scale
         half = complex(self.visible.width() / 2.0 - room, self.visible.height() / 2.0 - room)
-        way = towards / abs(towards)
+        direction = towards / abs(towards)
         reach = min(
-            half.real / abs(way.real) if abs(way.real) > 1e-12 else np.inf,
-            half.imag / abs(way.imag) if abs(way.imag) > 1e-12 else np.inf,
+            half.real / abs(direction.real) if abs(direction.real) > 1e-12 else np.inf,
+            half.imag / abs(direction.imag) if abs(direction.imag) > 1e-12 else np.inf,
         )
-        return self.centre + reach * way
+        return self.centre + reach * direction
 
     def across(self, line: np.ndarray) -> tuple[complex, complex] | None:
         """The part of the line a x + b y + c = 0 [mm] that is visible; None where none is."""

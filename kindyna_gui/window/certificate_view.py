@@ -13,7 +13,7 @@ from kindyna_gui.labels import sentence
 from kindyna_gui.look import WRONG, sign
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 HEADINGS = (
     Heading("Check"),
@@ -78,7 +78,7 @@ def certificate_row(name: str, residual: Residual) -> Row:
 class CertificateView(View):
     """The table of residuals."""
 
-    stages = READS["certificate"]
+    stages = STAGES_OF_VIEWS["certificate"]
     pause_ms = 150
 
     def __init__(self, session: Session, player: Player) -> None:

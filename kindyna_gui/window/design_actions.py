@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 class Designing(QObject):
     """Edits that begin in a menu. What asks the user something is imported when it is wanted.
 
-    told   (str): what has been done, or why not, for the status line
+    status_message (str): what has been done, or why not, for the status line
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -55,7 +55,7 @@ class Designing(QObject):
         """There is a motion to be edited; else say how to get one."""
         self._window.documents.settle()
         if motion_of(self._session.design) is None:
-            self.told.emit(NO_MOTION)
+            self.status_message.emit(NO_MOTION)
             return False
         return True
 
@@ -78,7 +78,7 @@ class Designing(QObject):
         reasons: list[str] = []
 
         def listen(refusal: Refusal) -> None:
-            reasons.extend(f"{name}: {why}" for _, name, why in refusal.told)
+            reasons.extend(f"{name}: {why}" for _, name, why in refusal.reasons)
 
         session.refused.connect(listen)
         try:
@@ -89,7 +89,7 @@ class Designing(QObject):
         finally:
             session.refused.disconnect(listen)
         session.end_gesture()
-        self.told.emit(text if done else f"Refused: {'; '.join(reasons)}")
+        self.status_message.emit(text if done else f"Refused: {'; '.join(reasons)}")
 
     # -- the shaft ----------------------------------------------------------------------------------------
 
@@ -110,7 +110,7 @@ class Designing(QObject):
                 design, study = with_shaft(self._session.design, NO_SHAFT), self._session.study
                 changed = flexible(design, study.linkage, study.loading, study.omega)
             except KindynaError as error:
-                self.told.emit(str(error))
+                self.status_message.emit(str(error))
                 return
             self._session.put(changed, "Make the shaft flexible")
             self._session.end_gesture()

@@ -47,10 +47,10 @@ class Faults(QObject):
     The design is taken for good once the event that brought it has ended without a fault. A fault takes it back to the last
     good one, by the undo stack, so that Redo makes the step again. A document that was opened stays open.
 
-    told   (str): what failed, in a sentence
+    status_message (str): what failed, in a sentence
     """
 
-    told = Signal(str)
+    status_message = Signal(str)
     _in_thread = Signal(object, str)
 
     def __init__(self, window: MainWindow) -> None:
@@ -59,7 +59,7 @@ class Faults(QObject):
         self.log = FaultLog()
         self._good = self._place()
         self._action = ""  # of a menu, in the event at hand
-        self._heard: list[tuple[str, str]] = []  # in the event at hand: title of the view, the exception in a line
+        self._failures: list[tuple[str, str]] = []  # in the event at hand: title of the view, the exception in a line
         self._going_back = False
         self._event_end = QTimer(self, singleShot=True, interval=0)
         self._event_end.timeout.connect(self._settle)
@@ -68,7 +68,7 @@ class Faults(QObject):
         self._session.draft_changed.connect(self._event_end.start)
         self._session.refused.connect(self._refused)
         window.menuBar().triggered.connect(self._chosen)
-        self._in_thread.connect(self._say_of_thread)
+        self._in_thread.connect(self._report_from_thread)
         _install(self)
 
     # -- what the user does -------------------------------------------------------------------------------
@@ -91,7 +91,7 @@ class Faults(QObject):
     def hear(self, error: BaseException) -> None:
         """A fault in the window's own thread."""
         if not self._going_back:  # else it is said already
-            self._heard.append((self._view_of(error.__traceback__), short(error)))
+            self._failures.append((self._view_of(error.__traceback__), short(error)))
             self._event_end.start()
         self.log.write(error, self._state())
 
@@ -100,8 +100,8 @@ class Faults(QObject):
         self.log.write(error, f"In the thread {thread}")
         self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). Help > Log tells more.")
 
-    def _say_of_thread(self, _: object, sentence: str) -> None:
-        self._say(sentence)
+    def _report_from_thread(self, _: object, sentence: str) -> None:
+        self._report(sentence)
 
     def _view_of(self, trace: TracebackType | None) -> str:
         """The title of the innermost view that a traceback goes through; empty where there is none."""
@@ -132,19 +132,19 @@ class Faults(QObject):
 
     def _settle(self) -> None:
         """The event has ended: what it brought is good, or is taken back."""
-        heard, self._heard = self._heard, []
+        failures, self._failures = self._failures, []
         action, self._action = self._action, ""
-        if heard:
+        if failures:
             self._going_back = True
             try:
                 step, again = self._go_back()
             finally:
                 self._going_back = False
                 self._good = self._place()  # also where going back failed: it is not tried again
-            sentence = _sentence(heard, step or action, again)
+            sentence = _sentence(failures, step or action, again)
             if step:
                 self.log.add(sentence)
-            self._say(sentence)
+            self._report(sentence)
         else:
             self._good = self._place()
 
@@ -163,7 +163,7 @@ class Faults(QObject):
         session.end_gesture()
         return step, again
 
-    def _say(self, sentence: str) -> None:
+    def _report(self, sentence: str) -> None:
         """In the dialog in front, where there is one, and in the status line."""
         front = QApplication.activeModalWidget() or QApplication.activeWindow()
         if isinstance(front, QDialog) and front.layout() is not None:
@@ -172,19 +172,19 @@ class Faults(QObject):
                 note = Note()
                 note.setObjectName("fault")
                 front.layout().addWidget(note)
-            note.tell(sentence)
-        self._window.status.tell_fault(sentence)
+            note.show_message(sentence)
+        self._window.status.show_fault(sentence)
         log_view = self._window.view("log")
         if log_view is not None:
             log_view.invalidate()
-        self.told.emit(sentence)
+        self.status_message.emit(sentence)
 
 
-def _sentence(heard: list[tuple[str, str]], action: str, again: str) -> str:
+def _sentence(failures: list[tuple[str, str]], action: str, again: str) -> str:
     """What failed, where, why, and what has become of the design."""
-    view, why = heard[0]
+    view, why = failures[0]
     what = f"{action} failed in {view}" if action and view else f"{action or view or 'The window'} failed"
-    more = f", and {len(heard) - 1} more" if len(heard) > 1 else ""
+    more = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
     end = f"; {again} makes the change again" if again else ""
     return f"{what} ({why}{more}). The design is as it was before{end}. Help > Log tells more."
 
@@ -196,11 +196,11 @@ def _install(faults: Faults) -> None:
     """Lead Python's three hooks to a window, as long as it lives, and on to those that were there before."""
     window = ref(faults)
 
-    def lead(error: BaseException | None, said: Callable[[Faults, BaseException], None]) -> None:
+    def lead(error: BaseException | None, report: Callable[[Faults, BaseException], None]) -> None:
         listener = window()
         quiet = error is None or isinstance(error, KeyboardInterrupt | SystemExit)
         if listener is not None and isValid(listener) and not quiet:
-            said(listener, error)
+            report(listener, error)
 
     def uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         before[0](kind, error, trace)

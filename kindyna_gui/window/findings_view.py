@@ -16,7 +16,7 @@ from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import QUIET, coloured, sign
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °", number=True))
 
@@ -27,7 +27,7 @@ class FindingsView(View):
     field_wanted   (path): the reader wants to see this field
     """
 
-    stages = READS["findings"]
+    stages = STAGES_OF_VIEWS["findings"]
     pause_ms = 150
     field_wanted = Signal(str)
 

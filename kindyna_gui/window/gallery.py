@@ -87,12 +87,12 @@ def layouts() -> list[Choice]:
 
 def presets() -> list[Choice]:
     """The linkages among the examples."""
-    found = []
+    choices = []
     for name, path in examples():
         design = load(path)
         if lists_links(design):
-            found.append(Choice(name, design.name, partial(_loaded, path)))
-    return found
+            choices.append(Choice(name, design.name, partial(_loaded, path)))
+    return choices
 
 
 def _loaded(path: Path) -> Design:
@@ -197,11 +197,11 @@ class Gallery(QDialog):
         self.layouts, self.presets = Pictures(above, laid.thumb), Pictures(below, laid.thumb)
         self.chosen: Choice | None = None
         self.resize(laid.size.boundedTo(room))
-        told = QLabel(
+        hint = QLabel(
             "The design begins with the lengths of the picture; it has no file until it is saved. "
             "Undo brings the design before back."
         )
-        coloured(told, QUIET)
+        coloured(hint, QUIET)
         self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
         self.ok = self.buttons.button(QDialogButtonBox.StandardButton.Ok)
         self.ok.setText("Begin")
@@ -215,7 +215,7 @@ class Gallery(QDialog):
             column.addWidget(pictures, rows)
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())
-        column.addWidget(told)
+        column.addWidget(hint)
         column.addWidget(self.buttons)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint)

@@ -12,7 +12,7 @@ from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.view import View
 from kindyna_gui.window.fault_log import log_file, log_text
 from kindyna_gui.window.player import Player
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 EMPTY = "Nothing has failed. What fails is written here with the time, what was done before, and the place in the program."
 
@@ -20,7 +20,7 @@ EMPTY = "Nothing has failed. What fails is written here with the time, what was 
 class LogView(View):
     """The text of the log, the newest entry in sight."""
 
-    stages = READS["log"]
+    stages = STAGES_OF_VIEWS["log"]
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -98,7 +98,7 @@ class MainWindow(QMainWindow):
 
     def _make(self, name: str) -> View:
         view = VIEWS[name].make(self.session, self.player)
-        view.told.connect(lambda text: self.status.tell(text))
+        view.status_message.connect(lambda text: self.status.show_message(text))
         if hasattr(view, "abilities_changed"):
             view.abilities_changed.connect(self._enable_segment_edits)
         if hasattr(view, "field_wanted"):
@@ -120,12 +120,12 @@ class MainWindow(QMainWindow):
         session.file_changed.connect(self._front_dock)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
-        session.refused.connect(self._tell_refusal)
-        self.documents.told.connect(self.status.tell)
-        self.exports.told.connect(self.status.tell)
-        self.disk.told.connect(self.status.tell)
-        self.recovery.told.connect(self.status.tell)
-        self.designing.told.connect(self.status.tell)
+        session.refused.connect(self._show_refusal)
+        self.documents.status_message.connect(self.status.show_message)
+        self.exports.status_message.connect(self.status.show_message)
+        self.disk.status_message.connect(self.status.show_message)
+        self.recovery.status_message.connect(self.status.show_message)
+        self.designing.status_message.connect(self.status.show_message)
         self.exports.layers = self._layers
         player.playing_changed.connect(self.actions_by_key["play"].setChecked)
         player.forward_changed.connect(lambda forward: self.actions_by_key["reverse"].setChecked(not forward))
@@ -213,8 +213,8 @@ class MainWindow(QMainWindow):
         except KindynaError:
             self.player.set_ranges(())  # it stands nowhere, which the views tell
 
-    def _tell_refusal(self, refusal: Refusal) -> None:
-        self.status.refuse(f"{refusal.told[0][1]}: {refusal.told[0][2]}")
+    def _show_refusal(self, refusal: Refusal) -> None:
+        self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")
 
     def _steps_changed(self, *_: object) -> None:
         self.titles.name_steps()

@@ -96,8 +96,8 @@ class Player(QObject):
 
     def advance(self, seconds: float) -> None:
         """Move on by a time, as a frame does."""
-        way = 1.0 if self.forward else -1.0
-        wanted = self.theta + way * self.speed * self.omega * seconds
+        direction = 1.0 if self.forward else -1.0
+        wanted = self.theta + direction * self.speed * self.omega * seconds
         self.set_theta(wanted)
         if self.ranges and abs((self.theta - wanted + pi) % TURN - pi) > TINY:  # at a dead centre it swings back
             self.set_forward(not self.forward)

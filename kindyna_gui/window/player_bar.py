@@ -25,7 +25,7 @@ from kindyna_gui.look import CHOSEN, LINE, PAPER, QUIET, icon
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.view import View
 from kindyna_gui.window.player import TURN, Player
-from kindyna_gui.window.player_keys import TOLD, obey, step_of
+from kindyna_gui.window.player_keys import KEYS_HELP, obey, step_of
 from kindyna_gui.window.player_speeds import Speed, speeds, usual
 
 FINE = 100  # steps of the slider in a degree
@@ -33,7 +33,7 @@ NEAR = 1e-9  # a join so near [rad] is where the cam stands
 JOIN_KEYS: Mapping[int, int] = MappingProxyType({Qt.Key.Key_PageUp: -1, Qt.Key.Key_PageDown: 1})
 
 
-def words(speed: Speed) -> str:
+def speed_text(speed: Speed) -> str:
     """Part of true time, and what a turn takes."""
     named = "true" if speed.part == 1 else f"{speed.part} \u00d7"
     return f"{named}, {digits(speed.seconds, 2)} s"
@@ -52,7 +52,7 @@ class AngleSlider(QAbstractSlider):
         self.setSingleStep(FINE)
         self.setPageStep(10 * FINE)
         self.setAccessibleName("Cam angle")
-        self.setToolTip(f"Cam angle; drag or click. {TOLD}")
+        self.setToolTip(f"Cam angle; drag or click. {KEYS_HELP}")
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self._joins: tuple[float, ...] = ()
@@ -205,7 +205,7 @@ class PlayerBar(View):
         self._joins = tuple(join.theta for join in study.program.joins)
         name = study.angle_name.capitalize()
         if self.angle.accessibleName() != name:
-            for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {TOLD}")):
+            for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {KEYS_HELP}")):
                 widget.setAccessibleName(name)
                 widget.setToolTip(tip)
         self.slider.show_joins(tuple(degrees(theta) for theta in self._joins))
@@ -213,7 +213,7 @@ class PlayerBar(View):
         if [self.speed.itemData(i) for i in range(self.speed.count())] != list(rows):
             self.speed.clear()
             for row in rows:
-                self.speed.addItem(words(row), row)
+                self.speed.addItem(speed_text(row), row)
             self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
         if not self._chosen:
             self.player.set_speed(float(usual(study.omega).part))
@@ -242,8 +242,8 @@ class PlayerBar(View):
         self.player.play(False)
         self.player.set_theta(radians(angle))
 
-    def _step(self, way: float) -> None:
-        self.player.step(way * (step_of(QApplication.keyboardModifiers()) or 1.0))
+    def _step(self, direction: float) -> None:
+        self.player.step(direction * (step_of(QApplication.keyboardModifiers()) or 1.0))
 
     def _choose_speed(self, index: int) -> None:
         self._chosen = True
@@ -253,10 +253,10 @@ class PlayerBar(View):
         """Another shaft turns at another speed."""
         self._chosen = False
 
-    def go_to_join(self, way: int) -> None:
+    def go_to_join(self, direction: int) -> None:
         """Go to the next join of segments, or with -1 to the one before."""
         here = self.player.theta
-        gaps = [(way * (theta - here)) % TURN for theta in self._joins]
+        gaps = [(direction * (theta - here)) % TURN for theta in self._joins]
         ahead = [gap if NEAR < gap < TURN - NEAR else inf for gap in gaps]
         if ahead and min(ahead) < inf:
             self.player.play(False)

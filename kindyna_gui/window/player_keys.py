@@ -11,7 +11,7 @@ from PySide6.QtGui import QKeyEvent
 from kindyna_gui.window.player import Player
 
 PLAY = Qt.Key.Key_Space
-WAYS: Mapping[int, float] = MappingProxyType({Qt.Key.Key_Left: -1.0, Qt.Key.Key_Right: 1.0})
+DIRECTIONS: Mapping[int, float] = MappingProxyType({Qt.Key.Key_Left: -1.0, Qt.Key.Key_Right: 1.0})
 DEGREES: Mapping[Qt.KeyboardModifier, float] = MappingProxyType(
     {
         Qt.KeyboardModifier.NoModifier: 1.0,
@@ -21,7 +21,7 @@ DEGREES: Mapping[Qt.KeyboardModifier, float] = MappingProxyType(
 )
 """Modifier -> degrees of a step by an arrow key."""
 
-TOLD = "Space plays and pauses; Left and Right step by 1°, with Shift by 0.1°, with Ctrl by 10°"
+KEYS_HELP = "Space plays and pauses; Left and Right step by 1°, with Shift by 0.1°, with Ctrl by 10°"
 
 
 def step_of(modifiers: Qt.KeyboardModifier) -> float:
@@ -32,12 +32,12 @@ def step_of(modifiers: Qt.KeyboardModifier) -> float:
 def obey(player: Player, event: QKeyEvent) -> bool:
     """Do what a key asks of the player; False where it asks nothing of it."""
     step = step_of(event.modifiers())
-    way = WAYS.get(event.key(), 0.0)
+    direction = DIRECTIONS.get(event.key(), 0.0)
     if event.key() == PLAY and step == 1.0:
         if not event.isAutoRepeat():
             player.play(not player.playing)
-    elif way and step:
-        player.step(way * step)
+    elif direction and step:
+        player.step(direction * step)
     else:
         return False
     event.accept()

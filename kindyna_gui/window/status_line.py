@@ -57,16 +57,16 @@ class StatusLine(QStatusBar):
         self._file_changed()
         self._angle_changed(player.theta)
 
-    def tell(self, text: str) -> None:
+    def show_message(self, text: str) -> None:
         """Say what has been done, for a while."""
         self.showMessage(text, STAY_MS)
 
     def refuse(self, text: str) -> None:
         """Say that an edit was refused, until it is mended or taken back, or for a while."""
         self._refusal = f"Refused: {text}"
-        self.tell(self._refusal)
+        self.show_message(self._refusal)
 
-    def tell_fault(self, text: str) -> None:
+    def show_fault(self, text: str) -> None:
         """Say that the program has failed, until something else is to be said; the way to the log stays."""
         self.faults.setToolTip(f"{text} Click to read the log.")
         self.faults.show()
@@ -111,6 +111,6 @@ class StatusLine(QStatusBar):
 def counted(findings: Iterable[Finding]) -> tuple[str, str]:
     """``1 error, 2 warnings`` and the gravest severity; ``none`` where nothing is found."""
     numbers = Counter(f.severity for f in findings)
-    told = [f"{n} {s}{'s' if n > 1 else ''}" for s in (ERROR, WARNING, NOTE) if (n := numbers[s])]
+    counts = [f"{n} {s}{'s' if n > 1 else ''}" for s in (ERROR, WARNING, NOTE) if (n := numbers[s])]
     gravest = next((s for s in (ERROR, WARNING, NOTE) if numbers[s]), "none")
-    return ", ".join(told) or "no findings", gravest
+    return ", ".join(counts) or "no findings", gravest

@@ -74,18 +74,18 @@ def choose_layout(window: MainWindow, letter: str) -> None:
     """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it, say
     so: no field holds what was chosen here."""
     path, session = "follower.layout", window.session
-    told: list[str] = []
+    reasons: list[str] = []
 
     def listen(refusal: Refusal) -> None:
-        told.extend(refusal.at(path).splitlines())
+        reasons.extend(refusal.at(path).splitlines())
 
     session.refused.connect(listen)
     session.edit(path, letter, f"Change layout to {letter}")
     session.refused.disconnect(listen)
     session.end_gesture()
-    if told:
+    if reasons:
         session.withdraw(path)
-        dialogs.show_faults(window, f"Layout {letter} is not possible with these lengths.", told)
+        dialogs.show_faults(window, f"Layout {letter} is not possible with these lengths.", reasons)
 
 
 def fill_exports(window: MainWindow, menu: QMenu) -> None:

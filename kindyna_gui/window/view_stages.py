@@ -13,7 +13,7 @@ from core.study import STAGES
 
 NONE: tuple[str, ...] = ()
 
-READS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "mechanism": ("linkage", "cam"),
         "mechanism with forces": ("linkage", "cam", "dynamics"),

@@ -21,9 +21,9 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
 from kindyna_gui.blend.fields import NO_NUMBER, LiveBox
-from kindyna_gui.blend.first_request import first_asked
+from kindyna_gui.blend.first_request import first_request
 from kindyna_gui.blend.questions import GOAL_TEXTS, Questions
-from kindyna_gui.blend.request import Asked, constants, count_text, open_candidates, plan, ranged, shown_names
+from kindyna_gui.blend.request import WizardRequest, constants, count_text, open_candidates, plan, ranged, shown_names
 from kindyna_gui.blend.settings import curve_of
 from kindyna_gui.blend.texts import begin_of, range_text
 from kindyna_gui.blend.wizard import BlendDialog
@@ -172,19 +172,19 @@ def ask(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ask]:
 
 
 def test_a_motion_that_stands_still_is_asked_for_the_card_pickers_angles() -> None:
-    asked = first_asked(STANDING.drive.motion, 0)
+    asked = first_request(STANDING.drive.motion, 0)
     assert (asked.type, asked.stroke, asked.start, asked.end, asked.constant) == ("DRRD", 20.0, 30.0, 330.0, "none")
-    assert asked.request == Request("DRRD", 20.0, 30.0, 330.0, settings={})
+    assert asked.solver_request == Request("DRRD", 20.0, 30.0, 330.0, settings={})
 
 
 @pytest.mark.parametrize("name", ["card_picker", "card_picker_peak_250"])
 def test_a_blend_is_asked_for_as_it_is(name: str) -> None:
-    """Asked anew, the same curves come out."""
+    """WizardRequest anew, the same curves come out."""
     motion = load(example(name)).drive.motion
     for chosen in range(len(motion.segments)):
-        asked = first_asked(motion, chosen)
+        asked = first_request(motion, chosen)
         assert (asked.type, asked.constant, asked.sequence) == ("DRRD", "rise", "")
-        made = blend(asked.request).segments
+        made = blend(asked.solver_request).segments
         assert [s.curve for s in made] == [s.curve for s in motion.segments[1:-1]]
         for one, other in zip(made, motion.segments[1:-1], strict=True):
             assert one.span_deg == pytest.approx(other.span_deg, abs=1e-9)
@@ -208,31 +208,31 @@ def test_every_kind_of_blend_is_asked_for_as_it_is(
     made = blend(Request(kind, 20.0, *whole, constant, given, mirrored=mirrored))
     design = into_design(STANDING, made)
     first = next(i for i, s in enumerate(design.drive.motion.segments) if s in made.segments)
-    asked = first_asked(design.drive.motion, first)
+    asked = first_request(design.drive.motion, first)
     assert (asked.type, asked.constant, asked.start, asked.end) == (kind, constant, *whole)
-    again = blend(asked.request)
+    again = blend(asked.solver_request)
     assert again.curves == made.curves
     assert [s.span_deg for s in again.segments] == pytest.approx([s.span_deg for s in made.segments], abs=1e-6)
 
 
 def test_of_several_strokes_the_chosen_one_is_asked_for() -> None:
     motion = LIFT.drive.motion
-    rise = first_asked(motion, 3)
+    rise = first_request(motion, 3)
     assert (rise.type, rise.stroke, rise.start, rise.end) == ("DRD", 150.0, 283.5, 325.0)
     for chosen in (0, 1, 4):
-        fall = first_asked(motion, chosen)
+        fall = first_request(motion, chosen)
         assert (fall.type, fall.stroke, fall.start, fall.end) == ("DRD-return", 150.0, 35.0, 76.5)
     up_down_up = Motion(
         0.0,
         tuple(Segment(b, h, Named("cycloidal")) for b, h in ((90.0, 10.0), (90.0, -20.0), (180.0, 10.0))),
     )
-    asked = first_asked(up_down_up, 1)
+    asked = first_request(up_down_up, 1)
     assert (asked.type, asked.stroke, asked.start, asked.end) == ("DRD-return", 20.0, 90.0, 180.0)
     unequal = Motion(0.0, (*(Segment(90.0, h, Named("cycloidal")) for h in (20.0, -15.0)), Segment(180.0, -5.0)))
     unequal = replace(
         unequal, segments=(*unequal.segments[:2], Segment(90.0, 0.0), Segment(90.0, -5.0, Named("3-4-5")))
     )
-    asked = first_asked(unequal, 0)
+    asked = first_request(unequal, 0)
     assert (asked.type, asked.stroke, asked.return_stroke) == ("DRRD", 20.0, 15.0)
 
 
@@ -242,37 +242,40 @@ MORE = "tick one more, or optimise the rest"
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        (Asked(), "P1-P2 takes no setting; tick any for other curves"),
-        (Asked(constant="rise"), "C1-CV1-H2-P2 takes 2 settings, 0 given: tick two, or optimise the rest"),
-        (Asked(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 takes 2 settings, 1 given: " + MORE),
-        (Asked(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 takes 2 settings: given"),
-        (Asked(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 takes 3 settings, 2 given: " + MORE),
-        (Asked(constant="rise", given=tuple((n, 1.0) for n in ("h1", "h2", "h3", "h4"))), "4 settings given, 3 can be met: untick one"),
-        (Asked(constant="rise", given=(("length", 150.0),), goal="jerk"), "1 setting given; the rest is chosen for the least jerk"),
-        (Asked(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 takes 2 settings: given"),
+        (WizardRequest(), "P1-P2 takes no setting; tick any for other curves"),
+        (WizardRequest(constant="rise"), "C1-CV1-H2-P2 takes 2 settings, 0 given: tick two, or optimise the rest"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0),)), "C1-CV1-H2-P2 takes 2 settings, 1 given: " + MORE),
+        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h3", 1.0))), "C1-CV1-H2-P2 takes 2 settings: given"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0), ("h4", 1.0))), "C1-CV1-H2-H3-C4 takes 3 settings, 2 given: " + MORE),
+        (
+            WizardRequest(constant="rise", given=tuple((n, 1.0) for n in ("h1", "h2", "h3", "h4"))),
+            "4 settings given, 3 can be met: untick one",
+        ),
+        (WizardRequest(constant="rise", given=(("length", 150.0),), goal="jerk"), "1 setting given; the rest is chosen for the least jerk"),
+        (WizardRequest(constant="rise", given=(("h1", 1.0),), points=((90.0, 5.0),)), "C1-CV1-H2-P2 takes 2 settings: given"),
     ],
 )  # fmt: skip
-def test_how_many_settings_are_missing(asked: Asked, told: str) -> None:
+def test_how_many_settings_are_missing(asked: WizardRequest, told: str) -> None:
     assert count_text(asked) == told
 
 
 def test_settings_that_mean_nothing_are_not_asked_for() -> None:
     rise = ["h1", "h2", "h3", "vcv", "length", "acceleration", "point"]
-    assert shown_names(Asked("DRD", "rise")) == rise
-    assert shown_names(Asked("DRD-return", "return")) == rise, "a return alone counts from 1"
-    assert shown_names(Asked("DRD", "none")) == ["h1", "h3", "vcv", "acceleration", "point"]
-    assert "peak" in shown_names(Asked("DRRD", "rise"))
-    assert "h4" not in shown_names(Asked("DRRD", "rise", sequence="C1-CV1-H2-P2"))
-    assert shown_names(Asked("DRRD", "none", sequence="P1-P2")) == []
+    assert shown_names(WizardRequest("DRD", "rise")) == rise
+    assert shown_names(WizardRequest("DRD-return", "return")) == rise, "a return alone counts from 1"
+    assert shown_names(WizardRequest("DRD", "none")) == ["h1", "h3", "vcv", "acceleration", "point"]
+    assert "peak" in shown_names(WizardRequest("DRRD", "rise"))
+    assert "h4" not in shown_names(WizardRequest("DRRD", "rise", sequence="C1-CV1-H2-P2"))
+    assert shown_names(WizardRequest("DRRD", "none", sequence="P1-P2")) == []
     for kind in ("DRD", "DRD-return", "DRRD", "RRR"):
         for constant in constants(kind):
-            for row in open_candidates(Asked(kind, constant)):
-                names = shown_names(Asked(kind, constant, sequence=str(row.sequence), mirrored=row.family.mirrored))
+            for row in open_candidates(WizardRequest(kind, constant)):
+                names = shown_names(WizardRequest(kind, constant, sequence=str(row.sequence), mirrored=row.family.mirrored))
                 assert bool(names) == bool(row.freedom)
 
 
 def test_ranges_are_those_of_the_sequence_that_is_meant() -> None:
-    asked = Asked(constant="rise", given=(("h1", 1.0),))
+    asked = WizardRequest(constant="rise", given=(("h1", 1.0),))
     assert ranged(asked).sequence == "C1-CV1-H2-P2"
     assert ranged(replace(asked, given=(("h1", 1.0), ("h3", 1.0)))).sequence == ""
     target = plan(asked).target
@@ -293,7 +296,7 @@ def test_ranges_as_text() -> None:
 
 @pytest.mark.parametrize("name", ["h3", "vcv", "length", "peak", "acceleration"])
 def test_an_end_that_belongs_to_the_range_can_be_typed(name: str) -> None:
-    wish = Asked(constant="rise", given=(("h1", 1.3),), sequence="C1-CV1-H2-P2").request
+    wish = WizardRequest(constant="rise", given=(("h1", 1.3),), sequence="C1-CV1-H2-P2").solver_request
     ranges = feasible_ranges(wish, name)
     words = range_text(ranges, "x").split()
     reached = [words[i + (1 if words[i - 1] == "x" else -1)] for i, word in enumerate(words) if word in ("≤", "≥")]
@@ -427,9 +430,9 @@ def test_every_keystroke_is_answered(ask: Ask) -> None:
         seen.append(wizard.table[0][1])
     assert seen == ["2.0000", "2.0000", "2.5000"]
     assert box.typing, "without Enter"
-    asked = wizard.questions.asked()
+    asked = wizard.questions.request()
     assert asked.given == (("h1", 2.5), ("h3", 1.0))
-    expected = blend(asked.request)
+    expected = blend(asked.solver_request)
     assert [float(row[2]) for row in wizard.table] == pytest.approx([s.span_deg for s in expected.segments], abs=6e-5)
     QTest.keyClick(box, Qt.Key.Key_Escape)
     wizard.answered()
@@ -627,7 +630,7 @@ def test_settings_that_no_longer_mean_anything_are_dropped(ask: Ask) -> None:
     wizard.answered()
     assert not wizard.rows["peak"].used
     assert not wizard.rows["peak"].check.isVisible()
-    assert [name for name, _ in wizard.questions.asked().given] == ["h1", "h3"]
+    assert [name for name, _ in wizard.questions.request().given] == ["h1", "h3"]
     assert wizard.curves == "C1–CV1–C2"
 
 
@@ -678,7 +681,7 @@ def test_precision_points(ask: Ask) -> None:
     wizard.type(row.level, "8")
     wizard.answered()
     wait_until(lambda: row not in wizard.dialog._waiting)
-    assert row.range.text() == range_text(feasible_ranges(wizard.questions.asked().request, "point", 120.0), "level")
+    assert row.range.text() == range_text(feasible_ranges(wizard.questions.request().solver_request, "point", 120.0), "level")
     made = wizard.dialog.design
     assert made is not None
     study = Study(made, 360)
@@ -695,8 +698,8 @@ def test_precision_points(ask: Ask) -> None:
 
 def test_labels_have_the_unit_of_the_motion(app: QApplication) -> None:
     questions = Questions("deg")
-    questions.answer(Asked(constant="rise", given=(("h1", 1.0),), unit="deg"))
-    assert questions.asked() == Asked(constant="rise", given=(("h1", 1.0),), unit="deg")
+    questions.answer(WizardRequest(constant="rise", given=(("h1", 1.0),), unit="deg"))
+    assert questions.request() == WizardRequest(constant="rise", given=(("h1", 1.0),), unit="deg")
     assert questions.settings.rows["vcv"].unit.text() == "°/°"
     assert questions.settings.rows["length"].unit.text() == "°"
     questions.deleteLater()
@@ -705,13 +708,13 @@ def test_labels_have_the_unit_of_the_motion(app: QApplication) -> None:
 def test_answers_are_read_back_as_they_are_shown(app: QApplication) -> None:
     questions = Questions("mm")
     for asked in (
-        Asked("DRD", "rise", 12.0, 0.0, 10.0, 100.0, (("vcv", 0.2), ("h1", 1.5)), goal="jerk"),
-        Asked("DRRD", "both", 20.0, 0.0, 30.0, 330.0, (("h1", 1.0),), ((90.0, 5.0),), "C1-CV1-H2-H3-CV2-C4", True),
-        Asked("DRRD", "none", 20.0, 15.0, 0.0, 200.0),
-        Asked("DRD-return", "return", 20.0, 0.0, 0.0, 200.0, (("h3", 2.0),)),
+        WizardRequest("DRD", "rise", 12.0, 0.0, 10.0, 100.0, (("vcv", 0.2), ("h1", 1.5)), goal="jerk"),
+        WizardRequest("DRRD", "both", 20.0, 0.0, 30.0, 330.0, (("h1", 1.0),), ((90.0, 5.0),), "C1-CV1-H2-H3-CV2-C4", True),
+        WizardRequest("DRRD", "none", 20.0, 15.0, 0.0, 200.0),
+        WizardRequest("DRD-return", "return", 20.0, 0.0, 0.0, 200.0, (("h3", 2.0),)),
     ):
         questions.answer(asked)
-        assert questions.asked() == asked
+        assert questions.request() == asked
     questions.deleteLater()
 
 
@@ -724,7 +727,7 @@ def test_a_rise_takes_the_place_of_the_chosen_one(ask: Ask) -> None:
     assert dialog.places["here"].isChecked()
     assert not dialog.places["turn"].isEnabled(), "a rise alone is no whole motion"
     assert dialog.places["here"].text() == "283.5° … 325° only, the rest stays"
-    assert dialog.told.text() == "The rest of the motion stays."
+    assert dialog.message.text() == "The rest of the motion stays."
     motion = wizard.put()
     assert [s.curve.law for s in motion.segments] == ["dwell", "modified-sine", "dwell", "c5", "dwell"]
     assert motion.segments[:3] == LIFT.drive.motion.segments[:3]
@@ -738,7 +741,7 @@ def test_what_else_will_move_otherwise_is_told(ask: Ask) -> None:
     wizard.type(wizard.questions.stroke, "120")
     wizard.answered()
     told = "The rest stays, but segment 2, Modified sine, then rises by −120 mm to come back."
-    assert wizard.dialog.told.text() == told
+    assert wizard.dialog.message.text() == told
     assert [s.rise for s in wizard.put().segments] == [0.0, -120.0, 0.0, 120.0, 0.0]
 
 
@@ -748,7 +751,7 @@ def test_a_rise_into_a_standing_motion_comes_back(ask: Ask) -> None:
     wizard.type(wizard.questions.end, "120")
     wizard.answered()
     assert (
-        wizard.dialog.told.text()
+        wizard.dialog.message.text()
         == "Nothing else moves yet, so the same curves run backwards bring the follower back."
     )
     motion = wizard.put()
@@ -760,7 +763,7 @@ def test_a_segment_that_would_be_cut_is_told(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     wizard.type(wizard.questions.start, "60")
     wizard.answered()
-    assert "moves, and would be cut" in wizard.dialog.told.text()
+    assert "moves, and would be cut" in wizard.dialog.message.text()
     assert not wizard.can_put
     assert wizard.table, "the curves are shown all the same"
     wizard.type(wizard.questions.start, "250")
@@ -774,7 +777,7 @@ def test_a_motion_with_faults_is_not_put_in(ask: Ask) -> None:
     wizard.click(wizard.questions.kind.types["DRD-return"])
     wizard.answered()
     assert wizard.curves == "C6"
-    assert wizard.dialog.told.text() == "Segment 2, rise: c6 is a return"
+    assert wizard.dialog.message.text() == "Segment 2, rise: c6 is a return"
     assert not wizard.can_put
     wizard.click(wizard.questions.kind.types["DRD"])
     wizard.answered()
@@ -787,11 +790,11 @@ def test_the_whole_turn_or_only_a_part(ask: Ask) -> None:
     wizard.type(wizard.questions.start, "100")
     wizard.type(wizard.questions.end, "200")
     wizard.answered()
-    assert wizard.dialog.told.text() == "The rest of the motion stays."
+    assert wizard.dialog.message.text() == "The rest of the motion stays."
     assert wizard.dialog.design is not None
     assert len(wizard.dialog.design.drive.motion.segments) == 8
     wizard.click(wizard.dialog.places["turn"], QPoint(8, 8))
-    assert wizard.dialog.told.text() == "These curves and the dwells about them make the whole turn."
+    assert wizard.dialog.message.text() == "These curves and the dwells about them make the whole turn."
     assert [s.curve.law for s in wizard.put().segments] == ["dwell", "p1", "p2", "dwell"]
 
 
@@ -822,7 +825,7 @@ def test_a_motion_that_the_design_refuses_is_told(open_user: Open) -> None:
     assert wizard.can_put
     wizard.click(dialog.put_button)
     assert dialog.isVisible()
-    assert "Rod" in dialog.told.text()
+    assert "Rod" in dialog.message.text()
     assert user.design == before
     dialog.reject()
     settle()

@@ -73,7 +73,7 @@ def test_a_joint_stays_at_its_last_good_place_where_nothing_fits(user: User) -> 
     tells it, the last good design stays."""
     view = user.drawing()
     told: list[str] = []
-    user.session.refused.connect(lambda refusal: told.append(refusal.told[0][2]))
+    user.session.refused.connect(lambda refusal: told.append(refusal.reasons[0][2]))
     user.drag(place(user, "arm_pin"), (place(user, "pivot") + place(user, "slider_pin")) / 2.0)
     assert told
     assert "Refused" in user.window.status.currentMessage()

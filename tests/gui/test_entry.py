@@ -17,7 +17,7 @@ from core.design import TranslatingLoads, with_drive
 from core.project import save
 from core.study import Study
 from kindyna_gui import __main__ as entry
-from kindyna_gui.display import lacking, obstacle
+from kindyna_gui.display import missing_library, obstacle
 from kindyna_gui.places import default_design, example, examples, help_text, icon_file, resources
 
 PICTURES = {"mechanism.png", "mechanism.svg", "motion.png", "cam.png", "forces.png"}
@@ -255,8 +255,8 @@ def test_a_display_over_the_network_answers() -> None:
 
 
 def test_the_plugin_of_qt_is_only_tried_for_x() -> None:
-    assert lacking({"QT_QPA_PLATFORM": "offscreen"}) == ""
-    assert lacking({"WAYLAND_DISPLAY": "wayland-0"}) == ""
+    assert missing_library({"QT_QPA_PLATFORM": "offscreen"}) == ""
+    assert missing_library({"WAYLAND_DISPLAY": "wayland-0"}) == ""
 
 
 # -- places -----------------------------------------------------------------------------------------------

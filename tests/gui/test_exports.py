@@ -165,7 +165,7 @@ def test_frames_size_format_and_time_are_asked(user: User, tmp_path: Path, monke
         dialog.format.setCurrentIndex(dialog.format.findData(".webp"))
         dialog.size.setCurrentIndex(0)
         dialog.frames.setValue(36)
-        assert dialog.told.text() == "a frame every 10°, 12 frames per second"
+        assert dialog.summary.text() == "a frame every 10°, 12 frames per second"
         press(dialog, OK)
 
     with answering(act):

@@ -18,7 +18,7 @@ from kindyna_gui.pictures.plots.background import LEFT_WIDTH
 from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
 from kindyna_gui.pictures.plots.legend import CUT, Entry, cut, rows_of
 from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.plots.polar_title import BUTTON, EDGE, told_in
+from kindyna_gui.pictures.plots.polar_title import BUTTON, EDGE, title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
 from kindyna_gui.window.player import Player
@@ -62,10 +62,10 @@ def test_names_never_push_the_plot_out_of_sight(design: Design, slugs: tuple[str
 def test_two_names_that_do_not_fit_beside_each_other_stand_on_two_lines() -> None:
     plot = plot_of(LIFT, CURVATURE)
     _, wide = lay(plot, 420, 170)
-    assert plot.legend.told.split() == ["—", "Pitch", "curvature", "—", "Profile", "curvature"]
-    assert "\n" not in plot.legend.told
+    assert plot.legend.text.split() == ["—", "Pitch", "curvature", "—", "Profile", "curvature"]
+    assert "\n" not in plot.legend.text
     _, narrow = lay(plot, 260, 170)
-    assert plot.legend.told == "— Pitch curvature\n— Profile curvature"
+    assert plot.legend.text == "— Pitch curvature\n— Profile curvature"
     assert narrow.top() > wide.top() + 8.0
     assert narrow.bottom() == wide.bottom()
     _, again = lay(plot, 420, 170)
@@ -73,7 +73,7 @@ def test_two_names_that_do_not_fit_beside_each_other_stand_on_two_lines() -> Non
     study = Study(LIFT, samples=90)
     plot.set_curves(study, [channel(study.design, CURVATURE[0])])
     _, alone = lay(plot, 421, 170)
-    assert plot.legend.told == ""
+    assert plot.legend.text == ""
     assert alone.top() < wide.top() - 8.0, "no room is lost where nothing has a name"
 
 
@@ -81,12 +81,12 @@ def test_what_is_too_long_for_its_lines_is_cut() -> None:
     """Four names in a plot too low for more than two lines; a high one has room for all of them."""
     plot = plot_of(PUSHER, FORCES)
     lay(plot, 260, 120)
-    assert plot.legend.told.count("\n") == 1
-    assert plot.legend.told.count(CUT) >= 2
-    assert plot.legend.told.count("—") == len(FORCES), "each curve keeps its mark"
+    assert plot.legend.text.count("\n") == 1
+    assert plot.legend.text.count(CUT) >= 2
+    assert plot.legend.text.count("—") == len(FORCES), "each curve keeps its mark"
     lay(plot, 260, 400)
-    assert CUT not in plot.legend.told
-    assert plot.legend.told.count("\n") == 3
+    assert CUT not in plot.legend.text
+    assert plot.legend.text.count("\n") == 3
 
 
 def test_a_note_stands_behind_the_names_only_where_all_is_on_one_line() -> None:
@@ -95,7 +95,7 @@ def test_a_note_stands_behind_the_names_only_where_all_is_on_one_line() -> None:
     plot.show_lines([Line(rows, rows, "#0072B2", "one of them"), Line(rows, -rows, "#D55E00", "the other")], note="a note")
     for width, noted in ((600, True), (250, False)):
         names, curves = lay(plot, width, 220)
-        assert ("a note" in plot.legend.told) is noted
+        assert ("a note" in plot.legend.text) is noted
         assert names.center().x() == pytest.approx(curves.center().x(), abs=1.0)
         assert names.bottom() <= curves.top() + 4.0
 
@@ -114,7 +114,7 @@ def test_lines_are_filled_one_after_the_other() -> None:
 def test_names_of_a_polar_plot_leave_the_corner_free() -> None:
     names = [("Link 3, acceleration", "#111111"), ("Link 4, acceleration", "#222222")]
     for room in (30.0, 50.0, 200.0):
-        told = told_in(names, "m/s²", "#333333", len, room)
+        told = title_pieces(names, "m/s²", "#333333", len, room)
         assert sum(len(text) for text, _ in told) <= room
         assert [colour for _, colour in told] == ["#111111", "#222222", "#333333"]
         assert told[-1][0] == "m/s²"
@@ -135,7 +135,7 @@ def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView
         assert isinstance(plot, LivePlot)
         assert panel.close_button.isVisible()
         told = plot.legend.sceneBoundingRect().translated(plot.mapTo(panel, plot.rect().topLeft()))
-        assert plot.legend.told
+        assert plot.legend.text
         assert told.right() <= panel.close_button.geometry().left()
     names = [row.quantity for row in channels(narrow.session.design) if row.quantity.endswith("_velocity")]
     narrow.choice = Choice([names])

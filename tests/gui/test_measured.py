@@ -78,7 +78,7 @@ def pick(box: QComboBox, text: str) -> None:
 
 
 def found(dialog: MeasuredDialog) -> list[tuple[str, ...]]:
-    return [row.cells for row in dialog.found.rows.rows]
+    return [row.cells for row in dialog.entries.rows.rows]
 
 
 def shown(dialog: MeasuredDialog) -> dict[str, str]:
@@ -194,7 +194,7 @@ def test_an_error_that_cannot_be_is_told_and_the_last_curve_stays(
     last = dialog.rows_plot.line.getData()[1]
     enter(lift, dialog.error, text)
     assert dialog.error.refused
-    assert words in dialog.told.text()
+    assert words in dialog.message.text()
     assert dialog.rows_plot.line.getData()[1] is last
     assert dialog.put_button.isEnabled() == (text != "99"), "what stands there is not what would be put"
     enter(lift, dialog.error, "0.1")
@@ -259,7 +259,7 @@ def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Impo
     pick(dialog.form.boxes["delimiter"], "Semicolon")
     assert dialog.answer.fit is None
     assert not dialog.put_button.isEnabled()
-    assert "No row holds two numbers" in dialog.told.text()
+    assert "No row holds two numbers" in dialog.message.text()
     pick(dialog.form.boxes["delimiter"], "Comma")
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.stroke == stroke
@@ -267,7 +267,7 @@ def test_another_delimiter_can_be_tried_and_taken_back(lift: User, imports: Impo
 
 def test_a_table_of_a_follower_that_swings_needs_a_unit(lift: User, imports: Import) -> None:
     dialog = imports(table("cam_angle_deg,arm_angle_deg"))
-    assert "the follower slides: lengths are wanted" in dialog.told.text()
+    assert "the follower slides: lengths are wanted" in dialog.message.text()
     pick(dialog.form.boxes["value_unit"], "cm")
     assert dialog.answer.fit is not None
     assert dialog.answer.fit.stroke == pytest.approx(1500.0, abs=5.0)
@@ -283,7 +283,7 @@ def test_wrong_rows_are_listed_by_line_and_the_mended_file_is_read_again(
     dialog = imports(wrong)
     assert [cells[0] for cells in found(dialog)] == ["12", "22"]
     assert found(dialog)[0][1].startswith("'2O' in column 1 (cam_angle_deg): wanted: a number")
-    assert dialog.told.text().startswith("2 rows are wrong")
+    assert dialog.message.text().startswith("2 rows are wrong")
     assert not dialog.put_button.isEnabled()
     assert dialog.rows_plot.line.getData()[0] is None or not len(dialog.rows_plot.line.getData()[0])
     (tmp_path / "lift.csv").write_text(table())
@@ -305,8 +305,8 @@ def test_a_typing_error_is_listed_and_a_click_shows_where(lift: User, imports: I
     assert told.endswith("mm off the curve, left out")
     assert dialog.rows_plot.bad.getData()[0] == pytest.approx([60.0])
     assert not dialog.rows_plot.cursor.isVisible()
-    at = dialog.found.visualRect(dialog.found.rows.index(0, 1)).center()
-    QTest.mouseClick(dialog.found.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    at = dialog.entries.visualRect(dialog.entries.rows.index(0, 1)).center()
+    QTest.mouseClick(dialog.entries.viewport(), Qt.MouseButton.LeftButton, pos=at)
     for plot in (dialog.rows_plot, dialog.residual_plot):
         assert plot.cursor.isVisible()
         assert plot.cursor.value() == 60.0
@@ -334,7 +334,7 @@ def test_rows_that_contradict_each_other_are_shown_but_not_put(lift: User, impor
     values = LIFT + np.where((ANGLES > 100.0) & (ANGLES < 220.0), 4.0, 0.0)
     dialog = imports(table(values=values))
     enter(lift, dialog.error, "0.05")
-    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.told.text()
+    assert "they contradict each other, and nothing tells which of them are wrong" in dialog.message.text()
     assert not dialog.put_button.isEnabled()
     assert not dialog.error.refused
     marked = dialog.rows_plot.bad.getData()[0]
@@ -355,7 +355,7 @@ def test_a_motion_that_the_mechanism_cannot_follow_is_refused_and_the_dialog_sta
     click(dialog.put_button)
     assert dialog.isVisible()
     assert lift.design is before
-    assert "cam angle" in dialog.told.text()
+    assert "cam angle" in dialog.message.text()
     click(dialog.buttons.button(dialog.buttons.StandardButton.Cancel))
     assert lift.steps == []
 

@@ -19,7 +19,7 @@ from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.motion.diagram import numbered, rooms_beside
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.grips import LEVEL, LINE, POINT
-from kindyna_gui.motion.marks import marks, wordings
+from kindyna_gui.motion.marks import marks, variants
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, TO
 from kindyna_gui.pictures.plots.background import spans as spans_of
 from kindyna_gui.places import example
@@ -135,7 +135,7 @@ def test_marks_are_green_where_all_is_smooth_and_red_where_it_is_not() -> None:
     assert [mark.sized for mark in marks(joins[0], motion)] == ["", "207 mm/rad", "", ""]
     assert [mark.colour for mark in marks(joins[2], motion)] == [GOOD, GOOD, GOOD, QUIET]
     assert [mark.letter for mark in marks(joins[4], motion)] == list("svaj")
-    told = ["".join(text for text, _ in words).replace("\u00a0", " ") for words in wordings(marks(joins[0], motion))]
+    told = ["".join(text for text, _ in words).replace("\u00a0", " ") for words in variants(marks(joins[0], motion))]
     assert told == ["sΔv 207 mm/radaj", "sΔv 207 mm/radaj", "sΔv 207aj", "sΔv 207aj", "sΔvaj"]
 
 

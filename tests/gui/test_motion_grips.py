@@ -98,10 +98,10 @@ def test_cam_angle_0_stays() -> None:
 
 def test_shift_keeps_to_the_direction_that_is_meant_more() -> None:
     hand = pull(POINT, 2)
-    assert hand.move(10.0, 6.0, one_way=True) == (86.5, None)
-    assert hand.move(0.0, 20.0, one_way=True) == (None, -26.0)
+    assert hand.move(10.0, 6.0, one_direction=True) == (86.5, None)
+    assert hand.move(0.0, 20.0, one_direction=True) == (None, -26.0)
     assert hand.move(0.0, 0.0) == (86.5, -26.0)
-    assert pull(POINT, 0).move(40.0, 10.0, one_way=True) == (None, 140.0)
+    assert pull(POINT, 0).move(40.0, 10.0, one_direction=True) == (None, 140.0)
 
 
 def test_ctrl_is_ten_times_finer() -> None:

@@ -16,7 +16,7 @@ from core.project import load
 from kindyna_gui.labels import law_label, name_of
 from kindyna_gui.motion.fields import EndField, OptionalBox
 from kindyna_gui.motion.law_box import LawBox
-from kindyna_gui.motion.law_list import OWN, found, groups, law_tip, peaks_text, short_label
+from kindyna_gui.motion.law_list import OWN, groups, law_tip, matching, peaks_text, short_label
 from kindyna_gui.motion.law_picker import LawPicker
 from kindyna_gui.motion.points import PointsTable
 from kindyna_gui.motion.segments_model import LAW
@@ -85,11 +85,11 @@ def test_peaks_read_as_in_the_books() -> None:
 
 
 def test_laws_are_found_by_words_of_name_and_group() -> None:
-    assert [s for slugs in found("3-4-5").values() for s in slugs] == ["3-4-5"]
-    assert set(found("blending return")) == {"Elementary curves for blending: return"}
-    assert [s for slugs in found("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
-    assert found("wobble") == {}
-    assert found("  ") == groups()
+    assert [s for slugs in matching("3-4-5").values() for s in slugs] == ["3-4-5"]
+    assert set(matching("blending return")) == {"Elementary curves for blending: return"}
+    assert [s for slugs in matching("CYCL return").values() for s in slugs] == ["c3", "c4", "c6"]
+    assert matching("wobble") == {}
+    assert matching("  ") == groups()
 
 
 def test_a_tip_says_where_a_law_would_jump() -> None:
@@ -189,7 +189,7 @@ def test_a_law_is_picked_by_arrows(user: User) -> None:
 def test_a_law_is_found_by_typing(user: User) -> None:
     """The first letter opens the picker, the next ones narrow it down."""
     shown = picker(user, key=Qt.Key.Key_F)
-    assert shown.words.text() == "f"
+    assert shown.filter.text() == "f"
     user.type("reud")
     assert [cell.slug for cell in shown.grid.cells] == ["freudenstein-1-3", "freudenstein-1-3-5"]
     user.press(Qt.Key.Key_Right, Qt.Key.Key_Return)

@@ -14,7 +14,7 @@ from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
 from kindyna_gui.window.player import Player
-from kindyna_gui.window.player_bar import PlayerBar, words
+from kindyna_gui.window.player_bar import PlayerBar, speed_text
 from kindyna_gui.window.player_keys import PLAY, step_of
 from kindyna_gui.window.player_speeds import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, speeds, usual
 
@@ -180,7 +180,7 @@ def test_a_turn_can_be_watched_at_first(rpm: float) -> None:
 
 def test_the_speeds_say_what_a_turn_takes(bar: PlayerBar) -> None:
     told = [bar.speed.itemText(i) for i in range(bar.speed.count())]
-    assert told == [words(row) for row in speeds(bar.session.study.omega)]
+    assert told == [speed_text(row) for row in speeds(bar.session.study.omega)]
     assert bar.speed.currentText() == "true, 3.0 s"
     assert "1/2 ×, 6.0 s" in told
     assert "5 ×, 0.60 s" in told

@@ -174,11 +174,11 @@ def test_curves_of_one_family_are_told_apart_and_named() -> None:
     plot = plot_of(PUSHER, "bearing_x_n", "bearing_y_n", "contact_force_n")
     pens = {curve.pen().color().name() for curve in curves(plot)}
     assert len(pens) == 3
-    text = plot.legend.told
+    text = plot.legend.text
     assert all(name in text for name in ("Camshaft bearing, x", "Camshaft bearing, y", "Contact force"))
     assert title(plot) == "Force, N"
     plot.set_curves(Study(PUSHER, SAMPLES), [channel(PUSHER, "contact_force_n")])
-    assert plot.legend.told == ""
+    assert plot.legend.text == ""
 
 
 def test_the_reference_is_dashed_and_in_the_same_unit() -> None:

@@ -223,7 +223,7 @@ def act(view: PlotView, text: str) -> None:
 def test_the_numbers_are_those_of_the_core(show: Show, tmp_path: Path, picks: Callable[..., list[Path]]) -> None:
     view = show("pressure_angle")
     told: list[str] = []
-    view.told.connect(told.append)
+    view.status_message.connect(told.append)
     suggested = picks("table_to_save", tmp_path / "p.csv")
     act(view, "Export numbers...")
     text = (tmp_path / "p.csv").read_text()
@@ -261,7 +261,7 @@ def test_the_picture_is_the_plot_on_paper(
 def test_a_cancelled_dialog_writes_nothing(show: Show, tmp_path: Path, picks: Callable[..., list[Path]]) -> None:
     view = show("velocity")
     told: list[str] = []
-    view.told.connect(told.append)
+    view.status_message.connect(told.append)
     picks("table_to_save", None)
     picks("picture_to_save", None)
     act(view, "Export numbers...")

@@ -19,7 +19,7 @@ from kindyna_gui.places import example
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
-from kindyna_gui.window.view_stages import READS
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
 NEEDS["dynamics"] = {*NEEDS["cam"], "dynamics"}
@@ -97,13 +97,13 @@ def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, 
 
 def test_the_table_is_what_the_views_say(user: User) -> None:
     for name, view in views(user).items():
-        wanted = stages_of(view.quantities) if name in PLOTS else READS.get(name, ())  # type: ignore[attr-defined]
+        wanted = stages_of(view.quantities) if name in PLOTS else STAGES_OF_VIEWS.get(name, ())  # type: ignore[attr-defined]
         if name == "graph":
             wanted = ("motion",)
         assert view.stages == wanted, name
-    assert user.window.bar.stages == READS["player"]
-    assert set(VIEWS) <= {*READS, *PLOTS, "graph"}
-    assert set().union(*READS.values()) <= set(STAGES)
+    assert user.window.bar.stages == STAGES_OF_VIEWS["player"]
+    assert set(VIEWS) <= {*STAGES_OF_VIEWS, *PLOTS, "graph"}
+    assert set().union(*STAGES_OF_VIEWS.values()) <= set(STAGES)
 
 
 def opened_alone(user: User, name: str, design: Design) -> View:
@@ -170,9 +170,9 @@ def test_forces_are_read_only_while_they_are_drawn(user: User) -> None:
     view = user.window.view("mechanism")
     assert isinstance(view, MechanismView)
     view.show_layer("forces", True)
-    assert view.stages == READS["mechanism with forces"]
+    assert view.stages == STAGES_OF_VIEWS["mechanism with forces"]
     view.show_layer("forces", False)
-    assert view.stages == READS["mechanism"]
+    assert view.stages == STAGES_OF_VIEWS["mechanism"]
 
 
 EDITS = {

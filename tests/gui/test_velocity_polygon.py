@@ -58,7 +58,7 @@ def test_vectors_are_drawn_head_to_tail_to_the_scale(name: str, open_user: Open)
     sheet = polygon(user).sheet
     for degrees in (20.0, 140.0, 250.0):
         study = user.turn(degrees)
-        drawn, (value, length) = sheet.vectors(), sheet.scale_told
+        drawn, (value, length) = sheet.vectors(), sheet.velocity_scale
         per_mm_s = length / value
         pole = sheet.frame_now.pole
         ends = {key: start + vector.conjugate() * 1e3 * per_mm_s for key, (start, vector) in drawn.items()}
@@ -105,10 +105,10 @@ def test_in_a_dwell_nothing_moves_and_the_polygon_says_so(open_user: Open) -> No
     user = open_user(example("four_bar_coupler_cam"))
     sheet = polygon(user).sheet
     user.turn(10.0)
-    assert sheet.still
+    assert sheet.at_rest
     assert sheet.vectors() == {}
     user.turn(130.0)
-    assert not sheet.still
+    assert not sheet.at_rest
 
 
 def test_a_cam_has_its_velocities_in_the_mechanism(user: User) -> None:

@@ -156,8 +156,8 @@ class KennedyLines:
         kept = self.__dict__.setdefault("_lines", {})
         if triangle not in kept:
             kept[triangle] = line_of(self._table.centres, triangle)
-        found: np.ndarray = kept[triangle]
-        return found
+        lines: np.ndarray = kept[triangle]
+        return lines
 
 
 def coupler_curves(reading: Reading, theme: Theme) -> Iterator[Part]:

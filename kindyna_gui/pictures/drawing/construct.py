@@ -77,10 +77,10 @@ class Construct:
         if self.marks is None and self.kennedy is None:
             return
         plan = self._reading.study.centres.construction
-        found = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
+        known = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
         wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
         if self.marks is not None:
-            self.marks.only = found
+            self.marks.only = known
         if self.kennedy is not None:
             self.kennedy.emphasise(wanted if step is not None else None)
             self.kennedy.hidden = step == 0

@@ -15,7 +15,7 @@ GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels
 EDGE, PAD = 6.0, 1.5  # kept free along the picture's edge, and about a text, pixels
 PART, COVERS, LEAVES, FURTHER = 9.0, 8.0, 50.0, 0.4  # costs: covering a part, a text, leaving, each longer gap
 CLEAR, MOST_STEPS = 8.0, 40  # of an arrow at the edge from a text, and how often it goes so far inwards, pixels
-_WAYS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
+_DIRECTIONS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 
 
 class Room:
@@ -44,8 +44,8 @@ class Room:
             x, y = place.real * scale, -place.imag * scale
             if not any(abs(x - left) < wide + CLEAR and abs(y - top) < high + CLEAR for left, top, wide, high in self._boxes):
                 break
-            way = middle - place
-            place += way * min(1.0, CLEAR / max(abs(way) * scale, 1e-9))
+            offset = middle - place
+            place += offset * min(1.0, CLEAR / max(abs(offset) * scale, 1e-9))
         return place
 
     def dot(self, place: complex, radius: float) -> None:
@@ -61,24 +61,24 @@ class Room:
         near &= np.abs(self._y - 0.5 * (y.min() + y.max())) < self._radius + high + 0.5 * (y.max() - y.min())
         over = np.maximum(np.abs(x[:, None] - self._x[near]) - wide, 0.0) ** 2
         over += np.maximum(np.abs(y[:, None] - self._y[near]) - high, 0.0) ** 2
-        found = np.minimum((over < self._radius[near] ** 2) @ self._weight[near], PART)
+        occupied = np.minimum((over < self._radius[near] ** 2) @ self._weight[near], PART)
         if self._boxes:
             across, along, half_wide, half_high = np.array(self._boxes).T
             beside = np.abs(x[:, None] - across) >= wide + half_wide
             beside |= np.abs(y[:, None] - along) >= high + half_high
-            found += COVERS * (~beside).sum(axis=1)
+            occupied += COVERS * (~beside).sum(axis=1)
         left, top, right, low = self._sheet
         out = (x - wide < left) | (x + wide > right) | (y - high < top) | (y + high > low)
-        return np.asarray(found + LEAVES * out)
+        return np.asarray(occupied + LEAVES * out)
 
     def settle(self, tag: Tag, places: Sequence[complex], gaps: tuple[float, ...] = GAPS) -> None:
         """Put a text beside one of some places [mm], rather the first and rather near, where it covers least; far from
         it a thin line leads there."""
         width, height = tag.size
-        reach = np.repeat(gaps, _WAYS.size)
-        ways = np.tile(_WAYS, len(gaps))
-        shifts = ways.real * (reach + width / 2.0) - 1j * ways.imag * (reach + height / 2.0)
-        further = FURTHER * np.repeat(np.arange(len(gaps)), _WAYS.size)
+        reach = np.repeat(gaps, _DIRECTIONS.size)
+        directions = np.tile(_DIRECTIONS, len(gaps))
+        shifts = directions.real * (reach + width / 2.0) - 1j * directions.imag * (reach + height / 2.0)
+        further = FURTHER * np.repeat(np.arange(len(gaps)), _DIRECTIONS.size)
         best, least = (places[0], 0), np.inf
         for number, place in enumerate(places):
             cost = self.cost(place.conjugate() * self._sight.scale + shifts, width + 4.0, height) + further + FURTHER * number
@@ -91,6 +91,6 @@ class Room:
         shift = complex(shifts[side])
         tag.setPos(QPointF(place.real, place.imag))
         tag.shift(shift.real, shift.imag)
-        tag.lead(side >= _WAYS.size)
+        tag.lead(side >= _DIRECTIONS.size)
         middle = place.conjugate() * self._sight.scale + shift
         self._boxes.append((middle.real, middle.imag, width / 2.0 + 2.0, height / 2.0))

@@ -22,7 +22,7 @@ from kindyna_gui.pictures.drawing.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
 Z_LABEL = 12.0
-LOOKS = 8  # samples of the turn at which room is looked for
+SAMPLED = 8  # samples of the turn at which room is looked for
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
 SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
@@ -80,7 +80,7 @@ def _turn(reading: Reading, *bodies: str) -> np.ndarray | None:
 def names(reading: Reading) -> Iterator[Label]:
     """What is named: cam, roller, bodies, pins, instant centre."""
     unit = reading.unit
-    still = np.zeros(reading.samples, dtype=complex)
+    fixed = np.zeros(reading.samples, dtype=complex)
     if reading.face_radius:
         yield Label("roller", "roller", reading.reference, reading.face_radius, "roller")
     slides = {j.pair.body: j for j in reading.joints if j.pair.kind == SLIDING}
@@ -102,7 +102,7 @@ def names(reading: Reading) -> Iterator[Label]:
             yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage", None, turn)
     yield from _free_points(reading)
     if reading.profile.size:
-        yield Label("cam", "cam", still, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
+        yield Label("cam", "cam", fixed, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
         if np.isfinite(reading.centre).any():
             yield Label("centre", "Q", reading.centre, 1.6 * unit, "centre")
 
@@ -128,16 +128,16 @@ def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, fl
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
 
 
-def looks(reading: Reading) -> np.ndarray:
+def spread_samples(reading: Reading) -> np.ndarray:
     """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the ways of
     follower and instant centre."""
     n = reading.samples
     spread = np.full(n, 1.0 / n)
     for track in (reading.reference, reading.centre):
         finite = np.where(np.isfinite(track), track, 0.0)
-        way = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * reading.unit)
-        spread += way / (way.sum() or 1.0)
-    marks = np.floor(np.cumsum(spread) / spread.sum() * (LOOKS - 1e-9))
+        distance = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * reading.unit)
+        spread += distance / (distance.sum() or 1.0)
+    marks = np.floor(np.cumsum(spread) / spread.sum() * (SAMPLED - 1e-9))
     return np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
 
 
@@ -219,19 +219,19 @@ class Labels:
             return False
         self._reading = reading
         self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
-        for cached in ("_looks", "_ink"):
+        for cached in ("_samples", "_ink"):
             self.__dict__.pop(cached, None)
         for _, tag in self._rows:
             tag.setOpacity(1.0)
         return True
 
     @cached_property
-    def _looks(self) -> np.ndarray:
-        return looks(self._reading)
+    def _samples(self) -> np.ndarray:
+        return spread_samples(self._reading)
 
     @cached_property
     def _ink(self) -> Ink:
-        return ink(self._reading, self._looks, self._strokes)
+        return ink(self._reading, self._samples, self._strokes)
 
     def parts(self) -> Iterator[Part]:
         for label, tag in self._rows:
@@ -289,8 +289,8 @@ class Labels:
         taken: list[tuple[np.ndarray, float, float]] = []
         for label, tag in self._rows:
             half = complex(*tag.size) / 2
-            outwards = label.outwards(self._looks)
-            centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._looks][:, None]
+            outwards = label.outwards(self._samples)
+            centre = np.where(np.isfinite(label.track), label.track, 0.0)[self._samples][:, None]
             fixed, around = outwards[:, : SIDES.size], outwards[:, SIDES.size :]
             lean = np.hstack([_lean(fixed, half), _clear(around, half)])
             centre = centre + outwards * label.room + (outwards * label.gaps + lean) / scale

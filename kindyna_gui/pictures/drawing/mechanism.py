@@ -56,7 +56,7 @@ class MechanismScene(QGraphicsScene):
         self.theme = theme
         self.reading: Reading | None = None
         self.index = 0
-        self._told: float | None = None
+        self._angle: float | None = None
         self.parts: dict[str, Part] = {}
         self._closest = closest
         self._lines: list[Loop] = []
@@ -84,7 +84,7 @@ class MechanismScene(QGraphicsScene):
         before, self.reading = self.reading, reading
         if before is not None:
             self.index = round(self.index / before.samples * reading.samples) % reading.samples
-        self._told = None
+        self._angle = None
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         drew = bool(self._fields)
         self._drop_vectors()
@@ -177,7 +177,7 @@ class MechanismScene(QGraphicsScene):
         if self.construct is not None:
             self.construct.show_step(step)
         self._show()
-        self._move(self.index, self._told)
+        self._move(self.index, self._angle)
 
     def _make_room(self) -> None:
         """Labels keep clear of the vectors that are shown."""
@@ -210,7 +210,7 @@ class MechanismScene(QGraphicsScene):
             if self._look is not None:
                 self.look_at(*self._look)
         self._show()
-        self._move(self.index, self._told)
+        self._move(self.index, self._angle)
 
     def _show(self) -> None:
         for part in self.parts.values():
@@ -228,7 +228,7 @@ class MechanismScene(QGraphicsScene):
         """To a sample; angle: what is told in place of its own cam angle [deg]."""
         if self.reading is None or self.overlay is None:
             return
-        self.index, self._told = index % self.reading.samples, angle
+        self.index, self._angle = index % self.reading.samples, angle
         if self.construct is not None:
             self.construct.begin(self.index)
         for part in self.parts.values():
@@ -287,7 +287,7 @@ class MechanismScene(QGraphicsScene):
             if not self._labels.keep(sides, scale):
                 self._labels.arrange((low, low + complex(visible.width(), visible.height())), scale)
             self.overlay.lay(visible, scale)
-            self._move(self.index, self._told)
+            self._move(self.index, self._angle)
 
 
 __all__ = ["EVERY_LAYER", "FIELDS", "LAYERS", "LINKAGE_LAYERS", "Layer", "MechanismScene", "layers_of"]

@@ -155,14 +155,14 @@ class Overlay:
         """Where the corners are taken, in pixels of the whole scene, y downwards."""
         left, right = visible.left() * scale, visible.right() * scale
         top, low = -visible.bottom() * scale, -visible.top() * scale
-        found = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, TOP_STRIP)]
+        boxes = [QRectF(left, top, self._text.size[0] + 2.0 * MARGIN, TOP_STRIP)]
         if self.bar.isVisible():
-            found.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
+            boxes.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
         shown = sum(arrow.isVisible() for arrow in self.vectors.values())
         if shown:
             high = (1.0 + 1.5 * shown) * MARGIN
-            found.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
-        return found
+            boxes.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
+        return boxes
 
     def lay(self, visible: QRectF, scale: float) -> None:
         """visible: the picture's rectangle [mm]; scale: pixels per mm."""

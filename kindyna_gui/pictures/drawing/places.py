@@ -74,13 +74,13 @@ class Joint:
         return self.pair.on == FRAME
 
 
-def _still(n: int) -> Body:
+def _at_rest(n: int) -> Body:
     return Body(FRAME, np.zeros(n, dtype=complex), np.zeros(n), {})
 
 
 def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     body, n = bodies[pair.body], bodies[pair.body].z.size
-    on = bodies.get(pair.on) or _still(n)
+    on = bodies.get(pair.on) or _at_rest(n)
     if pair.kind == SLIDING and pair.on == f"link{pair.point}":  # the link that slides is the block, whichever is first
         turn = np.exp(1j * np.deg2rad(on.angle[0] - body.angle[0]))
         return _joint(name, Pair(SLIDING, pair.body, pair.on, pair.point, complex(pair.axis * turn)), bodies)

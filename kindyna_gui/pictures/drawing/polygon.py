@@ -22,7 +22,7 @@ HEAD, SPREAD = 9.0, 0.3  # of an arrow: its length, half its width by its length
 SHORTEST = 20.0  # a vector below this has no room for its name, pixels
 BAR = 90.0  # longest arrow of the scale, pixels
 FINER = 1.5  # from one scale to the next finer
-STILL = 1e-9  # of the largest velocity of the turn: what is slower does not move
+NO_MOTION = 1e-9  # of the largest velocity of the turn: what is slower does not move
 RARE = 3.0  # velocities beyond this many times the usual ones come only near dead centres: the scale is not made for them
 NOTHING = "Nothing moves at this angle."
 
@@ -126,9 +126,9 @@ class PolygonSheet(QWidget):
         self.update()
 
     @property
-    def still(self) -> bool:
+    def at_rest(self) -> bool:
         """Nothing moves."""
-        return max((abs(v) for v in self._corners.values()), default=0.0) <= STILL * self._largest
+        return max((abs(v) for v in self._corners.values()), default=0.0) <= NO_MOTION * self._largest
 
     @property
     def frame_now(self) -> Frame:
@@ -138,7 +138,7 @@ class PolygonSheet(QWidget):
         width, height = self.width(), self.height()
         turn = framed(low, high, width, height)
         x, y = ([f(v) for v in self._corners.values()] for f in (lambda v: v.real, lambda v: v.imag))
-        if not x or self.still:
+        if not x or self.at_rest:
             return turn
         own_low, own_high = complex(min(x), min(y)), complex(max(x), max(y))
         own = framed(own_low, own_high, width, height)
@@ -151,12 +151,12 @@ class PolygonSheet(QWidget):
     def vectors(self) -> dict[str, tuple[complex, complex]]:
         """What is drawn: ``V_BA`` -> where it starts [pixel, y downwards], the vector [m/s]; none where nothing moves."""
         frame = self.frame_now
-        if self.still:
+        if self.at_rest:
             return {}
         return {"_".join(vector_name(side)): (frame.at(start), vector) for side, start, vector in self._sides}
 
     @property
-    def scale_told(self) -> tuple[float, float]:
+    def velocity_scale(self) -> tuple[float, float]:
         """The velocity of the scale's arrow [mm/s] and its length [pixels]."""
         scale = self.frame_now.scale / 1e3
         value = nice_below(min(BAR, 0.4 * self.width()) / scale)
@@ -177,7 +177,7 @@ class PolygonSheet(QWidget):
         painter.setPen(QColor(theme.ink))
         painter.setFont(font(TEXT))
         painter.drawText(QPointF(10.0, 18.0), self._angle)
-        if self.still:
+        if self.at_rest:
             painter.setPen(QColor(theme.quiet))
             painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, NOTHING)
             return
@@ -231,7 +231,7 @@ class PolygonSheet(QWidget):
 
     def _scale(self, painter: QPainter) -> None:
         """An arrow of a round velocity, lower left."""
-        value, length = self.scale_told
+        value, length = self.velocity_scale
         y = self.height() - 0.5 * STRIP
         self._arrow(painter, ABSOLUTE, complex(10.0, y), complex(10.0 + length, y))
         painter.setPen(QColor(self._theme.ink))
@@ -239,9 +239,9 @@ class PolygonSheet(QWidget):
         painter.drawText(QPointF(18.0 + length, y + 4.0), f"{short(value)} mm/s")
 
 
-def _away(way: complex) -> complex:
+def _away(vector: complex) -> complex:
     """The direction of a velocity on the sheet, y downwards."""
-    return way.conjugate() / abs(way) if way else 1.0 + 0j
+    return vector.conjugate() / abs(vector) if vector else 1.0 + 0j
 
 
 def _dot(place: complex) -> QPointF:

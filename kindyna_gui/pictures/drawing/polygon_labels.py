@@ -37,15 +37,15 @@ class Text:
         """Middles where it may stand, the best first (m,)."""
         half = complex(self.width, self.height) / 2.0
         if self.kind == "corner":
-            ways = self.away * _SPREAD
-            return np.concatenate([self.anchor + _pushed(ways, half, gap) for gap in (5.0, 13.0)])
-        ways = self.away * np.array([1.0, -1.0])
-        return np.concatenate([self.anchor + part * self.along + _pushed(ways, half, 3.0) for part in _ALONG])
+            directions = self.away * _SPREAD
+            return np.concatenate([self.anchor + _pushed(directions, half, gap) for gap in (5.0, 13.0)])
+        directions = self.away * np.array([1.0, -1.0])
+        return np.concatenate([self.anchor + part * self.along + _pushed(directions, half, 3.0) for part in _ALONG])
 
 
-def _pushed(ways: np.ndarray, half: complex, gap: float) -> np.ndarray:
+def _pushed(directions: np.ndarray, half: complex, gap: float) -> np.ndarray:
     """Shifts in directions (m,) until a box of these halves is ``gap`` off a point."""
-    return ways * gap + np.clip(1.5 * ways.real, -1, 1) * half.real + 1j * np.clip(1.5 * ways.imag, -1, 1) * half.imag
+    return directions * gap + np.clip(1.5 * directions.real, -1, 1) * half.real + 1j * np.clip(1.5 * directions.imag, -1, 1) * half.imag
 
 
 class Placing:
@@ -82,10 +82,10 @@ class Placing:
 def _crossed(middles: np.ndarray, half: complex, start: complex, end: complex) -> np.ndarray:
     """Whether a stretch runs through boxes about ``middles`` (m,)."""
     low, high = np.zeros(middles.size), np.ones(middles.size)
-    way = end - start
+    vector = end - start
     for at, step, room, centre in (
-        (start.real, way.real, half.real, middles.real),
-        (start.imag, way.imag, half.imag, middles.imag),
+        (start.real, vector.real, half.real, middles.real),
+        (start.imag, vector.imag, half.imag, middles.imag),
     ):
         if abs(step) < 1e-9:
             low = np.where(np.abs(centre - at) < room, low, 2.0)

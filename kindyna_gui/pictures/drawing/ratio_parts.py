@@ -30,18 +30,18 @@ ALONG, GAPS = (0.5, 0.3, 0.7, 0.1, 0.9), (2.0, 10.0, 22.0, 38.0)  # where a leng
 Pairs = Callable[[CentreTable, str], Sequence[tuple[str, str]]]
 
 
-def told(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
+def ratio_text(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
     """One ratio in figures at a sample; speeds [rad/s] of both links. What does not turn is told by its velocity."""
     body, base = link_number(arms.body), link_number(arms.base)
     names = tuple(f"I{centre_name(key)}" for key in (arms.other, arms.own, arms.common))
     above, below = float(arms.base_arm[i]) * MM, float(arms.body_arm[i]) * MM
     ratio, far = float(arms.ratio[i]), (math.isinf(above), math.isinf(below))
     if far == (False, True):
-        told_by = f"ω{base} · {names[0]}{names[2]} = {_figure(base_speed)} rad/s × {_figure(above)} mm"
-        return f"v{body} = {told_by} = {_figure(abs(base_speed) * above)} mm/s"
+        formula = f"ω{base} · {names[0]}{names[2]} = {_figure(base_speed)} rad/s × {_figure(above)} mm"
+        return f"v{body} = {formula} = {_figure(abs(base_speed) * above)} mm/s"
     if far == (True, False):
-        told_by = f"v{base} / {names[1]}{names[2]} = {_figure(abs(body_speed * below))} mm/s / {_figure(abs(below))} mm"
-        return f"ω{body} = {told_by} = {_figure(body_speed)} rad/s"
+        formula = f"v{base} / {names[1]}{names[2]} = {_figure(abs(body_speed * below))} mm/s / {_figure(abs(below))} mm"
+        return f"ω{body} = {formula} = {_figure(body_speed)} rad/s"
     if math.isnan(ratio):
         return f"ω{body}/ω{base}: the centres coincide"
     if far == (True, True):
@@ -78,12 +78,12 @@ class _Dimension:
         path = QPainterPath()
         one, other = (start + off + t * (end - start) for t in part)
         _stroke(path, one, other)
-        for at, whole, way in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
+        for at, whole, direction in ((start, part[0] <= 0.0, along), (end, part[1] >= 1.0, -along)):
             if whole:
                 _stroke(path, at, at + off * (1.0 + TICK * pixel / abs(off)))
                 tip = at + off
                 for side in (0.35j, -0.35j):
-                    _stroke(path, tip, tip + HEAD * pixel * way * (1.0 + side))
+                    _stroke(path, tip, tip + HEAD * pixel * direction * (1.0 + side))
         self.line.redraw(path)
         self.tag.set_text(f"{self.name} {_figure(length)} mm")
         room.settle(self.tag, [one + t * (other - one) for t in ALONG], GAPS)
@@ -96,14 +96,14 @@ def _stroke(path: QPainterPath, start: complex, end: complex) -> None:
 
 def _seen(start: complex, end: complex, sight: Sight) -> tuple[float, float] | None:
     """The visible part of a stretch, from 0 at its start to 1 at its end; None where nothing of it is."""
-    way = end - start
-    if way == 0.0:
+    direction = end - start
+    if direction == 0.0:
         return None
-    normal = 1j * way
+    normal = 1j * direction
     ends = sight.across(np.array([normal.real, normal.imag, -(normal.conjugate() * start).real]))
     if ends is None:
         return None
-    low, high = sorted(((e - start) * way.conjugate()).real / abs(way) ** 2 for e in ends)
+    low, high = sorted(((e - start) * direction.conjugate()).real / abs(direction) ** 2 for e in ends)
     low, high = max(low, 0.0), min(high, 1.0)
     return (low, high) if low < high else None
 
@@ -153,16 +153,16 @@ class RatioDimensions:
         kept = self.__dict__.setdefault("_kept", {})
         if key not in kept:
             kept[key] = self._table.centres[key].far(self._table.size)
-        found: np.ndarray = kept[key]
-        return found
+        far: np.ndarray = kept[key]
+        return far
 
     @staticmethod
     def _along(places: Sequence[complex | None]) -> complex:
         """The direction of the line of the centres, the same side up whichever way it is gone along."""
         there = [p for p in places if p is not None]
-        way = max((b - a for a in there for b in there), key=abs)
-        way = way / abs(way)
-        return way if way.real > 0.0 or (way.real == 0.0 and way.imag > 0.0) else -way
+        direction = max((b - a for a in there for b in there), key=abs)
+        direction = direction / abs(direction)
+        return direction if direction.real > 0.0 or (direction.real == 0.0 and direction.imag > 0.0) else -direction
 
     # -- the list ---------------------------------------------------------------------------------------------
 
@@ -177,6 +177,6 @@ class RatioDimensions:
         seen, scale = self._sight.visible, self._sight.scale
         x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
         for number, (arms, _, tag) in enumerate(self.rows):
-            tag.set_text(told(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body))))
+            tag.set_text(ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body))))
             tag.setPos(QPointF(x / scale, -(y + LINE * number) / scale))
             room.take(QRectF(x, y + LINE * number, tag.size[0], LINE))

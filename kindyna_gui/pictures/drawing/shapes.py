@@ -184,9 +184,9 @@ def bearing(inner: float, outer: float) -> tuple[QPainterPath, QPainterPath, QPa
         if hole <= 0.0:
             lines.append((complex(-reach, c) * turn, complex(reach, c) * turn))
         else:
-            gone = math.sqrt(hole)
-            lines += [(complex(-reach, c) * turn, complex(-gone, c) * turn),
-                      (complex(gone, c) * turn, complex(reach, c) * turn)]  # fmt: skip
+            half_hole = math.sqrt(hole)
+            lines += [(complex(-reach, c) * turn, complex(-half_hole, c) * turn),
+                      (complex(half_hole, c) * turn, complex(reach, c) * turn)]  # fmt: skip
     shaft = joined(circle(inner), segments([(-outer * 1.5 + 0j, outer * 1.5 + 0j), (-1.5j * outer, 1.5j * outer)]))
     return bush, segments(lines), shaft
 

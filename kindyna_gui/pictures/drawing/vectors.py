@@ -14,7 +14,7 @@ from kindyna_gui.pictures.style import OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units
 Z_ARROW = 11.0
-STILL = 1e-9  # a vector below this part of the largest is no vector
+NO_VECTOR = 1e-9  # a vector below this part of the largest is no vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ def velocities(reading: Reading) -> Field:
         for point in reading.bodies[name].nodes:
             track = pose.point(point)
             place, speed = track[0] * MM, track[1] * reading.study.omega
-            if not any(np.abs(place - other).max() <= STILL * reading.unit for _, other, _ in rows):
+            if not any(np.abs(place - other).max() <= NO_VECTOR * reading.unit for _, other, _ in rows):
                 rows.append((f"{name}.{point}", place, speed))
     return _moving(Field("velocity", "m/s", tuple(rows)))
 
@@ -58,22 +58,22 @@ def velocities(reading: Reading) -> Field:
 def forces(reading: Reading) -> Field:
     """Forces of the pairs, as the tables of core name them, and of the cam on the follower."""
     try:
-        found = reading.study.dynamics
+        forces = reading.study.dynamics
         shape = reading.shape
     except NoAnswer:
         return Field("force", "N", ())
     places = {joint.name: joint.track for joint in reading.joints}
     centre = np.zeros(reading.samples, dtype=complex)
-    rows = [(name, places.get(name, centre), force) for name, force in found.pairs.items()]
+    rows = [(name, places.get(name, centre), force) for name, force in forces.pairs.items()]
     if shape is not None:
-        rows.append(("contact", reading.contact, -found.contact * shape.flank.normal))
+        rows.append(("contact", reading.contact, -forces.contact * shape.flank.normal))
     return _moving(Field("force", "N", tuple(rows)))
 
 
 def _moving(field: Field) -> Field:
     """Without the vectors that stay zero; infinite ones, which have no arrow, become zero."""
     rows = tuple((key, place, np.where(np.isfinite(v), v, 0.0)) for key, place, v in field.rows)
-    least = STILL * field.peak
+    least = NO_VECTOR * field.peak
     return Field(field.family, field.unit, tuple(row for row in rows if np.abs(row[2]).max(initial=0.0) > least))
 
 

@@ -46,9 +46,9 @@ def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list
 def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, str, str]]:
     """Value, in the channels' unit, words and short words of each limit; with the channel's name where there are
     several channels."""
-    found = [(row, limit_of(study, row.quantity)) for row in channels]
+    limits = [(row, limit_of(study, row.quantity)) for row in channels]
     made = []
-    for row, limit in found:
+    for row, limit in limits:
         if limit is not None:
             name = "" if len(channels) == 1 else f"{row.label}: "
             short = limit.words.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()

@@ -33,10 +33,10 @@ def needed(points: np.ndarray, tolerance: float) -> np.ndarray:
 
 def _near(points: np.ndarray, start: np.ndarray, end: np.ndarray, length: int, tolerance: float) -> np.ndarray:
     """Whether all points between start and end (b,), indices, stand near the straight line between the two (b,)."""
-    way = points[end] - points[start]
-    size = np.abs(way)[:, None]
+    chord = points[end] - points[start]
+    size = np.abs(chord)[:, None]
     inner = points[np.minimum(start[:, None] + np.arange(1, length), end[:, None])] - points[start, None]
-    turned = inner * way.conj()[:, None]  # along the line and beside it, times its length
+    turned = inner * chord.conj()[:, None]  # along the line and beside it, times its length
     room = tolerance * size
     near = (np.abs(turned.imag) <= room) & (turned.real >= -room) & (np.abs(inner) <= size + tolerance)
     return np.asarray(near.all(axis=1))

@@ -60,7 +60,7 @@ class FixedPlot(pg.PlotWidget):
         self._legend = Legend(plot, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._include(self._message)
-        self._words = ""
+        self._message_text = ""
         self._view.sigResized.connect(self._lay)
 
     def _include(self, item: QGraphicsItem, z: float | None = None) -> None:
@@ -94,7 +94,7 @@ class FixedPlot(pg.PlotWidget):
 
     def _name(self, entries: Sequence[Entry], note: str = "") -> None:
         """The legend above the curves; no room is lost where nothing has a name."""
-        self._legend.tell(entries, note)
+        self._legend.set_entries(entries, note)
         self._fit_legend()
 
     def _fit_legend(self) -> None:
@@ -123,7 +123,7 @@ class FixedPlot(pg.PlotWidget):
         self._paper.draw(bands, [at for at, _ in across], [at for at, _ in upwards], frame)
         self._axes["bottom"].show_ticks(across)
         self._axes["left"].show_ticks(upwards)
-        self._message.set_text(wrapped(self._words, frame.width - MESSAGE_EDGE, TEXT))
+        self._message.set_text(wrapped(self._message_text, frame.width - MESSAGE_EDGE, TEXT))
         self._message.setPos(0.5 * (frame.first + frame.last), 0.5 * (frame.low + frame.high))
 
     def _lay(self, *_: object) -> None:

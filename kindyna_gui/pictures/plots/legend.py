@@ -77,11 +77,11 @@ class Legend(QGraphicsTextItem):
         self.height = 0.0
 
     @property
-    def told(self) -> str:
+    def text(self) -> str:
         """What can be read."""
         return self.toPlainText()
 
-    def tell(self, entries: Sequence[Entry], note: str = "") -> None:
+    def set_entries(self, entries: Sequence[Entry], note: str = "") -> None:
         """note: behind the last name, where one line has room for all."""
         self._entries, self._note = tuple(entries), note
 

@@ -77,9 +77,9 @@ class LimitLine:
         for item, z in zip(self._items, (Z_LIMIT, Z_CURSOR + 1.0), strict=True):
             item.setZValue(z)
             view.addItem(item, ignoreBounds=True)
-        self.tell(value, text)
+        self.set_value(value, text)
 
-    def tell(self, value: float, text: str, short: str = "") -> None:
+    def set_value(self, value: float, text: str, short: str = "") -> None:
         """Stand at this value with this text, or with the short one where it would cover a curve."""
         self.value, self.text, self._short = value, text, short
         self._tag.set_text(text)

@@ -67,7 +67,7 @@ class CurvePlot(FixedPlot):
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
-        self._told: tuple[object, ...] = ()
+        self._drawn_marks: tuple[object, ...] = ()
         self._laid: tuple[object, ...] = ()
         self.rung = Rung("", 1.0, 0.0)
         self.show_message("")
@@ -92,12 +92,12 @@ class CurvePlot(FixedPlot):
         curves = read_curves(study, channels, self._theme)
         others = [] if reference is None else read_curves(reference, channels, self._theme)
         segments, limits = spans(motion_of(study.design)), limits_of(study, channels)
-        told = (tuple(segments), tuple(limits))
+        marks = (tuple(segments), tuple(limits))
         line = line_of(study)
-        if not others and told == self._told and line.alike(self._line) and drawn_alike(curves, self._curves):
+        if not others and marks == self._drawn_marks and line.alike(self._line) and drawn_alike(curves, self._curves):
             return
-        self._told = told if not others else ()
-        self._curves, self._spans, self._words, self._there = curves, segments, "", None
+        self._drawn_marks = marks if not others else ()
+        self._curves, self._spans, self._message_text, self._there = curves, segments, "", None
         self._line, self._theta = line, study.theta
         sides = [usual_range(curve.values) for curve in curves + others]
         self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
@@ -118,10 +118,10 @@ class CurvePlot(FixedPlot):
         self._readings = self._grown(self._readings, len(curves), lambda: Readout(self._view, self._theme))
         for reading, curve in zip(self._readings, curves, strict=True):
             reading.set_colour(curve.colour)
-        shown = [(value / size, *words) for value, *words in limits if low <= value / size <= high]
+        shown = [(value / size, *text) for value, *text in limits if low <= value / size <= high]
         self._limits = self._grown(self._limits, len(shown), lambda: LimitLine(self._view, self._theme))
-        for line, (value, words, brief) in zip(self._limits, shown, strict=True):
-            line.tell(value, words.format(with_unit(short(value, 4), self.rung.symbol)), brief)
+        for line, (value, text, brief) in zip(self._limits, shown, strict=True):
+            line.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
         self._name_curves(reference is not None)
         self._lay_out()
         if read:
@@ -137,10 +137,10 @@ class CurvePlot(FixedPlot):
         for pool in (self._drawn, self._readings, self._limits):
             self._grown(pool, 0, _nothing)
         self._drawn, self._readings, self._limits = [], [], []
-        self._curves, self._spans, self._told, self._there = [], [], (), None
+        self._curves, self._spans, self._drawn_marks, self._there = [], [], (), None
         self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
-        self._words = text
+        self._message_text = text
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
@@ -225,7 +225,7 @@ class CurvePlot(FixedPlot):
             limit.lay_clear(frame, self._drawn)
         if self._curves:
             self._axes["left"].show_title(self._title(frame.height), self._title_colour())
-        paper = (frame, tuple(self._spans), bool(self._curves), self._words)
+        paper = (frame, tuple(self._spans), bool(self._curves), self._message_text)
         if paper != self._laid:
             self._laid = paper
             self._lay_paper(frame)

@@ -177,21 +177,21 @@ class PolarPlot(QWidget):
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
         if not self._with_cursor:
-            self._paint_still(painter)
+            self._paint_background(painter)
         else:  # on the screen the cursor moves over what is kept as pixels
             if self._kept is None or self._kept.devicePixelRatio() != self.devicePixelRatioF():
                 self._kept = QPixmap(self.size() * self.devicePixelRatioF())
                 self._kept.setDevicePixelRatio(self.devicePixelRatioF())
-                still = QPainter(self._kept)
-                self._paint_still(still)
-                still.end()
+                pixels = QPainter(self._kept)
+                self._paint_background(pixels)
+                pixels.end()
             painter.drawPixmap(0, 0, self._kept)
             painter.setRenderHints(HINTS)
             if self._rows:
                 self._paint_cursor(painter)
         painter.end()
 
-    def _paint_still(self, painter: QPainter) -> None:
+    def _paint_background(self, painter: QPainter) -> None:
         """All but the cursor."""
         painter.setRenderHints(HINTS)
         painter.fillRect(self.rect(), QColor(self._theme.paper))

@@ -18,16 +18,16 @@ def paint_title(painter: QPainter, names: Sequence[tuple[str, str]], unit: str, 
     painter.setFont(font(TEXT))
     metrics = QFontMetricsF(font(TEXT))
     advance = metrics.horizontalAdvance
-    told = told_in(names, unit, ink, advance, width - EDGE - BUTTON)
-    long = sum(advance(text) for text, _ in told)
+    pieces = title_pieces(names, unit, ink, advance, width - EDGE - BUTTON)
+    long = sum(advance(text) for text, _ in pieces)
     x = max(EDGE, min((width - long) / 2.0, width - long - BUTTON))
-    for text, colour in told:
+    for text, colour in pieces:
         painter.setPen(QColor(colour))
         painter.drawText(QPointF(x, 6.0 + metrics.ascent()), text)
         x += advance(text)
 
 
-def told_in(
+def title_pieces(
     names: Sequence[tuple[str, str]], unit: str, ink: str, advance: Callable[[str], float], room: float
 ) -> list[tuple[str, str]]:
     """Texts and colours, one after the other; where they have no room [pixels], each name is cut to its share of it."""

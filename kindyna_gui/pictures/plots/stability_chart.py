@@ -150,9 +150,9 @@ class ChartPlot(FixedPlot):
     def _bottom(self, chart: Chart) -> QPainterPath:
         """What lies below the lowest edge, where everything is unstable."""
         path = QPainterPath()
-        found = chart.tongues.get(EXACT)
-        if found is not None and (found.bottom > 0.0).any():
-            q, edge = chart.q, found.bottom
+        exact = chart.tongues.get(EXACT)
+        if exact is not None and (exact.bottom > 0.0).any():
+            q, edge = chart.q, exact.bottom
             zero = np.full(q.size, 1e-9)
             polygon = np.concatenate((np.column_stack((edge, q)), np.column_stack((zero, q))[::-1]))
             self._add(path, polygon, closed=True)

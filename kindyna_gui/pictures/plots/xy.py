@@ -56,7 +56,7 @@ class XYPlot(FixedPlot):
 
     @property
     def message(self) -> str:
-        return self._words
+        return self._message_text
 
     def show_lines(
         self, lines: list[Line], marks: tuple[tuple[float, str], ...] = (), square: bool = False, note: str = ""
@@ -79,7 +79,7 @@ class XYPlot(FixedPlot):
             tag = Tag(text, self._theme.limit, self._theme, lean=(0.0, 0.0), backing=True)
             self._include(tag, 20.0)
             self._marks.append((line, tag, at))
-        self._words = ""
+        self._message_text = ""
         self._lay()
 
     def name_axes(self, across: str, upwards: str) -> None:
@@ -122,7 +122,7 @@ class XYPlot(FixedPlot):
         """Nothing but a text: what is missing, or what would fill this plot."""
         self._clear()
         self._name([])
-        self._words = text
+        self._message_text = text
         self._view.setRange(xRange=(0.0, 1.0), yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
