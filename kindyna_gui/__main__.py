@@ -35,7 +35,7 @@ WINDOW_PACKAGES = "libxcb-cursor0 libxcb-icccm4 libxcb-keysyms1 libxkbcommon-x11
 
 
 class _Parser(argparse.ArgumentParser):
-    """Says what is wrong with the words in one line."""
+    """Reports wrong arguments in one line."""
 
     def error(self, message: str) -> NoReturn:
         self.exit(NOTHING_DONE, f"{self.prog}: {message}; see {self.prog} --help\n")
@@ -56,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def paint(drawn: Drawn) -> Mapping[str, bytes]:
-    """The pictures of a study, a chart or another figure; none, and one line that says why, where Qt cannot be loaded."""
+    """The pictures of a study, a chart or another figure by file name; none, and a line on stderr, where Qt cannot be loaded."""
     try:
         with importing():
             from kindyna_gui.pictures.files import paint as painted
@@ -69,7 +69,7 @@ def paint(drawn: Drawn) -> Mapping[str, bytes]:
 
 
 def _with_qt(run: Run) -> Run:
-    """A command that does nothing, and says why in one line, where Qt cannot be loaded."""
+    """The command, run only where Qt can be loaded; else it prints the reason in one line and does nothing."""
 
     def guarded(arguments: argparse.Namespace, painter: Painter | None) -> int:
         try:
@@ -91,7 +91,7 @@ def missing(reason: str, packages: str = PACKAGES) -> str:
 
 
 def without_window(path: Path, why: str) -> int:
-    """The main job without a window: the report on the terminal, tables and pictures into ``out``."""
+    """What the program does where no window can be opened: the report on the terminal, tables and pictures into ``out``."""
     from core.findings import ERROR
     from core.output.export import files
     from core.output.report import report

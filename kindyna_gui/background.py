@@ -2,8 +2,8 @@
 
 What may take its time is not computed in the window's own thread, and what is no longer wanted not to its end.
 
-The other threads never touch an object of Qt: results wait in a queue that the window polls. Nor do they tidy up (see
-``tidying``).
+The other threads never touch an object of Qt: results wait in a queue that the window polls. Nor do they collect
+garbage (see ``gc_timer``).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Worker(Thread):
 class Background(QObject):
     """Jobs beside the window, of which only the last that were started count.
 
-    result   (key of the job, its result, the KindynaError, or Cancelled where ``cancel`` was called)
+    result   (key of the job; its result, the KindynaError it raised, or Cancelled after ``cancel``)
     """
 
     result = Signal(object, object)
@@ -65,11 +65,11 @@ class Background(QObject):
 
     @property
     def busy(self) -> bool:
-        """Results are still to come."""
+        """Whether results are outstanding."""
         return self._open > 0
 
     def start(self, jobs: Sequence[Job]) -> None:
-        """Give up what is being computed and compute these."""
+        """Cancel what is being computed and compute these."""
         self.stop()
         if not jobs:
             return
@@ -79,7 +79,7 @@ class Background(QObject):
         self._poll.start()
 
     def wait(self, seconds: float) -> bool:
-        """Stand still until all results are there, but no longer than so long; whether they are."""
+        """Block until all results are there, at most so many seconds; whether they are."""
         if self._worker is not None:
             self._worker.join(seconds)
             if not self._worker.is_alive():
@@ -92,7 +92,7 @@ class Background(QObject):
             self._worker.cancelled.set()
 
     def stop(self) -> None:
-        """Give up what is being computed."""
+        """Cancel what is being computed; no result of it is emitted."""
         if self._worker is not None:
             self._worker.cancelled.set()
         self._worker, self._open = None, 0

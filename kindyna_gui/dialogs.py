@@ -53,7 +53,7 @@ class OnRecovery(Enum):
 
 
 def design_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The design file to open, None where the user thinks better of it."""
+    """The design file to open, None where the user cancels."""
     name, _ = QFileDialog.getOpenFileName(parent, "Open design", str(folder), f"{DESIGNS};;All files (*)")
     return Path(name) if name else None
 

@@ -14,7 +14,7 @@ X_PORT = 6000
 def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.platform) -> str:
     """Why no window can be opened, in a few words; empty where one can be tried.
 
-    Qt ends the whole program where a display is named but does not answer, so it is asked here first.
+    Qt ends the whole program where a display is named but does not answer, so the display is tried here first.
     """
     env = os.environ if environment is None else environment
     if env.get("QT_QPA_PLATFORM") or not platform.startswith("linux"):
@@ -30,7 +30,7 @@ def obstacle(environment: Mapping[str, str] | None = None, platform: str = sys.p
 
 
 def missing_library(environment: Mapping[str, str] | None = None) -> str:
-    """What the machine lacks to show a window on X, as the loader says it; empty where it lacks nothing.
+    """The library that is missing to show a window on X, in the loader's words; empty where none is.
 
     Qt ends the whole program where it cannot load this plugin of its own. Raises ImportError without Qt.
     """

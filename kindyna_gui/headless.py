@@ -78,7 +78,7 @@ def never_shown() -> None:
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Leaves out what Qt says of windows that have no desktop; all else is told."""
+    """Leaves out what Qt prints about windows without a desktop; everything else is printed."""
     from PySide6.QtCore import qInstallMessageHandler
 
     def listen(kind: object, context: object, text: str) -> None:

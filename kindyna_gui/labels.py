@@ -1,4 +1,4 @@
-"""Words and numbers as the window shows them: names of fields, names of steps, the shortest text of a number."""
+"""Texts and numbers as the window shows them: names of fields, names of steps, the shortest text of a number."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def parsed(text: str, unit: Unit) -> float | None:
 
 
 def no_number(text: str) -> str:
-    """What to say of a text that is no number."""
+    """The message for a text that is no number."""
     point = ", with a decimal point and no comma," if "," in text else ","
     return f"a number is wanted{point} such as 12.5"
 
@@ -81,7 +81,7 @@ def choice_text(word: str) -> str:
 
 
 def choice_tip(word: str) -> str:
-    """What a word of a choice stands for; empty where it says so itself."""
+    """What a choice means; empty where its name is clear."""
     row = LAYOUT_TABLE.get(word)
     if row is None:
         return ""
@@ -197,7 +197,7 @@ def named(design: Design, text: str) -> str:
 
 
 def reason(design: Design, error: KindynaError) -> str:
-    """What an error says, its field by the name that the forms use."""
+    """The text of an error, with the field's name as in the forms."""
     field = getattr(error, "field", "")
     text = named(design, str(error).removeprefix(f"{field}: "))
     return f"{name_of(design, field)}: {text}" if field else sentence(text)

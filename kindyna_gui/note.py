@@ -1,4 +1,4 @@
-"""Lines of words that are there only where there is something to say."""
+"""Labels for messages, hidden while there is none."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from kindyna_gui.look import WRONG, coloured
 
 
 class MessageLabel(QLabel):
-    """A text that wraps, shown only where there is one."""
+    """A text that wraps; an empty one hides the label."""
 
     def __init__(self, colour: str) -> None:
         super().__init__(wordWrap=True)
@@ -26,7 +26,7 @@ class MessageLabel(QLabel):
 
 
 class Note(MessageLabel):
-    """The line below a picture that says what it does not show, and why; it never widens what it stands in."""
+    """The line below a picture that names what it does not show, and why; it never widens its parent."""
 
     def __init__(self, colour: str = WRONG, margin: int = 6) -> None:
         super().__init__(colour)

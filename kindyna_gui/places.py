@@ -37,7 +37,7 @@ def icon_file(name: str) -> str:
 
 
 def help_text(name: str) -> str:
-    """A page of the help (Markdown); says so where the page is missing."""
+    """A page of the help (Markdown); a sentence about it where the page is missing."""
     path = resources() / "help" / f"{name}.md"
     return path.read_text(encoding="utf-8") if path.is_file() else f"The page {name} is missing."
 

@@ -1,4 +1,4 @@
-"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, a sentence says so."""
+"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, NotHere carries a sentence for the user."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ NO_WHEEL = "A flywheel is sized for a shaft that a cam or a crank turns with; th
 
 
 class NotHere(KindynaError):
-    """The design has nothing that a view could show; the sentence says where to look instead."""
+    """The design has nothing that a view could show; the sentence names where to look instead."""
 
 
 def lists_links(design: Design) -> bool:

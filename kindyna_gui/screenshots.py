@@ -66,7 +66,7 @@ def dismiss(window: MainWindow) -> None:
 
 
 def rest(window: MainWindow, patience: float = PATIENCE) -> None:
-    """Let the window do all it wants to do, without its pauses; what is computed beside it may take ``patience`` [s]."""
+    """Let the window finish its pending work, without its pauses; what is computed beside it may take ``patience`` [s]."""
     late = time.monotonic() + patience
     for _ in range(ROUNDS):
         _catch_up(window)

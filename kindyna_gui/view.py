@@ -21,7 +21,7 @@ def in_sight(widget: QWidget) -> bool:
     """True where something of a widget can be seen.
 
     A dock tabbed behind another answers isVisible() all the same; it stands beyond the edge of its window. Nor does
-    visibleRegion() tell: it leaves out what the widget's own opaque children cover.
+    visibleRegion() help: it leaves out what the widget's own opaque children cover.
     """
     if not widget.isVisible():
         return False
@@ -54,12 +54,12 @@ class View(QWidget):
 
     Subclasses state ``stages``, the stages they read, and implement ``refresh`` (the design changed) and
     ``follow`` (the cam angle changed). Neither is called while the view is hidden or tabbed behind another: it then
-    only remembers that it is out of date. Where a stage has no answer the view says why in place of its content. Where it
-    fails itself it says so there, passes the exception on, and rests until it is tried again or another design begins.
+    only remembers that it is out of date. Where a stage has no answer the view shows why in place of its content. Where it
+    fails itself it shows that there, passes the exception on, and rests until it is tried again or another design begins.
 
     status_message (str): what has been done, for the status line
 
-    ``not_here``: this kind of design has nothing for the view, which says so in a sentence.
+    ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
     """
 
@@ -185,7 +185,7 @@ class View(QWidget):
             raise
 
     def _fail(self, error: Exception) -> None:
-        """Say in place of the content that the view has failed."""
+        """Show in place of the content that the view has failed."""
         if self._fault is None:
             self._fault = FaultPage(f"This view has failed ({short(error)}). The rest of the window works on.", self._try_again)
             self._stack.addWidget(self._fault)
@@ -210,12 +210,12 @@ class View(QWidget):
 
     @property
     def busy(self) -> bool:
-        """Something that is shown is still being computed beside the window."""
+        """Whether something shown is still being computed beside the window."""
         return False
 
     @property
     def in_trouble(self) -> bool:
-        """The view says why it has nothing to show."""
+        """Whether the view shows why it has nothing to show."""
         return self._stack.currentWidget() is not self._content
 
     def wake(self) -> None:

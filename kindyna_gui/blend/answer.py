@@ -39,7 +39,7 @@ class Veil(QWidget):
         return self._text
 
     def draw(self, text: str) -> None:
-        """Draw it over the widget; away with it where the text is empty."""
+        """Cover the widget with this text; an empty text uncovers it."""
         self._text = text
         self.setGeometry(self.parentWidget().rect())
         self.setVisible(bool(text))
@@ -123,7 +123,7 @@ class AnswerPanel(QFrame):
         self.veil.draw("")
 
     def show_before(self, before: Study) -> None:
-        """Nothing is answered yet: the motion as it is."""
+        """Show the motion of the design in place, before there is an answer."""
         self.headline.setText("No motion yet")
         self.figures.setText("The design's motion as it is")
         self._draw(before.design, None)

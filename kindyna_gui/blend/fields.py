@@ -22,9 +22,9 @@ CHECK, WHAT, BOX, UNIT, RANGE = range(5)  # columns of a row
 
 
 class LiveBox(NumberBox):
-    """A number box that tells every keystroke.
+    """A number box that emits a signal with every keystroke.
 
-    changed   what stands there is another number, or none
+    changed   the number has changed, or the text is no number any longer
     """
 
     changed = Signal()
@@ -39,22 +39,22 @@ class LiveBox(NumberBox):
 
     @property
     def number(self) -> float | None:
-        """What stands there; None where that is no number."""
+        """The number in the box; None where its text is no number."""
         return parsed(self.text(), self._unit)
 
     def set_number(self, value: float) -> None:
-        """Show a number, as if it had always been there."""
+        """Show a number without emitting ``changed``."""
         self.show_value(value)
         self._was = value
 
     def set_step(self, step: float) -> None:
-        """How far an arrow goes."""
+        """Set the step of the arrows."""
         if step != self._info.step:
             self._info = Info(self._info.label, self._info.help, self._info.low, self._info.high,
                               self._info.open_low, step=step)  # fmt: skip
 
     def fault(self) -> str:
-        """What is wrong with what stands there, in itself."""
+        """Why the text is not allowed, whatever the other fields hold; empty where it is."""
         value = self.number
         if value is None:
             return NO_NUMBER
@@ -81,9 +81,9 @@ def quiet(text: str = "") -> QLabel:
 
 
 class Ranged(QObject):
-    """What every row has: number boxes, a feasible range, and what is wrong.
+    """A row of the wizard: number boxes, their feasible range, a message.
 
-    changed   another number, or ticked, or no longer
+    changed   another number, or the row was ticked or unticked
     """
 
     changed = Signal()
@@ -103,11 +103,11 @@ class Ranged(QObject):
 
     @property
     def used(self) -> bool:
-        """The row counts."""
+        """Whether the row counts as a setting."""
         return True
 
     def show_ranges(self, ranges: Sequence[Range] | None) -> None:
-        """What the value may be; None where that is not known yet."""
+        """Show the feasible ranges of the value; None: they are not computed yet."""
         self.ranges = ranges
         known = range_text(ranges or (), self.symbol) if ranges or self.used else ""
         text = UNASKED if ranges is None else known
@@ -115,13 +115,13 @@ class Ranged(QObject):
         self.range.setToolTip(text if ranges else "")
 
     def show_fault(self, text: str) -> None:
-        """Tell what is wrong; nothing where the text is empty."""
+        """Show what is wrong below the row; an empty text hides it."""
         self.message.show_message(text)
         self.boxes()[-1].set_refused(bool(text))
 
 
 class SettingRow(Ranged):
-    """One setting: ticked it counts."""
+    """The row of one setting, which counts while it is ticked."""
 
     def __init__(self, setting: Setting, unit: Unit) -> None:
         super().__init__(setting.name, setting.symbol)
@@ -165,7 +165,7 @@ class SettingRow(Ranged):
             self.message.show_message("")
 
     def give(self, value: float) -> None:
-        """Tick it with a value, without telling."""
+        """Tick it with a value, without emitting ``changed``."""
         self._valued = True
         self.box.set_number(value)
         blocked = self.check.blockSignals(True)
@@ -174,7 +174,7 @@ class SettingRow(Ranged):
         self.box.setEnabled(True)
 
     def drop(self) -> None:
-        """Tick it no longer, without telling."""
+        """Untick it, without emitting ``changed``."""
         blocked = self.check.blockSignals(True)
         self.check.setChecked(False)
         self.check.blockSignals(blocked)
@@ -203,7 +203,7 @@ class SettingRow(Ranged):
 class PointRow(Ranged):
     """A precision point: at a cam angle, a level above the lowest.
 
-    removed   take it away
+    removed   the user wants the point removed
 
     paper: the widget that holds all of the row
     """

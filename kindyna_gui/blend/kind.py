@@ -40,7 +40,7 @@ LEVELS: Mapping[str, tuple[tuple[float, float, float], ...]] = MappingProxyType(
         "RRR": ((2.0, 2.0, _LOW), (15.0, 15.0, _HIGH), (28.0, 28.0, _LOW), (41.0, 41.0, _HIGH), (54.0, 54.0, _LOW)),
     }
 )
-"""Type of motion -> where it stands still, from left to right: x from, x to, y [pixels]."""
+"""Type of motion -> where it dwells, from left to right: x from, x to, y [pixels]."""
 
 
 @cache
@@ -153,7 +153,7 @@ class KindChoice(QWidget):
         return next(name for name, button in self.constants.items() if button.isChecked())
 
     def answer(self, motion_type: str, constant: str) -> None:
-        """Show these answers, without telling."""
+        """Show these choices, without emitting a signal."""
         self.types[motion_type].setChecked(True)
         self.constants[constant].setChecked(True)
         self._show_type()
@@ -163,7 +163,7 @@ class KindChoice(QWidget):
         self.type_chosen.emit()
 
     def _show_type(self) -> None:
-        """Only strokes that the motion has can have a constant velocity; one asked for goes to the stroke there is."""
+        """Only strokes that the motion has can have a constant velocity; a choice of the other stroke goes to the stroke there is."""
         able, was = constants(self.type), self.constant
         self.label.setText(MOTION_TYPES[self.type].label)
         for name, button in self.constants.items():

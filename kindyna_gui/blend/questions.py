@@ -50,7 +50,7 @@ assert set(GOAL_TEXTS) == {"", *GOALS}
 
 
 class Questions(QWidget):
-    """All that can be answered.
+    """The form of a request.
 
     changed   another answer, also while it is being typed
     """
@@ -145,7 +145,7 @@ class Questions(QWidget):
     # -- what is answered -----------------------------------------------------------------------------------
 
     def request(self) -> WizardRequest:
-        """The answers; what cannot be read as a number is left out, so ask ``find_faults`` first."""
+        """The answers; what is no number is left out, so call ``find_faults`` first."""
         sequence, mirrored = self.chosen_sequence
         unequal = self.unequal.isChecked() and has_both(self.kind.type)
         return WizardRequest(
@@ -164,7 +164,7 @@ class Questions(QWidget):
         )
 
     def answer(self, request: WizardRequest) -> None:
-        """Show these answers, without telling."""
+        """Show these answers, without emitting ``changed``."""
         self.kind.answer(request.type, request.constant)
         for box, value in (
             (self.stroke, request.stroke),
@@ -186,7 +186,7 @@ class Questions(QWidget):
     # -- what follows ---------------------------------------------------------------------------------------
 
     def show_request(self) -> None:
-        """Show what can be asked now: which sequences, which settings, how many are missing."""
+        """Show what follows from the answers: which sequences and settings there are, how many settings are missing."""
         self._fill_sequences(self.request())
         self.settings.show_request(self.request())
         request = self.request()
@@ -218,14 +218,14 @@ class Questions(QWidget):
         return self._sequences[max(self.sequence.currentIndex(), 0)]
 
     def choose_sequence(self, name: str, mirrored: bool | None) -> None:
-        """Choose it, or leave it to the settings where it is none of the motion's."""
+        """Choose a sequence; one that the motion does not have leaves the choice to the settings."""
         at = self._sequences.index((name, mirrored)) if (name, mirrored) in self._sequences else 0
         self.sequence.setCurrentIndex(at)
 
     # -- faults ---------------------------------------------------------------------------------------------
 
     def find_faults(self) -> bool:
-        """Tell what is wrong with the numbers in themselves, each beside its field; True where something is."""
+        """Show beside each field why its number is not allowed; True where one is not."""
         self.general.show_message("")
         start, end = self.start.number, self.end.number
         crossed = start is not None and end is not None and not start < end
@@ -241,7 +241,7 @@ class Questions(QWidget):
         return bool(self.settings.find_faults() or strokes or angles)
 
     def show_error(self, error: BlendError) -> None:
-        """Tell why there is no such motion, beside the field at fault."""
+        """Show why there is no such motion, beside the field at fault."""
         if not self.settings.blame(error):
             self.general.show_message(reason(error))
 

@@ -1,4 +1,5 @@
-"""What is asked of a blend: the answers to Yang's questions (Fig. 4) as data, and what follows from them. No Qt."""
+"""What the user requests of a blend: the answers to Yang's questions (Fig. 4) as data, what follows from them, and the
+request that the motion in place would have come from. No Qt."""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ AUTOMATIC = ""
 class Setting:
     """One row of the table of settings.
 
-    symbol  how its range names it
+    symbol  its name in the text of its range
     per     its unit, {u} being that of the motion
     share   where in its feasible range a value begins when the setting is ticked
     help    what it is
@@ -58,7 +59,7 @@ class WizardRequest:
 
     given   settings and their values, in the order of ticking; points: (cam angle [deg], level above the lowest)
     sequence, mirrored   one of the candidates; empty and None: the one that takes as many settings as are given
-    goal    what is made least of by what the settings leave free; empty: nothing
+    goal    what is minimised over whatever the settings leave free; empty: nothing
     """
 
     type: str = "DRRD"
@@ -76,7 +77,7 @@ class WizardRequest:
 
     @property
     def solver_request(self) -> Request:
-        """The same as the solver reads it."""
+        """The request as ``core.blend`` takes it."""
         both = MOTION_TYPES[self.type].rise is not None and MOTION_TYPES[self.type].back is not None
         return Request(
             type=self.type,
@@ -94,7 +95,7 @@ class WizardRequest:
 
     @property
     def count(self) -> int:
-        """Of settings and points."""
+        """Number of settings and points."""
         return len(self.given) + len(self.points)
 
 
@@ -127,7 +128,7 @@ def open_candidates(request: WizardRequest) -> list[Candidate]:
 
 
 def shown_names(request: WizardRequest) -> list[str]:
-    """The settings that can be asked for, in the order of the table: of the chosen sequence, or of any."""
+    """The settings that can be ticked, in the order of the table: of the chosen sequence, or of any."""
     rows = candidates(replace(request, given=(), points=()).solver_request)
     known = frozenset().union(*(names_of(row) for row in rows))
     return [name for name in (*SETTINGS, POINT) if name in known]
@@ -135,10 +136,10 @@ def shown_names(request: WizardRequest) -> list[str]:
 
 @dataclass(frozen=True)
 class Plan:
-    """What the settings come to.
+    """The sequence that a number of settings leads to.
 
-    target   the sequence that is meant: it takes as many settings as are given, or is the first to take more
-    missing  how many are still wanted, below 0: too many
+    target   takes as many settings as are given, or is the first to take more; None: none takes so many
+    missing  how many settings are missing, below 0: too many
     """
 
     target: Candidate | None
@@ -146,7 +147,7 @@ class Plan:
 
 
 def plan(request: WizardRequest) -> Plan:
-    """Which sequence the settings are meant for, and how many are missing; with a goal none ever is."""
+    """The sequence that takes the settings, and how many are missing; with a goal none is."""
     names = {name for name, _ in request.given} | ({POINT} if request.points else set())
     rows = [row for row in candidates(request.solver_request) if names <= names_of(row) or not names]
     able = sorted((row for row in rows if row.freedom >= request.count), key=lambda row: row.freedom)
@@ -157,7 +158,7 @@ def plan(request: WizardRequest) -> Plan:
 
 
 def ranged(request: WizardRequest) -> Request:
-    """The request whose feasible ranges are shown: of the sequence that is meant, while settings are missing."""
+    """The request whose feasible ranges are shown: while settings are missing, that of the planned sequence."""
     wanted = plan(request)
     if wanted.target is None or not wanted.missing or request.sequence:
         return request.solver_request
@@ -166,7 +167,7 @@ def ranged(request: WizardRequest) -> Request:
 
 
 def count_text(request: WizardRequest) -> str:
-    """How many settings are given and wanted, in a sentence."""
+    """How many settings are given and needed, in a sentence."""
     wanted, count = plan(request), request.count
     if wanted.missing < 0:
         most = count + wanted.missing

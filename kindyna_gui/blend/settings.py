@@ -26,7 +26,7 @@ ANGLES = ("length", "peak")
 class SettingsArea(QScrollArea):
     """Rows to tick and to fill in.
 
-    changed   another value, or ticked, or no longer
+    changed   another value, or a row was ticked or unticked
     """
 
     changed = Signal()
@@ -93,7 +93,7 @@ class SettingsArea(QScrollArea):
         return tuple((at, level) for at, level in values if at is not None and level is not None)
 
     def answer(self, request: WizardRequest) -> None:
-        """Show what is given there, without telling."""
+        """Show the settings of a request, without emitting ``changed``."""
         for row in self.rows.values():
             row.drop()
         for point in list(self.points):
@@ -105,7 +105,7 @@ class SettingsArea(QScrollArea):
             self.put_point(at, value, quietly=True)
 
     def show_request(self, request: WizardRequest) -> None:
-        """Show the rows that mean something, and drop what no longer does."""
+        """Show the rows that apply to a request, and untick those that no longer do."""
         names, target = shown_names(request), plan(request).target
         rise, back = (target.sequence.rise, target.sequence.back) if target is not None else ((), ())
         for row in self.rows.values():
@@ -144,14 +144,14 @@ class SettingsArea(QScrollArea):
         return [*(row for row in self.rows.values() if row.shown), *self.points]
 
     def find_faults(self) -> bool:
-        """Tell what is wrong with the numbers in themselves, each beside its field; True where something is."""
+        """Show beside each field why its number is not allowed; True where one is not."""
         told = [next((text for box in row.boxes() if (text := box.fault())), "") for row in self.used_rows()]
         for row, text in zip(self.used_rows(), told, strict=True):
             row.show_fault(text)
         return any(told)
 
     def blame(self, error: BlendError) -> bool:
-        """Tell why there is no such motion beside the setting at fault; False where it is none of them."""
+        """Show why there is no such motion beside the setting at fault; False where no row is at fault."""
         row = self._blamed(error)
         if row is None:
             return False
@@ -179,7 +179,7 @@ class SettingsArea(QScrollArea):
         self.put_point()
 
     def put_point(self, at: float | None = None, value: float | None = None, quietly: bool = False) -> None:
-        """A precision point more; where nothing is said of it, in the middle."""
+        """Add a precision point, in the middle where no place is given; quietly: without emitting ``changed``."""
         start, end, stroke = self._frame
         row = PointRow(UNITS[self.unit])
         row.at.set_number(round(0.5 * (start + end)) if at is None else at)

@@ -1,4 +1,4 @@
-"""What the blend wizard tells, as texts: feasible ranges, the answer's figures, where it goes."""
+"""Texts of the blend wizard: feasible ranges, the answer's figures, what it changes in the motion."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ def _text(value: float) -> str:
 
 
 def is_one(ranges: Sequence[Range]) -> bool:
-    """Whether there is but one value."""
+    """Whether the ranges hold a single value."""
     low, high = (ranges[0].low, ranges[-1].high) if ranges else (0.0, 1.0)
     return isfinite(high) and high - low <= SAME * max(abs(low), abs(high))
 
 
 def range_text(ranges: Sequence[Range], name: str) -> str:
-    """``0 < h1 ≤ 19``; what there is where the others leave nothing, or but one value."""
+    """``0 < h1 ≤ 19``; a text of its own where the other settings leave no value, or a single one."""
     if not ranges:
         return "nothing fits"
     if is_one(ranges):
@@ -55,7 +55,7 @@ def _interval_text(interval: Range, name: str) -> str:
 
 
 def begin_of(ranges: Sequence[Range], share: float) -> float | None:
-    """A round value inside the widest of the ranges, about that share of the way; None where there is none."""
+    """A round value inside the widest of the ranges, at about that share of it; None where there is none."""
     if not ranges:
         return None
     if is_one(ranges):
@@ -115,7 +115,7 @@ def _at_speed(value: float, symbol: str) -> str:
 
 
 def effect(before: Motion, after: Motion, blended: Blended) -> str:
-    """What else of the motion comes to move otherwise, in a sentence."""
+    """What else of the motion is changed by the blend, in a sentence."""
     if not any(s.rise and s not in blended.segments for s in after.segments):
         return "These curves and the dwells about them make the whole turn."
     if not any(s.rise for s in before.segments):

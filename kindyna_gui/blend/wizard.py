@@ -41,13 +41,16 @@ PLACES: Mapping[str, Callable[[Design, Blended], Design]] = MappingProxyType({"t
 class BlendDialog(PutDialog):
     """Asks for a blended motion and puts it into the design as one step.
 
-    What is typed is answered at once; while it cannot be answered the last good answer stays, veiled.
+    Every keystroke is answered at once; while there is no answer the last one stays, veiled.
+
+    blended   the answer to the questions as they are; None while there is none
+    design    the design with it; None where it cannot be put in place
     """
 
     def __init__(self, session: Session, parent: QWidget | None = None) -> None:
         super().__init__(session, "Blend a motion", parent)
         motion = require_motion(session.design)
-        self.blended: Blended | None = None  # of what is asked now
+        self.blended: Blended | None = None  # the answer to the questions as they are
         self.design: Design | None = None  # with it
         self.questions = Questions(motion.unit)
         self.panel = AnswerPanel(motion.unit)
@@ -100,10 +103,10 @@ class BlendDialog(PutDialog):
         self.answers.result.connect(self._answered)
         self.ranges.result.connect(self._ranged)
 
-    # -- asking ---------------------------------------------------------------------------------------------
+    # -- requests -------------------------------------------------------------------------------------------
 
     def answer_request(self) -> None:
-        """Answer what is asked now."""
+        """Begin to compute the answer to the questions as they are."""
         questions = self.questions
         self.stop()
         questions.show_request()
@@ -128,11 +131,11 @@ class BlendDialog(PutDialog):
 
     @property
     def busy(self) -> bool:
-        """Something that is shown is still to come."""
+        """Whether anything shown is still being computed."""
         return self._soon.isActive() or self._pause.isActive() or self.answers.busy or self.ranges.busy
 
     def stop(self) -> None:
-        """Forget what is being computed."""
+        """Cancel what is being computed."""
         for timer in (self._soon, self._pause, self._slow):
             timer.stop()
         for each in (self.answers, self.ranges):
@@ -144,7 +147,7 @@ class BlendDialog(PutDialog):
         self.answers.start([(request, partial(best, request.solver_request, request.goal))])
 
     def _start_ranges(self, request: WizardRequest) -> None:
-        """The field at hand first; then what takes least: while a setting is missing those that are still open."""
+        """Ranges of the focused field first; then, while a setting is missing, those of rows not ticked yet."""
         rows, solver_request = list(self._waiting), ranged(request)
         wanted = plan(request).missing == 0
         focused = self.focusWidget()
@@ -164,7 +167,7 @@ class BlendDialog(PutDialog):
         row.show_ranges(result if isinstance(result, list) else ())
 
     def _is_slow(self) -> None:
-        """What was told before holds no longer, and what holds now is not known yet."""
+        """The ranges and the answer shown hold no longer, and the new ones are not computed yet."""
         for row in self._waiting:
             row.show_ranges(None)
         if self.answers.busy:
@@ -233,7 +236,7 @@ class BlendDialog(PutDialog):
 
 
 def open_blend(session: Session, parent: QWidget) -> BlendDialog:
-    """Open the wizard over a window; it is gone once it is closed."""
+    """Open the wizard over a window; it is deleted once closed."""
     dialog = BlendDialog(session, parent)
     dialog.open_once()
     return dialog

@@ -1,4 +1,4 @@
-"""What an unfinished motion lacks, and what can be done about it: close it, or go back."""
+"""The bar of an unfinished motion: what is missing, and two buttons, to close it or to go back."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ KEPT = "Drawings, plots and files keep the last whole motion."
 class DraftBar(QWidget):
     """Shown while a motion is not finished, hidden else.
 
-    close_wanted   the motion is to be made whole
-    drop_wanted    back to the last whole motion
+    close_wanted   the button that makes the motion whole was clicked
+    drop_wanted    the button back to the last whole motion was clicked
     """
 
     close_wanted = Signal()
@@ -45,7 +45,7 @@ class DraftBar(QWidget):
         self.hide()
 
     def show_draft(self, misses: Sequence[str], closing: str) -> None:
-        """Show what is missed, and what would close it ('' where nothing simple would); nothing missed hides it."""
+        """Show the sentences of ``misses`` and what would close the motion ('' where nothing simple would); none hides the bar."""
         self.trouble.setText("\n".join(misses))
         self.remedy.setText(f"Would close it: {closing}" if closing else KEPT)
         self.close_button.setVisible(bool(closing))

@@ -1,4 +1,4 @@
-"""What is asked before tables or an animation are written, and the progress of what takes long."""
+"""The dialogs before tables or an animation are written, and the progress of what takes long."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ def _lay_out(dialog: QDialog, form: QFormLayout, summary: QLabel, accept: str) -
 
 
 def tables_wanted(parent: QWidget, folder: Path, study: Study) -> TablesWanted | None:
-    """Ask where tables shall go; None where the user thinks better of it."""
+    """Ask where tables shall go; None where the user cancels."""
     dialog = TablesDialog(parent, folder, study)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     wanted = dialog.wanted if accepted else None
@@ -224,7 +224,7 @@ def beside(parent: QWidget, text: str, compute: Callable[[], Result]) -> Result 
 
 @contextmanager
 def progress(parent: QWidget, text: str, steps: int) -> Iterator[Callable[[int], bool]]:
-    """A dialog that can be cancelled; what is yielded takes the steps done and tells whether to go on."""
+    """A dialog that can be cancelled; the function it yields takes the steps done and returns whether to go on."""
     dialog = QProgressDialog(text, "Cancel", 0, steps, parent)
     dialog.setWindowTitle("KINDYNA")
     dialog.setWindowModality(Qt.WindowModality.WindowModal)

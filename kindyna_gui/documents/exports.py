@@ -1,6 +1,6 @@
 """What leaves the program besides the design itself: tables, report, pictures, animation, numbers of a plot.
 
-Each asks first, writes whole or not at all, and tells what it has done or why it could not. What writes is imported
+Each opens a dialog first, writes whole or not at all, and reports what it has done or why it could not. What writes is imported
 when something is to be written: the window need not wait for it.
 """
 
@@ -51,7 +51,7 @@ def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[s
 
 
 def written(parent: QWidget, path: Path | None, make: Callable[[], Content], *, paints: bool = False) -> str:
-    """Write one file; what has been done, empty where nothing was: no path, or a fault, which is then shown.
+    """Write one file; returns what has been done, empty where nothing was: no path, or a fault, which is then shown.
 
     paints: what makes it paints, which only the window's own thread may; anything else is made beside the window.
     """
@@ -81,7 +81,7 @@ def _patiently(make: Callable[[], Made]) -> Made:
 
 
 def save_picture(view: View, name: str) -> None:
-    """Ask for a file and write a view's picture there; where the view has nothing to show, say why."""
+    """Ask for a file and write a view's picture there; where the view has nothing to show, a dialog gives the reason."""
     view.pull()
     if view.no_picture:
         dialogs.show_faults(view, "There is no picture to export.", view.no_picture.splitlines())
@@ -93,7 +93,7 @@ def save_picture(view: View, name: str) -> None:
 
 
 def save_numbers(view: View, rows: Sequence[Channel], name: str) -> None:
-    """Ask for a file and write the channels' numbers there; where there are none, say why."""
+    """Ask for a file and write the channels' numbers there; where there are none, a dialog gives the reason."""
     if not rows:
         dialogs.show_faults(view, "There are no numbers to export.", view.no_picture.splitlines())
         return

@@ -26,7 +26,7 @@ NEW_LAW = "modified-sine"
 
 
 class Documents(QObject):
-    """What the menu File does. Nothing is left behind unsaved without asking; what fails is told with all faults.
+    """What the menu File does. Unsaved work is never dropped without a question; what fails is shown with all faults.
 
     status_message (str): what has been done, for the status line
     """
@@ -54,7 +54,7 @@ class Documents(QObject):
                 focused.setFocus()
 
     def may_leave(self) -> bool:
-        """Ask what to do with unsaved changes; False where the user would rather stay."""
+        """Ask what to do with unsaved changes; False where the user cancels."""
         self.settle()
         if not self._session.modified:
             return True
@@ -87,7 +87,7 @@ class Documents(QObject):
         return self.may_leave() and self._open(path)
 
     def open_example(self, path: Path) -> None:
-        """Begin with an example; saving it asks for a name."""
+        """Begin with an example; saving it opens the file dialog."""
         if self.may_leave():
             try:
                 self._session.start(load(path))
@@ -214,6 +214,6 @@ def _begun(design: Design, label: str) -> Design:
 
 
 def dropped_design(event: QDropEvent) -> Path | None:
-    """The design file that is dragged, None where it is something else."""
+    """The path of a dragged design file, None where something else is dragged."""
     files = [Path(url.toLocalFile()) for url in event.mimeData().urls() if url.isLocalFile()]
     return files[0] if len(files) == 1 and files[0].suffix.lower() == ".toml" else None

@@ -102,7 +102,7 @@ class Recovery(QObject):
     def offer(self, from_menu: bool = False) -> None:
         """Ask what to do with the unsaved work of processes that have died.
 
-        asked: the user wants to know, also where there is none
+        from_menu: the user has chosen the entry, so that it is also reported where there is none
         """
         entries = [each for each in recovery.find(recovery_folder()) if not self._is_saved(each)]
         if from_menu and not entries:

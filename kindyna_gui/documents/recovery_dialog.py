@@ -38,8 +38,10 @@ LINES = 4  # of the list of work
 
 @dataclass(frozen=True)
 class Comparison:
-    """title of the work, what is to be known of it, and its differences: name, in the file, recovered.
+    """Unsaved work beside its file.
 
+    title   name and time of the work; note: what the user should know of it
+    rows    its differences: name, value in the file, value recovered
     lost    False where the file holds all of it
     """
 
@@ -74,7 +76,7 @@ def compare(unsaved: Unsaved) -> Comparison:
 
 
 def _later(path: Path, time: float) -> str:
-    """Said where the file is newer than the work."""
+    """The note where the file is newer than the work."""
     try:
         changed = path.stat().st_mtime
     except OSError:

@@ -25,7 +25,7 @@ COLUMNS = 4  # of a form: name, editor, unit, mark
 
 @dataclass(frozen=True)
 class Spec:
-    """What a row shows: path, what is known of it, unit, and where its value stands in a design."""
+    """What a row shows: path, label and range (``info``), unit, and how its value is read from a design."""
 
     path: str
     info: Info
@@ -54,7 +54,7 @@ def tip_html(spec: Spec) -> str:
 
 
 class Field(QObject):
-    """A row bound to the session: what is entered is an edit, what is refused is told underneath."""
+    """A row bound to the session: what is entered is an edit, a refusal is shown underneath."""
 
     trouble_changed = Signal()
 
@@ -171,14 +171,14 @@ class Field(QObject):
 
     @property
     def trouble(self) -> str:
-        """What is wrong here, empty where nothing is."""
+        """What is wrong with the field, empty where nothing is."""
         return "\n".join(self._blame.values())
 
     # -- to the session -----------------------------------------------------------------------------------
 
     @property
     def obsolete(self) -> bool:
-        """The design in place has no such value: it is of another kind, and this row is still to go, or out of sight. A drag
+        """The design in place has no such value: it is of another kind, and this row is about to be removed, or out of sight. A drag
         of its name may outlast it."""
         try:
             self.spec.read(self.session.typed)

@@ -242,7 +242,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return QAbstractSpinBox.StepEnabledFlag.StepNone if self.isReadOnly() else both
 
     def validate(self, text: str, position: int) -> Any:
-        """Any text may be typed; what is wrong is told on Enter."""
+        """Any text may be typed; a wrong one is reported on Enter."""
         return QValidator.State.Acceptable, text, position
 
     # -- gestures -----------------------------------------------------------------------------------------

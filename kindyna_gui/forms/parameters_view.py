@@ -80,7 +80,7 @@ class Form(QScrollArea):
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def refresh(self, design: Design) -> None:
-        """Show this design; fields are made anew only where another kind of design asks for others, and left alone
+        """Show this design; fields are made anew only where another kind of design has others, and left alone
         where the section is the one they show."""
         shown = (_part(design, self._section), design.assumed)
         if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:

@@ -1,4 +1,4 @@
-"""A dialog that asks on the left, shows on the right what comes of it, and puts that into the design."""
+"""A dialog with questions on the left and their result on the right, which it puts into the design."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ AROUND = QSize(40, 60)  # left free on the screen, with frame and title
 
 
 class PutDialog(QDialog):
-    """Two columns above a line of words and the buttons.
+    """Two columns above a message and the buttons.
 
     Subclasses call ``frame`` once and implement ``accept`` with ``put``.
 
@@ -35,7 +35,7 @@ class PutDialog(QDialog):
         self.buttons.rejected.connect(self.reject)
 
     def frame(self, questions: QLayout, width: int, shown: QWidget | QLayout, usual: QSize, least: QSize) -> None:
-        """asked: what stands on the left, so many pixels wide; usual: the size where the screen has room for it."""
+        """Lay out the dialog. questions: the left column, ``width`` pixels wide; shown: the right one; usual and least: its size."""
         questions.setContentsMargins(0, 0, 0, 0)
         questions.setSpacing(6)
         left = QWidget()
@@ -63,7 +63,7 @@ class PutDialog(QDialog):
         self.message.show_message(text)
 
     def put(self, design: Design, step: str) -> None:
-        """Put a design in place as one step of this name and close; where the session refuses it, say why and stay."""
+        """Put a design in place as one step of this name and close; where the session refuses it, show why and stay open."""
         session, refused = self._session, []
 
         def listen(refusal: Refusal) -> None:
@@ -81,7 +81,7 @@ class PutDialog(QDialog):
             self.show_message(sentence("; ".join(refused)), wrong=True)
 
     def open_once(self) -> None:
-        """Over its window; gone once it is closed."""
+        """Open over its window; it is deleted once closed."""
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.open()
 

@@ -1,4 +1,4 @@
-"""Which channels of a design can be drawn, and in words why others cannot."""
+"""Which channels of a design can be drawn, and sentences why others cannot."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from kindyna_gui.pictures.plots.curves import different
 
 
 def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
-    """The channels of these quantities that this kind of design can have, in the order asked for."""
+    """The channels of these quantities that this kind of design can have, in the given order."""
     there = {row.quantity: row for row in channels(study.design)}
     return [there[name] for name in quantities if name in there]
 

@@ -37,7 +37,7 @@ DIGITS = 5  # of what the sizing shows, and puts into the design
 
 
 class FlywheelView(View):
-    """The figures of the flywheel, and the button that fits the one they ask for."""
+    """The figures of the flywheel, and the button that fits one of the inertia needed."""
 
     stages = STAGES_OF_VIEWS["flywheel"]
     pause_ms = 200

@@ -91,7 +91,7 @@ def tip_of(row: Channel) -> str:
 class ChannelTree(QTreeWidget):
     """Every channel of a design, by the table it stands in, to be ticked.
 
-    ticked   (quantity, on)
+    ticked   (quantity, on): the user has ticked or unticked a quantity
     """
 
     ticked = Signal(str, bool)
@@ -121,7 +121,7 @@ class ChannelTree(QTreeWidget):
         self.setColumnHidden(1, self.width() < USUAL_WIDTH - 4)
 
     def show_rows(self, rows: Sequence[Channel], reasons: Mapping[str, str]) -> None:
-        """List these channels; lacking: why some cannot be drawn, by quantity."""
+        """List these channels; reasons: why some cannot be drawn, by quantity."""
         with QSignalBlocker(self):
             if tuple(rows) != self._rows:
                 self._build(rows)

@@ -192,7 +192,7 @@ class GraphView(View):
             grid.setRowStretch(index // columns, 1)
 
     def _changed(self) -> None:
-        """Another choice: the session is asked anew."""
+        """The choice has changed: read the channels from the session."""
         self._stale = True
         self.pull()
         self._in_sight.start()

@@ -40,7 +40,7 @@ def _starting(start: str, ending: str = "") -> Pick:
 
 
 def _or(*picks: Pick) -> Pick:
-    """What the first pick that finds anything finds."""
+    """The names of the first pick that has any."""
 
     def pick(names: tuple[str, ...]) -> list[str]:
         chosen: list[str] = []

@@ -37,7 +37,9 @@ class Canvas(QGraphicsView):
     Qt's own scroll bars and transformation anchors are left aside: what is visible is a centre and a scale, so that
     neither an edit nor a change of size can move it.
 
-    taken, dragged, dropped   a joint was taken by its name, drawn to a place [mm], let go
+    taken     (name): a joint was pressed
+    dragged   (name, place [mm]): it was drawn to a place
+    dropped   (name): it was let go
 
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     """

@@ -54,7 +54,7 @@ def label(links: tuple[int, int]) -> str:
 
 
 def method_text(row: CentreRow) -> str:
-    """How a centre is found: at sight, by its pair, or where which two lines cross."""
+    """How a centre follows: at sight, by its pair, or where which two lines cross."""
     if not row.lines:
         return "at sight"
     a, b = row.links

@@ -100,7 +100,7 @@ class Diagram(QWidget):
 
 
 def step_text(plan: Construction, step: int) -> str:
-    """The step in words."""
+    """A sentence that describes a step."""
     if step == 0:
         names = ", ".join(centre_name(key) for key in plan.known)
         return f"Known at sight, by pins and guides: {names}. KennedyStep: {len(plan.steps)} more."

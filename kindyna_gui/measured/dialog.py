@@ -133,10 +133,10 @@ class MeasuredDialog(PutDialog):
         self.entries.clicked.connect(self._point_out)
         self.entries.activated.connect(self._point_out)
 
-    # -- asking ---------------------------------------------------------------------------------------------
+    # -- reading --------------------------------------------------------------------------------------------
 
     def read_and_fit(self) -> None:
-        """Read and fit as asked, and show what comes of it."""
+        """Read and fit as requested, and show the result."""
         self.answer = self._reader.answer(self.form.request(self._request))
         answer = self.answer
         self.form.show_read(answer.sheet, answer.layout)
@@ -231,13 +231,13 @@ def _bold(text: str) -> QLabel:
 
 
 def table_to_open(parent: QWidget, folder: Path) -> Path | None:
-    """The measured table to import, None where the user thinks better of it."""
+    """The measured table to import, None where the user cancels."""
     name, _ = QFileDialog.getOpenFileName(parent, "Import measured motion", str(folder), f"{TABLES};;All files (*)")
     return Path(name) if name else None
 
 
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
-    """Ask for a table and open the dialog over a window; it is gone once it is closed."""
+    """Ask for a table and open the dialog over a window; it is deleted once closed."""
     path = table_to_open(parent, Settings().folder)
     if path is None:
         return None

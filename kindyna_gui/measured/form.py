@@ -38,7 +38,7 @@ _ROWS = (
 
 
 class ReadingForm(QWidget):
-    """One box for each thing that is detected.
+    """One box for each property that is detected.
 
     changed   the user has corrected one
     """
@@ -68,7 +68,7 @@ class ReadingForm(QWidget):
         self._fill("quantity", [(name, f"{name}s" if name != "velocity" else "velocities") for name in QUANTITIES])
 
     def request(self, request: Request) -> Request:
-        """The rest of what is asked with what was corrected here."""
+        """The given request with the user's corrections in it."""
         choices = self._choices
         columns = ColumnChoice(
             **{name: choices.get(name, "") for name in ("column", "angle_column", "angle_unit", "value_unit", "quantity")}
@@ -76,7 +76,7 @@ class ReadingForm(QWidget):
         return replace(request, delimiter=choices.get("delimiter", ""), decimal=choices.get("decimal", ""), columns=columns)
 
     def show_read(self, sheet: Sheet | None, how: Layout | None) -> None:
-        """What was read: that is what the boxes show."""
+        """Show what was detected in the boxes."""
         if sheet is not None:
             self._choose("delimiter", sheet.delimiter)
             self._choose("decimal", sheet.decimal)
@@ -93,11 +93,11 @@ class ReadingForm(QWidget):
         self._choose("value_unit", how.unit.name if how else self._choices.get("value_unit", ""))
 
     def forget(self) -> None:
-        """All as detected again."""
+        """Drop the corrections: all as detected."""
         self._choices.clear()
 
     def _choice_made(self, name: str) -> None:
-        """What the user says of one thing voids what was said of those that hang on it."""
+        """A correction voids the corrections of the properties that depend on it."""
         self._choices[name] = self.boxes[name].currentData()
         void: Mapping[str, Sequence[str]] = {
             "delimiter": ("column", "angle_column", "angle_unit", "value_unit", "quantity"),

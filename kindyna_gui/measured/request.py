@@ -1,4 +1,4 @@
-"""What is asked of a measured table in the window, and the answer: what was read, the fit, or what is wrong."""
+"""How the window requests a measured table to be read and fitted, and the answer: what was read, the fit, or what is wrong."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """As much as could be made of it.
+    """The answer to a request; what could not be computed is None.
 
-    fit      with faults besides: of all rows, to look at only
+    fit      where there are faults too: of all rows, only to be shown
     faults   why there is no motion to put into the design
-    refused  the file can be read, but no motion can be made of it as asked
+    refused  the file can be read, but no motion can be made of it as requested
     """
 
     sheet: Sheet | None = None
@@ -55,7 +55,7 @@ class Answer:
 
 
 class Reader:
-    """The bytes of one file for one follower; they are read anew only where something else is said of them."""
+    """The bytes of one file for one follower; they are read anew only where delimiter, decimal sign or columns change."""
 
     def __init__(self, name: str, data: bytes, motion_unit: str, speed_rpm: float) -> None:
         self.name, self._data = name, data
@@ -65,7 +65,7 @@ class Reader:
         self._table: Table | None = None
 
     def answer(self, request: Request) -> Answer:
-        """Read and fit; never raises what a file can do."""
+        """Read and fit; faults of the file are part of the answer, not raised."""
         key = (request.delimiter, request.decimal, request.columns)
         if key != self._key:
             self._key, self._table = key, None

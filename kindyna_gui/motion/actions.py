@@ -1,4 +1,4 @@
-"""What can be done with a whole segment, one row each: for buttons, menus and keys alike."""
+"""What can be done with a whole segment, a row each: buttons, menus and keys are made from this table."""
 
 from __future__ import annotations
 

@@ -240,7 +240,7 @@ def label_text(motion: Motion, angle: float | None, level: float | None, join: i
 
 
 def step_name(before: Design, after: Design, join: int) -> str:
-    """The step of the undo stack: ``Move start of segment 3 to 80°, -10 mm``; only what has changed is told."""
+    """The step of the undo stack: ``Move start of segment 3 to 80°, -10 mm``; only what has changed is named."""
     was, now = require_motion(before), require_motion(after)
     texts = [
         value_text(values(now)[join], UNITS[unit])

@@ -28,7 +28,7 @@ def motion_unit(name: str, motion: Motion) -> Unit:
 
 
 def entry_info(field: DataField[Any]) -> Info:
-    """What is known of an entry, with a step where its own magnitude tells none."""
+    """Label, range and help of an entry, with a step where its own magnitude gives none."""
     info = info_of(field)
     assert info is not None
     return replace(info, step=info.step or _STEP.get(field.name, 0.0))
@@ -55,7 +55,7 @@ def reader(path: str) -> Any:
 
 
 class OptionalBox(NumberBox):
-    """A number that may be left open: an empty text says so.
+    """A number that may be left open, by an empty text.
 
     emptied   an empty text was confirmed
     """

@@ -109,7 +109,7 @@ def segment_at(motion: Motion, angle: float) -> int:
 
 
 def snapped(value: float, step: float, direction: int = 0) -> float:
-    """The nearest multiple of a step, or the next one up (way 1) or down (way -1), in decimals."""
+    """The nearest multiple of a step, or the next one up (direction 1) or down (-1), in decimals."""
     count = value / step
     whole = {0: round(count), 1: math.floor(count + 1e-6) + 1, -1: math.ceil(count - 1e-6) - 1}[direction]
     return round(whole * step, 10) + 0.0
@@ -126,7 +126,7 @@ class Pull:
     the join shall have, None where it keeps what it had.
 
     A direction counts once the hand has moved in it by more than it trembles, so a point drawn sideways keeps its
-    level. Values snap to steps, ``fine`` ten times finer at a tenth of the way; ``one_direction``: only in the direction in
+    level. Values snap to steps, ``fine`` ten times finer at a tenth of the travel; ``one_direction``: only in the direction in
     which the hand has moved more. An angle stays between its neighbours.
     """
 

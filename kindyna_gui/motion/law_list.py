@@ -1,4 +1,4 @@
-"""The laws as a designer looks for them: in groups, with their peaks, found by any word of their names."""
+"""The laws in the groups of the picker, with their peaks, and the search by any word of their names."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class Cell:
 
 
 class LawGrid(QWidget):
-    """The laws that have been found, group by group.
+    """The laws that match the search, group by group.
 
     picked  (slug): a law was clicked
     """

@@ -142,7 +142,7 @@ class LawsModel(QAbstractTableModel):
         self.ticked.emit()
 
     def mark(self, slug: str, text: str) -> None:
-        """Say something beside one law: which segment has it."""
+        """Show a text beside one law: which segment has it."""
         if (slug, text) != self._marked:
             self._marked = (slug, text)
             self._all_changed()

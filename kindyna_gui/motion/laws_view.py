@@ -206,7 +206,7 @@ class LawsView(View):
     # -- using ----------------------------------------------------------------------------------------------
 
     def use(self, number: int | None = None) -> None:
-        """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, say why."""
+        """Give a segment, by its number from 0, or the chosen one, the current law; where that is refused, show why."""
         slug, index = self.table.slug, self.session.segment if number is None else number
         if not slug or motion_of(self.session.typed) is None:
             return

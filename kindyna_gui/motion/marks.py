@@ -56,14 +56,14 @@ def jump_text(join: Join, order: int, motion: Motion) -> str:
     return digits(float(join.jump[order]) / motion.scale, 3)
 
 
-FIRST = 3  # of the wordings: the first loud jump with its size
+FIRST = 3  # of the variants: the first loud jump with its size
 
 Parts = tuple[tuple[str, str], ...]
 """Texts and their colours, from left to right."""
 
 
 def variants(row: Sequence[Mark]) -> tuple[Parts, ...]:
-    """Ways to write the marks of a join, the longest first: every jump with its size and unit; only the loud ones;
+    """The texts for the marks of a join, the longest first: every jump with its size and unit; only the loud ones;
     without units; only the first; none."""
     loud = next((mark for mark in row if mark.loud), None)
     return (

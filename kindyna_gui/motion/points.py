@@ -1,4 +1,4 @@
-"""The points of a spline as a small table: every cell is an entry of the design, an empty one says nothing."""
+"""The points of a spline as a small table: every cell is an entry of the design; an empty one is left open."""
 
 from __future__ import annotations
 

@@ -84,8 +84,8 @@ def _ends(motion: Motion) -> tuple[float, ...]:
 
 @dataclass(frozen=True)
 class Cell:
-    """A cell as it is painted: its text, with what is written where there is little room; or for a join the ways to
-    write its marks, the longest first."""
+    """A cell as it is painted: its text, with a short one for narrow columns; of a join the variants of its marks, the
+    longest first."""
 
     text: str
     colour: str | None
@@ -199,7 +199,7 @@ class SegmentsModel(QAbstractTableModel):
         return _SHOWN if self.fixed(row, column) else _EDITED
 
     def fixed(self, row: int, column: int) -> bool:
-        """A cell that follows from others, or says nothing that could be another."""
+        """Whether a cell cannot be edited: it follows from others, or has a single possible value."""
         return (
             column == JOIN
             or (column == FROM and row == 0)

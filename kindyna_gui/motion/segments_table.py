@@ -34,7 +34,7 @@ INSET = 4  # of a text from the sides of its cell, pixels
 class SegmentDelegate(CellDelegate):
     """The picker of laws, or a number that steps live, in the cell; a red frame around what was refused.
 
-    Cells are painted from ``SegmentsModel.look``: a drawn join repaints the whole table at every move of the mouse,
+    Cells are painted from ``SegmentsModel.cell``: a drawn join repaints the whole table at every move of the mouse,
     and the usual delegate asks the model for seven things per cell.
     """
 
@@ -138,7 +138,7 @@ class SegmentDelegate(CellDelegate):
         painter.drawText(box, side | Qt.AlignmentFlag.AlignVCenter, text)
 
     def _paint_marks(self, painter: QPainter, box: QRect, variants: tuple[Parts, ...], light: bool) -> None:
-        """The longest way to write them that fits."""
+        """Paint the longest variant that fits."""
         painter.setFont(self._font(False))
         metrics = painter.fontMetrics()
         row = next((parts for parts in variants if parts_width(parts, metrics) <= box.width()), variants[-1])
@@ -166,7 +166,7 @@ class SegmentsTable(QTableView):
     the end of the chosen segment, Escape drops what was refused.
 
     insert_wanted, delete_wanted   the key was pressed
-    nudge_wanted                   (way in angle and level, finely): Alt and an arrow
+    nudge_wanted                   (direction in angle and level, finely): Alt and an arrow
     dropped                        Escape, and nothing had been refused
     """
 
@@ -234,7 +234,7 @@ class SegmentsTable(QTableView):
                     self.setColumnWidth(column, width)
 
     def _wanted(self, column: int, metrics: QFontMetrics, variant: int) -> int:
-        """The width of a column; wording: which way to write the marks of joins."""
+        """The width of a column; variant: which of the variants of the marks of joins."""
         head = self._model.headerData(column, Qt.Orientation.Horizontal)
         wanted = metrics.horizontalAdvance(str(head))
         for row in range(self._model.rowCount()):

@@ -150,7 +150,7 @@ class SegmentsView(View):
             self.session.withdraw(_ACTS)
 
     def _show_draft(self, typed: Design) -> None:
-        """What an unfinished motion lacks; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
+        """Show what is missing of an unfinished motion; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
         draft, closing = self.session.draft, self.session.closing
         self.diagram.locked = draft is not None
         words = "" if draft is None or closing is None else closing_words(draft, closing)
