@@ -1,4 +1,5 @@
-"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, NotHere carries a sentence for the user."""
+"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, NotHere carries
+a sentence for the user."""
 
 from __future__ import annotations
 

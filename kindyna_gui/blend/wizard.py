@@ -22,10 +22,9 @@ from core.errors import KindynaError
 from kindyna_gui.background import Background, Job
 from kindyna_gui.blend.answer import AnswerPanel
 from kindyna_gui.blend.fields import PointRow, Ranged
-from kindyna_gui.blend.first_request import first_request
 from kindyna_gui.blend.kind import heading
 from kindyna_gui.blend.questions import Questions
-from kindyna_gui.blend.request import WizardRequest, has_both, plan, ranged
+from kindyna_gui.blend.request import WizardRequest, first_request, has_both, plan, ranged
 from kindyna_gui.blend.texts import effect, reason
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.put_dialog import PutDialog

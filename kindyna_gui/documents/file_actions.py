@@ -15,9 +15,8 @@ from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
-from kindyna_gui.documents.difference_text import difference_text
-from kindyna_gui.documents.draft_text import closing_words, misses
 from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.texts import closing_words, difference_text, misses
 from kindyna_gui.places import examples
 from kindyna_gui.settings import Settings
 

@@ -27,8 +27,8 @@ from core.errors import KindynaError
 from core.project import differences, load, loads
 from core.project.recovery import Found, Unsaved
 from kindyna_gui.dialogs import OnRecovery
-from kindyna_gui.documents.difference_text import difference_text
 from kindyna_gui.documents.draft import Draft
+from kindyna_gui.documents.texts import difference_text
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import MessageLabel
 

@@ -14,7 +14,7 @@ from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.look import CHOSEN, icon
 from kindyna_gui.pictures.files import curves_file
-from kindyna_gui.pictures.plots.polar_sheet import columns_for, polar_file
+from kindyna_gui.pictures.plots.sheets import columns_for, polar_file
 
 LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scrolls, pixels
 Plot = LivePlot | LivePolar

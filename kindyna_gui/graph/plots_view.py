@@ -11,14 +11,12 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.drawable import rows_of, split, stages_of
-from kindyna_gui.graph.linkage_plots import quantities_for, why_empty
 from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.quantities import quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.player_keys import obey
+from kindyna_gui.window.player import Player, obey
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 

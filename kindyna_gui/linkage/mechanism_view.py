@@ -21,8 +21,7 @@ from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, 
 from kindyna_gui.pictures.drawing.places import MM
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.view import View
-from kindyna_gui.window.player import Player
-from kindyna_gui.window.player_keys import obey
+from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 

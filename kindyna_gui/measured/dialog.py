@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from PySide6.QtCore import QModelIndex, QSize
@@ -21,19 +22,85 @@ from PySide6.QtWidgets import (
 
 from core.design import Info, require_motion
 from core.errors import KindynaError
-from core.measured import Fit, into_design
-from core.output.measured_text import figures
+from core.findings import ERROR, NOTE, WARNING
+from core.measured import Fit, RowFault, into_design
+from core.output.measured_text import figures, notes, row_line, worst_first
 from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
-from kindyna_gui.measured.faults import EntryTable, counted, fault_entries, fit_entries
+from kindyna_gui.look import sign
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import MeasuredPlot
 from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
 from kindyna_gui.settings import Settings
+
+MOST = 200  # faults or wrong rows in the list
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What was noticed of a table: line of the file (0: none), text, severity, cam angle [deg] of that line."""
+
+    line: int
+    text: str
+    severity: str
+    angle: float | None = None
+
+
+def fit_entries(fit: Fit) -> list[Entry]:
+    """Entries of a fit: wrong rows, the worst first, then the notes on what was assumed."""
+    rows = worst_first(fit)[:MOST]
+    wrong = [Entry(int(fit.table.lines[i]), _off(fit, i), WARNING, float(fit.table.angles[i])) for i in rows]
+    return wrong + [Entry(0, spelled(note), NOTE) for note in notes(fit)]
+
+
+def _off(fit: Fit, row: int) -> str:
+    """What is wrong with a row; its line stands in the other column."""
+    text = spelled(row_line(fit, row).partition("(")[2].replace("):", ":", 1))
+    return f"{text}, left out" if row in fit.left_out else text
+
+
+def fault_entries(faults: Sequence[RowFault]) -> list[Entry]:
+    """Entries for the faults of a file."""
+    shown = [Entry(fault.line, fault.text, ERROR) for fault in faults[:MOST]]
+    more = len(faults) - MOST
+    return [*shown, Entry(0, f"and {more} more", ERROR)] if more > 0 else shown
+
+
+def counted(faults: Sequence[RowFault]) -> str:
+    """All faults in one sentence."""
+    rows = sum(fault.rows for fault in faults if fault.line)
+    if not rows:
+        return sentence(faults[0].text)
+    return f"{rows} {'row is' if rows == 1 else 'rows are'} wrong: correct how the file is read, or mend it and read it again."
+
+
+class EntryTable(RowsTable):
+    """The list of entries."""
+
+    def __init__(self) -> None:
+        super().__init__((Heading("Line", number=True), Heading("What was found", wide=True)))
+        self._entries: tuple[Entry, ...] = ()
+
+    def show_entries(self, entries: Sequence[Entry]) -> None:
+        """Show these entries."""
+        self._entries = tuple(entries)
+        tip = "Click to see it in the plots"
+        self.show_rows(
+            [
+                Row((str(f.line or ""), sentence(f.text)), sign(f.severity), "" if f.angle is None else tip)
+                for f in self._entries
+            ]
+        )
+
+    def angle(self, row: int) -> float | None:
+        """The cam angle [deg] of an entry, None where it has none."""
+        return self._entries[row].angle if 0 <= row < len(self._entries) else None
+
 
 TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
 LEFT_WIDTH, USUAL, LEAST = 330, QSize(1080, 720), QSize(900, 560)

@@ -21,7 +21,7 @@ from kindyna_gui.forms.cell_editor import CellDelegate
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import INK, PAPER, WRONG
 from kindyna_gui.motion.editor import DIRECTIONS
-from kindyna_gui.motion.law_box import LawBox
+from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.marks import FIRST, Parts
 from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Cell, SegmentsModel
 

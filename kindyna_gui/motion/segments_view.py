@@ -15,11 +15,11 @@ from core.errors import KindynaError
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.draft_bar import DraftBar
-from kindyna_gui.documents.draft_text import amiss, closing_words, joins_of, misses
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
+from kindyna_gui.documents.texts import amiss, closing_words, joins_of, misses
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
-from kindyna_gui.graph.drawable import rows_of
+from kindyna_gui.graph.quantities import rows_of
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion.actions import ACTIONS

@@ -9,21 +9,34 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QPoint, QRect, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter
+from PySide6.QtGui import QColor, QImage, QImageWriter, QPaintDevice, QPainter, QPalette
 from PySide6.QtSvg import QSvgGenerator
 from PySide6.QtWidgets import QFrame, QGraphicsView, QVBoxLayout, QWidget
 
 from core.output.channels import Channel, channels, existing
 from core.output.position import Snapshot
 from core.study import Study
-from kindyna_gui.graph.linkage_plots import quantities_for
+from kindyna_gui.graph.quantities import quantities_for
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.plots.curves import different
 from kindyna_gui.pictures.plots.detail import UNSEEN
-from kindyna_gui.pictures.plots.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
+
+MARGIN = 8  # around the plots, pixels
+
+
+class PaperSheet(QWidget):
+    """A widget in the colour of a theme's paper; subclasses lay out their plots ``MARGIN`` from its edges."""
+
+    def __init__(self, theme: Theme) -> None:
+        super().__init__()
+        paper = QPalette(self.palette())
+        paper.setColor(QPalette.ColorRole.Window, QColor(theme.paper))
+        self.setPalette(paper)
+        self.setAutoFillBackground(True)
+
 
 if TYPE_CHECKING:
     from core.stability import Chart, Figure
@@ -194,8 +207,11 @@ def paint(drawn: Study | Snapshot | Chart | Figure) -> dict[str, bytes]:
 
         return {f"{name}{ending}": draw(drawn, ending) for name, draw in SNAPSHOTS.items() for ending in (".svg", ".png")}
     from core.stability import Chart
-    from kindyna_gui.pictures.plots.xy_sheet import figure_file
+    from kindyna_gui.pictures.plots.sheets import figure_file
 
     if isinstance(drawn, Chart):
         return {f"stability{ending}": chart_file(drawn, ending) for ending in (".svg", ".png")}
     return {f"{drawn.name}{ending}": figure_file(drawn, ending) for ending in (".svg", ".png")}
+
+
+__all__ = ["MARGIN", "PaperSheet"]

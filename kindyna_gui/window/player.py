@@ -1,10 +1,16 @@
-"""The player: one cam angle for every view, moved by hand or by time."""
+"""The player: one cam angle for every view, moved by hand or by time; the speeds it offers, and the keys that move it."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import lru_cache
 from math import pi
+from types import MappingProxyType
 
-from PySide6.QtCore import QElapsedTimer, QObject, QTimer, Signal
+from PySide6.QtCore import QElapsedTimer, QObject, Qt, QTimer, Signal
+from PySide6.QtGui import QKeyEvent
 
 TURN = 2.0 * pi
 FRAME_MS = 16
@@ -104,3 +110,68 @@ class Player(QObject):
 
     def _tick(self) -> None:
         self.advance(self._clock.restart() / 1000.0)
+
+
+LEAST_TURN, LONGEST_TURN = 0.5, 120.0  # seconds per turn that are offered
+CALM, PATIENT = 2.0, 12.0  # a turn in true time that takes so many seconds is played so
+USUAL_TURN = 4.0  # else about so many
+
+
+@dataclass(frozen=True)
+class Speed:
+    """Part of the shaft's own speed, and what a turn takes then [s]."""
+
+    part: Fraction
+    seconds: float
+
+
+@lru_cache(maxsize=8)
+def speeds(omega: float) -> tuple[Speed, ...]:
+    """The speeds offered for a shaft that turns at omega [rad/s] either way, the slowest first; true time is always among them."""
+    steps = [Fraction(m) * Fraction(10) ** e for e in range(-8, 5) for m in (1, 2, 5)]
+    true_turn = 2.0 * pi / abs(omega)
+    offered = [Speed(part, true_turn / float(part)) for part in steps]
+    return tuple(s for s in offered if LEAST_TURN <= s.seconds <= LONGEST_TURN or s.part == 1)
+
+
+def usual(omega: float) -> Speed:
+    """The speed to begin with: true time where it can be watched, else what comes near a few seconds."""
+    rows = speeds(omega)
+    true = next(s for s in rows if s.part == 1)
+    if CALM <= true.seconds <= PATIENT:
+        return true
+    return min(rows, key=lambda s: max(s.seconds / USUAL_TURN, USUAL_TURN / s.seconds))
+
+
+PLAY = Qt.Key.Key_Space
+DIRECTIONS: Mapping[int, float] = MappingProxyType({Qt.Key.Key_Left: -1.0, Qt.Key.Key_Right: 1.0})
+DEGREES: Mapping[Qt.KeyboardModifier, float] = MappingProxyType(
+    {
+        Qt.KeyboardModifier.NoModifier: 1.0,
+        Qt.KeyboardModifier.ShiftModifier: 0.1,
+        Qt.KeyboardModifier.ControlModifier: 10.0,
+    }
+)
+"""Modifier -> degrees of a step by an arrow key."""
+
+KEYS_HELP = "Space plays and pauses; Left and Right step by 1°, with Shift by 0.1°, with Ctrl by 10°"
+
+
+def step_of(modifiers: Qt.KeyboardModifier) -> float:
+    """Degrees of a step with these modifiers; 0 where they mean something else."""
+    return DEGREES.get(modifiers & ~Qt.KeyboardModifier.KeypadModifier, 0.0)
+
+
+def obey(player: Player, event: QKeyEvent) -> bool:
+    """Do what a key asks of the player; False where it asks nothing of it."""
+    step = step_of(event.modifiers())
+    direction = DIRECTIONS.get(event.key(), 0.0)
+    if event.key() == PLAY and step == 1.0:
+        if not event.isAutoRepeat():
+            player.play(not player.playing)
+    elif direction and step:
+        player.step(direction * step)
+    else:
+        return False
+    event.accept()
+    return True

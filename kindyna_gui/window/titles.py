@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from PySide6.QtCore import QObject, QTimer
 
 from core.design import Design
-from kindyna_gui.graph.linkage_plots import title_for
+from kindyna_gui.graph.quantities import title_for
 from kindyna_gui.window.docks import VIEWS
 
 if TYPE_CHECKING:

@@ -21,9 +21,17 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.blend import wizard as blend_wizard
 from kindyna_gui.blend.fields import NO_NUMBER, LiveBox
-from kindyna_gui.blend.first_request import first_request
 from kindyna_gui.blend.questions import GOAL_TEXTS, Questions
-from kindyna_gui.blend.request import WizardRequest, constants, count_text, open_candidates, plan, ranged, shown_names
+from kindyna_gui.blend.request import (
+    WizardRequest,
+    constants,
+    count_text,
+    first_request,
+    open_candidates,
+    plan,
+    ranged,
+    shown_names,
+)
 from kindyna_gui.blend.settings import curve_of
 from kindyna_gui.blend.texts import begin_of, range_text
 from kindyna_gui.blend.wizard import BlendDialog

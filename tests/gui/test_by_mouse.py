@@ -17,7 +17,7 @@ from core.project import dumps, load, loads
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.motion.law_box import LawBox
+from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_model import LAW
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example

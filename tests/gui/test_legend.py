@@ -18,7 +18,7 @@ from kindyna_gui.pictures.plots.background import LEFT_WIDTH
 from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
 from kindyna_gui.pictures.plots.legend import CUT, Entry, cut, rows_of
 from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.plots.polar_title import BUTTON, EDGE, title_pieces
+from kindyna_gui.pictures.plots.polar_texts import BUTTON, EDGE, title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
 from kindyna_gui.window.player import Player

@@ -15,9 +15,8 @@ from core.laws import LAWS, peaks
 from core.project import load
 from kindyna_gui.labels import law_label, name_of
 from kindyna_gui.motion.fields import EndField, OptionalBox
-from kindyna_gui.motion.law_box import LawBox
 from kindyna_gui.motion.law_list import OWN, groups, law_tip, matching, peaks_text, short_label
-from kindyna_gui.motion.law_picker import LawPicker
+from kindyna_gui.motion.law_picker import LawBox, LawPicker
 from kindyna_gui.motion.points import PointsTable
 from kindyna_gui.motion.segments_model import LAW
 from kindyna_gui.pictures.plots.law_icon import curves_of, paint_law, prescribed

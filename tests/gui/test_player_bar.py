@@ -1,4 +1,4 @@
-"""kindyna_gui.window.player_bar, player_keys, speeds: the cam moved by buttons, slider, number, speed and keys."""
+"""kindyna_gui.window.player_bar and player: the cam moved by buttons, slider, number, speed and keys."""
 
 from collections.abc import Iterator
 from math import degrees, pi, radians
@@ -13,10 +13,8 @@ from core.project import load
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
-from kindyna_gui.window.player import Player
+from kindyna_gui.window.player import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, PLAY, Player, speeds, step_of, usual
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
-from kindyna_gui.window.player_keys import PLAY, step_of
-from kindyna_gui.window.player_speeds import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, speeds, usual
 
 NONE = Qt.KeyboardModifier.NoModifier
 SHIFT, CONTROL = Qt.KeyboardModifier.ShiftModifier, Qt.KeyboardModifier.ControlModifier

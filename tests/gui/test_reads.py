@@ -9,10 +9,10 @@ from core.design import Design
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
-from kindyna_gui.graph.drawable import stages_of
 from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.graph.quantities import stages_of
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example

@@ -12,7 +12,7 @@ from window_user import Open, User, settle
 
 from core.stability import Curve, Figure, History, Plot, Stability, mean_wind_up
 from kindyna_gui.__main__ import main
-from kindyna_gui.pictures.plots.xy_sheet import figure_file
+from kindyna_gui.pictures.plots.sheets import figure_file
 from kindyna_gui.stability.stability_view import StabilityView
 
 FEW = np.arange(0.5, 5.6, 0.85)

@@ -1,17 +1,60 @@
-"""What a plot reads from a study: the values of its channels, their colours and their limits."""
+"""What a plot reads from a study: the values of its channels, their colours, and the limits drawn as thin lines."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import pi
+from types import MappingProxyType
 
 import numpy as np
 
+from core.cam import PRESSURE_LIMITS
+from core.mechanism.kinematics import REVOLUTE
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.plots.limits import limit_of
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
+
+
+@dataclass(frozen=True)
+class Limit:
+    """A value not to be passed [SI], and the words that say so."""
+
+    value: float
+    words: str
+
+
+def _pressure_angle(study: Study) -> float:
+    kinematics = study.linkage
+    held = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
+    return PRESSURE_LIMITS[held] * pi / 180.0
+
+
+def _undercut(study: Study) -> float:
+    """The pitch curvature whose radius is that of the roller; infinite for an edge."""
+    flank = study.cam.flank
+    radius = float(np.abs(flank.profile - flank.pitch)[0])
+    return 1.0 / radius if radius > 0.0 else np.inf
+
+
+LIMITS: Mapping[str, tuple[str, Callable[[Study], float]]] = MappingProxyType(
+    {
+        "pressure_angle": ("usual limit {}", _pressure_angle),
+        "pitch_curvature": ("undercut from {}", _undercut),
+        "contact_force": ("lifts off below {}", lambda study: 0.0),
+        "jam_factor": ("jams from {}", lambda study: 1.0),
+    }
+)
+
+
+def limit_of(study: Study, quantity: str) -> Limit | None:
+    """The limit of a quantity of ``core.study``, None where there is none."""
+    row = LIMITS.get(quantity)
+    if row is None:
+        return None
+    value = row[1](study)
+    return Limit(value, row[0]) if np.isfinite(value) else None
 
 
 @dataclass(frozen=True, eq=False)

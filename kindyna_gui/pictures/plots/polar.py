@@ -23,12 +23,11 @@ from PySide6.QtWidgets import QWidget
 from core.design import motion_of
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.boxes import near
 from kindyna_gui.pictures.drawing.items import text_size
 from kindyna_gui.pictures.drawing.shapes import outline
 from kindyna_gui.pictures.plots.background import Span, spans
 from kindyna_gui.pictures.plots.detail import needed
-from kindyna_gui.pictures.plots.polar_title import paint_title
+from kindyna_gui.pictures.plots.polar_texts import near, paint_title
 from kindyna_gui.pictures.plots.ranges import peak, usual_range
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade

@@ -1,10 +1,10 @@
-"""The line above a polar plot: names with their colours, and the unit."""
+"""Texts of a polar plot: the line above it with names and unit, and places where a value covers no other text."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
-from PySide6.QtCore import QPointF
+from PySide6.QtCore import QPointF, QRectF, QSizeF
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 
 from kindyna_gui.pictures.plots.legend import cut
@@ -38,3 +38,24 @@ def title_pieces(
         return whole
     each = (room - advance(unit)) / len(names) - advance(", ")
     return [(f"{cut(text, each, advance)}{mark} ", colour) for (text, colour), mark in zip(names, marks, strict=True)] + last
+
+
+SIDE = 8.0  # of a text from the point it belongs to, pixels
+STEPS = 6  # heights of a text that it may be moved up or down
+
+
+def near(at: QPointF, size: QSizeF, left: bool, taken: Sequence[QRectF], room: QRectF) -> QRectF:
+    """The box of a text beside a point: on the wanted side at the point's height if that is free, else as near to it as
+    can be; where nothing is free, as if all were."""
+    boxes = list(_places(at, size, left))
+    inside = [box for box in boxes if room.contains(box)]
+    free = (box for box in inside if not any(box.intersects(other) for other in taken))
+    return next(free, inside[0] if inside else boxes[0])
+
+
+def _places(at: QPointF, size: QSizeF, left: bool) -> Iterator[QRectF]:
+    for step in range(STEPS):
+        for up in (step, -step) if step else (0,):
+            for side in (left, not left):
+                x = at.x() - SIDE - size.width() if side else at.x() + SIDE
+                yield QRectF(QPointF(x, at.y() - (0.5 + 0.5 * up) * size.height()), size)

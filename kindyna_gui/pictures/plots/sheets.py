@@ -1,20 +1,21 @@
-"""Polar plots side by side: how many columns, and as a file."""
+"""Plots that are not curves by cam angle, as files: polar plots side by side, plots of a figure below each other."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QGridLayout
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 
 from core.output.channels import Channel
 from core.study import Study
-from kindyna_gui.pictures.files import RATIO, png, svg
+from kindyna_gui.pictures.files import MARGIN, RATIO, PaperSheet, png, svg
 from kindyna_gui.pictures.plots.detail import UNSEEN
-from kindyna_gui.pictures.plots.paper_sheet import MARGIN, PaperSheet
 from kindyna_gui.pictures.plots.polar import PolarPlot
-from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.pictures.plots.xy import XYPlot
+from kindyna_gui.pictures.style import LIGHT, SMALL, Theme
 
 CELL = (560, 560)  # of a plot on paper, pixels
 
@@ -47,3 +48,39 @@ def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> 
     if ending == ".svg":
         return svg(PolarSheet(study, rows, LIGHT), study.design.name)
     return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))
+
+
+if TYPE_CHECKING:
+    from core.stability import Figure
+
+WIDTH, HEIGHT = 960, 300  # of one plot
+
+
+class XYSheet(PaperSheet):
+    """The plots of a figure under its title."""
+
+    def __init__(self, figure: Figure, theme: Theme) -> None:
+        super().__init__(theme)
+        column = QVBoxLayout(self)
+        column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
+        title = QLabel(figure.title)
+        title.setStyleSheet(f"color: {theme.ink}; font-size: {SMALL + 2}px")
+        column.addWidget(title)
+        self.plots: list[XYPlot] = []
+        for each in figure.plots:
+            plot = XYPlot(each.across, each.upwards, theme=theme)
+            plot.show_plot(each)
+            column.addWidget(plot, 1)
+            self.plots.append(plot)
+        self.resize(WIDTH, HEIGHT * len(figure.plots) + 40)
+
+
+def figure_file(figure: Figure, ending: str) -> bytes:
+    """A figure as a file, ``.png`` or ``.svg``."""
+    vector = ending == ".svg"
+    sheet = XYSheet(figure, LIGHT if vector else replace(LIGHT, ratio=RATIO))
+    sheet.grab()  # the axes find their sizes
+    return svg(sheet, figure.title) if vector else png(sheet)
+
+
+__all__ = ["XYSheet", "figure_file"]

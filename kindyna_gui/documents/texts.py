@@ -1,13 +1,29 @@
-"""An unfinished motion in words: by how much it misses, which values are amiss, and what would close it."""
+"""Texts about designs: what an unfinished motion misses and what would close it; values that differ between two designs."""
 
 from __future__ import annotations
 
-from core.design import UNITS, Design, Motion, Segment, lacks, require_motion, rise_gap, span_gap
-from core.errors import KindynaError
+from collections.abc import Mapping
+from typing import Any
+
+from core.design import (
+    NO_UNIT,
+    UNITS,
+    Design,
+    Motion,
+    Segment,
+    Unit,
+    lacks,
+    require_motion,
+    rise_gap,
+    span_gap,
+    split_unit,
+)
+from core.errors import MISSING, KindynaError
 from core.motion import Join, program
+from core.project import Difference
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import fault_reasons
-from kindyna_gui.labels import law_label, name_of, segment_of, sentence, value_text
+from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 
 WHOLE = "motion.segments"
 """Where it is said that the whole motion makes no turn, or does not come back."""
@@ -71,4 +87,29 @@ def _changes(before: Segment | None, after: Segment, motion: Motion) -> str:
     return ", ".join(texts)
 
 
-__all__ = ["amiss", "closing_words", "joins_of", "misses"]
+NAMES = {"assumed": "Assumed values", "follower.kind": "Kind of follower"}
+"""Of keys that no form shows."""
+
+
+def difference_text(before: Design | None, after: Design, difference: Difference) -> tuple[str, str, str]:
+    """A value that differs between two designs: its name, what stands in the one, what in the other."""
+    design = before if before is not None and difference.after is MISSING else after
+    name = NAMES.get(difference.path) or name_of(design, difference.path)
+    unit = split_unit(difference.path.rpartition(".")[2])[1] or NO_UNIT
+    return name, _any_text(difference.before, unit), _any_text(difference.after, unit)
+
+
+def _any_text(value: Any, unit: Unit) -> str:
+    """A value of a file: a number, a word, a list or a table."""
+    if value is MISSING:
+        return "nothing"
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {_any_text(each, NO_UNIT)}" for key, each in value.items())
+    if isinstance(value, list | tuple):
+        return f"({', '.join(_any_text(each, NO_UNIT) for each in value)})"
+    if isinstance(value, float):
+        return value_text(value, unit)
+    return choice_text(value) if isinstance(value, str) else str(value)
+
+
+__all__ = ["amiss", "closing_words", "difference_text", "joins_of", "misses"]
