@@ -18,7 +18,7 @@ from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.layers import OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
-from kindyna_gui.pictures.drawing.places import MM
+from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey

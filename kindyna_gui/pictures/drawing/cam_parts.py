@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGraphicsLineItem
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag, pinned, turning
-from kindyna_gui.pictures.drawing.places import Joint, Reading
+from kindyna_gui.pictures.drawing.geometry import Joint, Reading
 from kindyna_gui.pictures.drawing.shapes import arc_arrow, at, bearing, circle, cross, joined, segments
 from kindyna_gui.pictures.style import CHAIN, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
 

@@ -14,7 +14,7 @@ from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag
-from kindyna_gui.pictures.drawing.places import MM, Reading
+from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.drawing.shapes import at, polyline
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush

@@ -16,7 +16,7 @@ from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, Centre
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.drawing.geometry import Reading
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import Theme

@@ -8,7 +8,7 @@ from PySide6.QtCore import QRectF
 
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
-from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.drawing.geometry import Reading
 
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 _STANDING = ("rails", "ground", "pedestal")

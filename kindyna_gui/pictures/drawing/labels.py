@@ -17,7 +17,7 @@ from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
 from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
 from kindyna_gui.pictures.drawing.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
-from kindyna_gui.pictures.drawing.places import Reading
+from kindyna_gui.pictures.drawing.geometry import Reading
 from kindyna_gui.pictures.drawing.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 

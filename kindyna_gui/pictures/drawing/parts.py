@@ -11,7 +11,7 @@ from PySide6.QtGui import QPainterPath
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.items import Outline, Part, Silhouette, pinned, riding
-from kindyna_gui.pictures.drawing.places import Body, Joint, Reading
+from kindyna_gui.pictures.drawing.geometry import Body, Joint, Reading
 from kindyna_gui.pictures.drawing.shapes import (
     EYE,
     HATCH,

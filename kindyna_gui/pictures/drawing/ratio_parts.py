@@ -15,7 +15,7 @@ from kindyna_gui.pictures.drawing.centre_parts import Group, Key, centre_name
 from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.drawing.overlay import MARGIN
-from kindyna_gui.pictures.drawing.places import MM, Reading
+from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits

@@ -9,7 +9,7 @@ import numpy as np
 
 from core.errors import NoAnswer
 from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
-from kindyna_gui.pictures.drawing.places import MM, Reading
+from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.style import OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units
