@@ -95,7 +95,7 @@ def png(widget: QWidget) -> bytes:
     return bytes(data.data())
 
 
-def telling_angle(study: Study) -> float:
+def picture_angle(study: Study) -> float:
     """Where the pressure angle is largest; of a linkage without a cam an eighth of a turn on [rad]. Raises NoAnswer."""
     if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
@@ -106,7 +106,7 @@ def telling_angle(study: Study) -> float:
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
     """File name -> picture of the window and of each view, where the pressure angle is largest. Raises NoAnswer."""
     study = Study(design)
-    top = telling_angle(study)
+    top = picture_angle(study)
     window = hidden_window(design, size)
     try:
         window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)

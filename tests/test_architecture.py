@@ -33,7 +33,7 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "kindyna_gui.linkage.polygon_view.PolygonView.follow",
         "kindyna_gui.linkage.polygon_view.PolygonView.refresh",
         "kindyna_gui.pictures.drawing.layers.layers_of",
-        "kindyna_gui.pictures.drawing.geometry.Reading.__init__",
+        "kindyna_gui.pictures.drawing.geometry.Geometry.__init__",
         "kindyna_gui.requirements.require_links",
         "kindyna_gui.window.main_window.MainWindow._front_dock",
     ),

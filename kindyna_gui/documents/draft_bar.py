@@ -15,12 +15,12 @@ KEPT = "Drawings, plots and files keep the last whole motion."
 class DraftBar(QWidget):
     """Shown while a motion is not finished, hidden else.
 
-    close_wanted   the button that makes the motion whole was clicked
-    drop_wanted    the button back to the last whole motion was clicked
+    close_requested   the button that makes the motion whole was clicked
+    drop_requested    the button back to the last whole motion was clicked
     """
 
-    close_wanted = Signal()
-    drop_wanted = Signal()
+    close_requested = Signal()
+    drop_requested = Signal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -29,7 +29,7 @@ class DraftBar(QWidget):
         coloured(self.remedy, QUIET)
         self.close_button, self.drop_button = QToolButton(text="Close it"), QToolButton(text="Drop")
         self.drop_button.setToolTip("Back to the last whole motion; Undo brings what was typed back")
-        for button, signal in ((self.close_button, self.close_wanted), (self.drop_button, self.drop_wanted)):
+        for button, signal in ((self.close_button, self.close_requested), (self.drop_button, self.drop_requested)):
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.clicked.connect(lambda _=False, signal=signal: signal.emit())
         for label in (self.trouble, self.remedy):

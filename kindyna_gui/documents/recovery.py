@@ -24,7 +24,7 @@ from kindyna_gui.places import state_folder
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
-LOOK_MS = 1500  # after a change: has it been written?
+CHECK_MS = 1500  # after a change: has it been written?
 ENDING = ("SIGTERM", "SIGHUP", "SIGINT")
 
 
@@ -55,8 +55,8 @@ class Recovery(QObject):
         self._writer: RecoveryWriter | None = None
         self._handed: tuple[object, ...] | None = None
         self._failure = ""
-        self._look = QTimer(self, singleShot=True, interval=LOOK_MS)
-        self._look.timeout.connect(self._report_failure)
+        self._check = QTimer(self, singleShot=True, interval=CHECK_MS)
+        self._check.timeout.connect(self._report_failure)
 
     # -- keeping ------------------------------------------------------------------------------------------
 
@@ -78,7 +78,7 @@ class Recovery(QObject):
             self._writer.start()
             self.destroyed.connect(partial(_end, self._writer))
         self._writer.hand(None if state is None else partial(_unsaved, *state))
-        self._look.start()
+        self._check.start()
 
     def write_now(self) -> bool:
         """Wait until the unsaved work is on the disk; False where it cannot be written."""

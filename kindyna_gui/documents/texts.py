@@ -48,7 +48,7 @@ def misses(draft: Draft, design: Design) -> list[str]:
     return [sentence(row) for row in rows]
 
 
-def amiss(draft: Draft, design: Design) -> frozenset[str]:
+def faulty_paths(draft: Draft, design: Design) -> frozenset[str]:
     """The paths of the values that keep the motion from being whole: the one typed last, and laws that do not fit."""
     paths = {fault.path for fault in lacks(design) if fault.path != WHOLE}
     return frozenset({*paths, draft.path} if segment_of(draft.path) is not None else paths)
@@ -112,4 +112,4 @@ def _any_text(value: Any, unit: Unit) -> str:
     return choice_text(value) if isinstance(value, str) else str(value)
 
 
-__all__ = ["amiss", "closing_words", "difference_text", "joins_of", "misses"]
+__all__ = ["closing_words", "difference_text", "faulty_paths", "joins_of", "misses"]

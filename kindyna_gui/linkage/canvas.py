@@ -20,11 +20,11 @@ def joints_now(scene: MechanismScene) -> dict[str, complex]:
     """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
     from core.followers.dragging import joints_of  # which takes longer to load than the picture to draw
 
-    reading = scene.reading
-    if reading is None:
+    geometry = scene.geometry
+    if geometry is None:
         return {}
-    wanted, joints = joints_of(reading.study.design), {}
-    for body in reading.bodies.values():
+    wanted, joints = joints_of(geometry.study.design), {}
+    for body in geometry.bodies.values():
         for name, place in body.points.items():
             if name in wanted:
                 joints[name] = complex(body.track(place)[scene.index])
@@ -81,28 +81,28 @@ class Canvas(QGraphicsView):
         rect.moveCenter(self._centre)
         return rect
 
-    def look_at(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
+    def show_region(self, centre: QPointF, scale: float, keep_labels: bool = False) -> None:
         """Show what is around a point, at so many pixels per mm; labels may find better sides once all is at rest."""
         self._centre, self._scale = centre, scale
         self.setTransform(QTransform.fromScale(scale, -scale))
         visible = self.visible
         self.setSceneRect(visible)
-        self._scene.look_at(visible, scale, keep_labels)
+        self._scene.show_region(visible, scale, keep_labels)
         if keep_labels:
             self.rest.start()
 
     def fit(self, keep_labels: bool = False) -> None:
         """Show the whole mechanism."""
         visible, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
-        self.look_at(visible.center(), scale, keep_labels)
+        self.show_region(visible.center(), scale, keep_labels)
         self.fitted = True
 
-    def look_again(self) -> None:
+    def show_again(self) -> None:
         """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
         if self.fitted and not self._joint:  # under the hand the picture stays
             wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
             if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:
-                self.look_at(wanted.center(), scale, keep_labels=True)
+                self.show_region(wanted.center(), scale, keep_labels=True)
 
     def zoom(self, factor: float, about: QPointF) -> None:
         """Zoom by a factor; what stands at a place of the viewport [pixels] stays there."""
@@ -110,7 +110,7 @@ class Canvas(QGraphicsView):
         scale = min(max(self._scale * factor, FURTHEST * usual), CLOSEST * usual)
         kept = self._place(about)
         offset = (self._centre - kept) * (self._scale / scale)
-        self.look_at(kept + offset, scale, keep_labels=True)
+        self.show_region(kept + offset, scale, keep_labels=True)
         self.fitted = False
 
     def _place(self, pixel: QPointF) -> QPointF:
@@ -162,7 +162,7 @@ class Canvas(QGraphicsView):
             return
         moved = event.position() - self._grip
         self._grip = event.position()
-        self.look_at(
+        self.show_region(
             self._centre - QPointF(moved.x() / self._scale, -moved.y() / self._scale), self._scale, keep_labels=True
         )
         self.fitted = False
@@ -171,7 +171,7 @@ class Canvas(QGraphicsView):
         if self._joint and event.button() == Qt.MouseButton.LeftButton:
             name, self._joint = self._joint, ""
             self.dropped.emit(name)
-            self.look_again()
+            self.show_again()
         elif event.button() in _GRIPS:
             self._grip = None
             self.setCursor(Qt.CursorShape.ArrowCursor)
@@ -188,7 +188,7 @@ class Canvas(QGraphicsView):
         if self.fitted:
             self.fit(keep_labels=True)
         else:
-            self.look_at(self._centre, self._scale, keep_labels=True)
+            self.show_region(self._centre, self._scale, keep_labels=True)
 
 
 __all__ = ["REST_MS", "Canvas", "joints_now"]

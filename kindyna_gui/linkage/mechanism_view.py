@@ -16,9 +16,9 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
+from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
-from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
@@ -68,7 +68,7 @@ class MechanismView(View):
             self.canvas.fit()
             self._fit_wanted = False
         else:
-            self.canvas.look_again()
+            self.canvas.show_again()
 
     def _show_missing_cam(self, study: Study) -> None:
         """A linkage without a cam is still drawn, with the reason below it."""

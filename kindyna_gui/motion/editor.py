@@ -46,13 +46,13 @@ class MotionEditor(MotionDiagram):
     """The diagram with its reactions.
 
     segment_chosen  (int): a segment was pointed at
-    menu_wanted     (QPoint on the screen, cam angle [deg]): a click with the right button
+    menu_requested     (QPoint on the screen, cam angle [deg]): a click with the right button
     released        Escape: nothing is being moved; what recalls the last edit is to go
     settled         a join has been moved
     """
 
     segment_chosen = Signal(int)
-    menu_wanted = Signal(object, float)
+    menu_requested = Signal(object, float)
     released = Signal()
     settled = Signal()
 
@@ -140,7 +140,7 @@ class MotionEditor(MotionDiagram):
             return
         self._end()
         grip = self._grip(event.position())
-        self._look(grip)
+        self._hover(grip)
         if grip is None:
             self._turning = True
             self._turn(event.position())
@@ -159,7 +159,7 @@ class MotionEditor(MotionDiagram):
         elif self._turning and event.buttons() & Qt.MouseButton.LeftButton:
             self._turn(event.position())
         elif not event.buttons():
-            self._look(self._grip(event.position()))
+            self._hover(self._grip(event.position()))
 
     def _draw(self, event: QMouseEvent) -> None:
         assert self._pull is not None
@@ -181,7 +181,7 @@ class MotionEditor(MotionDiagram):
         self._turning = False
         if self._pull is not None:
             self._end()
-            self._look(self._grip(event.position()))
+            self._hover(self._grip(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         self.mousePressEvent(event)
@@ -192,7 +192,7 @@ class MotionEditor(MotionDiagram):
     def leaveEvent(self, event: QEvent) -> None:
         super().leaveEvent(event)
         if self._pull is None:
-            self._look(None)
+            self._hover(None)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         event.accept()
@@ -200,9 +200,9 @@ class MotionEditor(MotionDiagram):
             return
         angle = self._angle_at(QPointF(event.pos()))
         self.segment_chosen.emit(segment_at(self.motion, angle))
-        self.menu_wanted.emit(event.globalPos(), angle)
+        self.menu_requested.emit(event.globalPos(), angle)
 
-    def _look(self, grip: Grip | None) -> None:
+    def _hover(self, grip: Grip | None) -> None:
         """The mouse is over this."""
         if grip != self.over:
             self.over = grip

@@ -115,7 +115,7 @@ def snapped(value: float, step: float, direction: int = 0) -> float:
     return round(whole * step, 10) + 0.0
 
 
-def meant(angle: float) -> float:
+def snapped_angle(angle: float) -> float:
     """The cam angle that is meant [deg]: one that was typed or stepped to stays, one that was pointed at snaps."""
     typed = round(angle, 2)
     return typed + 0.0 if abs(typed - angle) < 1e-6 else snapped(angle, ANGLE_STEP)

@@ -26,7 +26,7 @@ from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number, parsed, sentence, value_text
 from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion.fields import OptionalBox, described, point_columns
-from kindyna_gui.motion.grips import meant
+from kindyna_gui.motion.grips import snapped_angle
 from kindyna_gui.motion.segments_model import readable
 from kindyna_gui.window.player import Player
 
@@ -199,16 +199,16 @@ _ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where ther
 class _Table(QTableView):
     """Enter edits, Insert and Delete add and take points."""
 
-    insert_wanted = Signal()
-    delete_wanted = Signal()
+    insert_requested = Signal()
+    delete_requested = Signal()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         editing = self.state() == QAbstractItemView.State.EditingState
         keys = {
             Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
             Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Insert: self.insert_wanted.emit,
-            Qt.Key.Key_Delete: self.delete_wanted.emit,
+            Qt.Key.Key_Insert: self.insert_requested.emit,
+            Qt.Key.Key_Delete: self.delete_requested.emit,
         }
         action = None if editing else keys.get(Qt.Key(event.key()))
         if action is None:
@@ -240,8 +240,8 @@ class PointsTable(QWidget):
         self.table.horizontalHeader().setSectionResizeMode(QHeaderView.ResizeMode.Stretch)
         self.table.horizontalHeader().setHighlightSections(False)
         self.table.setMinimumHeight(3 * (self.fontMetrics().height() + 6) + 6)
-        self.table.insert_wanted.connect(self.add)
-        self.table.delete_wanted.connect(self.remove)
+        self.table.insert_requested.connect(self.add)
+        self.table.delete_requested.connect(self.remove)
         self.add_button = self._button("add", "Point", "A point where the cam stands, on the curve (Ins)", self.add)
         self.remove_button = self._button("close", "Remove", "Take the chosen point away (Del)", self.remove)
         buttons = QVBoxLayout()
@@ -273,7 +273,7 @@ class PointsTable(QWidget):
     def add(self) -> None:
         """A point where the cam stands, else in the longest stretch without one."""
         design, segment = self._session.typed, self.model.segment
-        angle = meant(degrees(self._player.theta))
+        angle = snapped_angle(degrees(self._player.theta))
         self._session.end_gesture()
         self._session.lay_out(add_point(design, segment, angle), f"Add point to segment {segment + 1}")
 

@@ -110,7 +110,7 @@ class SegmentsModel(QAbstractTableModel):
         self._motion, self._assumed = motion_of(session.typed) or STILL, session.typed.assumed
         self._angles = _ends(self._motion)
         self._joins: tuple[Join, ...] = ()
-        self._amiss: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
+        self._faulty: frozenset[str] = frozenset()  # paths of what keeps the motion from being whole
         self._shown = False
         self._wrong: dict[str, str] = {}  # path -> the text that was refused
         self._cells: dict[tuple[int, int], Cell] = {}
@@ -121,17 +121,17 @@ class SegmentsModel(QAbstractTableModel):
 
     # -- from the session ---------------------------------------------------------------------------------
 
-    def show(self, design: Design, joins: tuple[Join, ...], amiss: frozenset[str] = frozenset()) -> None:
+    def show(self, design: Design, joins: tuple[Join, ...], faulty: frozenset[str] = frozenset()) -> None:
         """Show the motion of a design, its joins where it is whole enough to have any, and mark what is amiss at these
         paths; where another part of the design has changed there is nothing to do."""
         motion, assumed = require_motion(design), design.assumed
-        if self._shown and (motion, assumed, amiss) == (self._motion, self._assumed, self._amiss):
+        if self._shown and (motion, assumed, faulty) == (self._motion, self._assumed, self._faulty):
             return
         same = self._shown and len(motion.segments) == len(self._motion.segments)
         if not same:
             self.beginResetModel()
         self._cells.clear()
-        self._motion, self._assumed, self._joins, self._amiss = motion, assumed, joins, amiss
+        self._motion, self._assumed, self._joins, self._faulty = motion, assumed, joins, faulty
         self._angles, self._shown = _ends(motion), True
         if same:
             self._all_changed()
@@ -264,7 +264,7 @@ class SegmentsModel(QAbstractTableModel):
             rows = variants(marks(self._joins[row], self._motion)) if self._joins else ()
             return Cell(value, QUIET, False, variants=rows)
         text = law_label(value) if column == LAW else readable(value) if isinstance(value, float) else value
-        refused = refused or self.amiss(row, column)
+        refused = refused or self.faulty(row, column)
         colour = WRONG if refused else ASSUMED if assumed else QUIET if self.fixed(row, column) else None
         return Cell(text, colour, column != LAW, short_label(value) if column == LAW else "", assumed, refused)
 
@@ -282,9 +282,9 @@ class SegmentsModel(QAbstractTableModel):
         """What stands in the cell is not in the design."""
         return column not in (FROM, TO) and self.path(row, column) in self._wrong
 
-    def amiss(self, row: int, column: int) -> bool:
+    def faulty(self, row: int, column: int) -> bool:
         """What stands in the cell keeps the motion from being whole."""
-        return column not in (FROM, TO, JOIN) and self.path(row, column) in self._amiss
+        return column not in (FROM, TO, JOIN) and self.path(row, column) in self._faulty
 
     # -- to the session -----------------------------------------------------------------------------------
 

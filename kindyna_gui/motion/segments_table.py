@@ -165,14 +165,14 @@ class SegmentsTable(QTableView):
     """The table; keys: Enter or F2 edits, Insert and Delete add and take segments, Alt and the arrows move the join at
     the end of the chosen segment, Escape drops what was refused.
 
-    insert_wanted, delete_wanted   the key was pressed
-    nudge_wanted                   (direction in angle and level, finely): Alt and an arrow
-    dropped                        Escape, and nothing had been refused
+    insert_requested, delete_requested   Insert or Delete was pressed
+    nudge_requested   (direction in angle and level, finely): Alt and an arrow
+    dropped   Escape, and nothing had been refused
     """
 
-    insert_wanted = Signal()
-    delete_wanted = Signal()
-    nudge_wanted = Signal(tuple, bool)
+    insert_requested = Signal()
+    delete_requested = Signal()
+    nudge_requested = Signal(tuple, bool)
     dropped = Signal()
 
     def __init__(self, session: Session, model: SegmentsModel) -> None:
@@ -270,14 +270,14 @@ class SegmentsTable(QTableView):
         keys = {
             Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
             Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Insert: self.insert_wanted.emit,
-            Qt.Key.Key_Delete: self.delete_wanted.emit,
+            Qt.Key.Key_Insert: self.insert_requested.emit,
+            Qt.Key.Key_Delete: self.delete_requested.emit,
             Qt.Key.Key_Escape: self._drop,
         }
         held = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
         fine = bool(held & Qt.KeyboardModifier.ShiftModifier)
         if not editing and event.key() in DIRECTIONS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
-            self.nudge_wanted.emit(DIRECTIONS[event.key()], fine)
+            self.nudge_requested.emit(DIRECTIONS[event.key()], fine)
             return
         action = None if editing else keys.get(Qt.Key(event.key()))
         if action is None:

@@ -16,7 +16,7 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
-from kindyna_gui.documents.texts import amiss, closing_words, joins_of, misses
+from kindyna_gui.documents.texts import closing_words, faulty_paths, joins_of, misses
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.graph.quantities import rows_of
@@ -26,7 +26,7 @@ from kindyna_gui.motion.actions import ACTIONS
 from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import CurveForm
 from kindyna_gui.motion.editor import MotionEditor
-from kindyna_gui.motion.grips import ANGLE_STEP, meant, snapped
+from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
@@ -99,21 +99,21 @@ class SegmentsView(View):
     def _connect(self) -> None:
         self.model.error_changed.connect(self._show_text)
         self.curve.error_changed.connect(self._show_text)
-        self.table.insert_wanted.connect(partial(self.act, "insert"))
-        self.table.delete_wanted.connect(partial(self.act, "delete"))
+        self.table.insert_requested.connect(partial(self.act, "insert"))
+        self.table.delete_requested.connect(partial(self.act, "delete"))
         self.bar.wanted.connect(self.act)
         self.bar.abilities_changed.connect(self.abilities_changed)
-        self.table.nudge_wanted.connect(self.diagram.nudge)
+        self.table.nudge_requested.connect(self.diagram.nudge)
         self.table.dropped.connect(self.diagram.escape)
         self.table.selectionModel().currentChanged.connect(self._row_chosen)
         self.table.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         self.table.customContextMenuRequested.connect(self._open_menu)
         self.diagram.segment_chosen.connect(self._choose_row)
-        self.diagram.menu_wanted.connect(self._open_diagram_menu)
+        self.diagram.menu_requested.connect(self._open_diagram_menu)
         self.diagram.settled.connect(self._draw)
         self.diagram.released.connect(self._forget_before)
-        self.draft.close_wanted.connect(self.session.close_draft)
-        self.draft.drop_wanted.connect(self.session.drop_draft)
+        self.draft.close_requested.connect(self.session.close_draft)
+        self.draft.drop_requested.connect(self.session.drop_draft)
         self.session.draft_changed.connect(self.invalidate)
         self.session.refused.connect(self._refused)
         self.session.accepted.connect(self._accepted)
@@ -141,7 +141,7 @@ class SegmentsView(View):
         place = (at.row(), at.column())
         draft = self.session.draft
         joins = study.program.joins if draft is None else joins_of(draft)
-        self.model.show(typed, joins, frozenset() if draft is None else amiss(draft, typed))
+        self.model.show(typed, joins, frozenset() if draft is None else faulty_paths(draft, typed))
         if self.model.rowCount() != count or not self.table.currentIndex().isValid():
             self.choose(*place)
         self._draw()
@@ -266,7 +266,7 @@ class SegmentsView(View):
         action, row, design = ACTIONS[name], self.chosen, self.session.typed
         if not action.makes_sense(design, row):
             return
-        there = meant(degrees(self.player.theta)) if angle is None else angle
+        there = snapped_angle(degrees(self.player.theta)) if angle is None else angle
         self.session.end_gesture()
         try:
             changed = action.change(design, row, there)

@@ -52,7 +52,7 @@ class Sheet(QGraphicsView):
     """A view on a mechanism that fills it, for files only: never shown, never scrolled."""
 
     def __init__(
-        self, scene: MechanismScene, width: int, height: int, look: tuple[QRectF, float] | None = None
+        self, scene: MechanismScene, width: int, height: int, region: tuple[QRectF, float] | None = None
     ) -> None:
         """look: what is visible [mm] and at how many pixels per mm; else all of it."""
         super().__init__()
@@ -63,8 +63,8 @@ class Sheet(QGraphicsView):
         self.setBackgroundBrush(scene.backgroundBrush())
         self.setAutoFillBackground(False)
         self.resize(width, height)
-        visible, scale = look or scene.fit(width, height)
-        scene.look_at(visible, scale)
+        visible, scale = region or scene.fit(width, height)
+        scene.show_region(visible, scale)
         self.setScene(scene)
         self.setSceneRect(visible)
         self.scale(scale, -scale)

@@ -88,14 +88,14 @@ class Faults(QObject):
 
     # -- a fault ------------------------------------------------------------------------------------------
 
-    def hear(self, error: BaseException) -> None:
+    def handle(self, error: BaseException) -> None:
         """A fault in the window's own thread."""
         if not self._going_back:  # else it is said already
             self._failures.append((self._view_of(error.__traceback__), short(error)))
             self._event_end.start()
         self.log.write(error, self._state())
 
-    def hear_of_thread(self, error: BaseException, thread: str) -> None:
+    def handle_in_thread(self, error: BaseException, thread: str) -> None:
         """A fault in another thread, which touches nothing of the window."""
         self.log.write(error, f"In the thread {thread}")
         self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). Help > Log tells more.")
@@ -204,18 +204,18 @@ def _install(faults: Faults) -> None:
 
     def uncaught(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
         before[0](kind, error, trace)
-        lead(error, Faults.hear)
+        lead(error, Faults.handle)
         for name in ("last_type", "last_value", "last_traceback"):  # they would keep the widgets of its frames
             vars(sys).pop(name, None)
 
     def unraisable(args: Any) -> None:
         before[1](args)
         own = threading.current_thread() is threading.main_thread()
-        lead(args.exc_value, Faults.hear if own else lambda f, e: f.hear_of_thread(e, threading.current_thread().name))
+        lead(args.exc_value, Faults.handle if own else lambda f, e: f.handle_in_thread(e, threading.current_thread().name))
 
     def in_thread(args: Any) -> None:
         before[2](args)
-        lead(args.exc_value, lambda f, e: f.hear_of_thread(e, args.thread.name if args.thread is not None else "unknown"))
+        lead(args.exc_value, lambda f, e: f.handle_in_thread(e, args.thread.name if args.thread is not None else "unknown"))
 
     before: tuple[Any, Any, Any] = (sys.excepthook, sys.unraisablehook, threading.excepthook)
     after = (uncaught, unraisable, in_thread)

@@ -24,12 +24,12 @@ HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °",
 class FindingsView(View):
     """The list of findings.
 
-    field_wanted   (path): the reader wants to see this field
+    field_requested   (path): the reader wants to see this field
     """
 
     stages = STAGES_OF_VIEWS["findings"]
     pause_ms = 150
-    field_wanted = Signal(str)
+    field_requested = Signal(str)
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -67,7 +67,7 @@ class FindingsView(View):
         if finding.cam_angle_deg is not None:
             self.player.play(False)
             self.player.set_theta(finding.cam_angle_deg * pi / 180.0)
-        self.field_wanted.emit(finding.field)
+        self.field_requested.emit(finding.field)
 
 
 def _angle(finding: Finding) -> str:

@@ -101,8 +101,8 @@ class MainWindow(QMainWindow):
         view.status_message.connect(lambda text: self.status.show_message(text))
         if hasattr(view, "abilities_changed"):
             view.abilities_changed.connect(self._enable_segment_edits)
-        if hasattr(view, "field_wanted"):
-            view.field_wanted.connect(self.focus_field)
+        if hasattr(view, "field_requested"):
+            view.field_requested.connect(self.focus_field)
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 

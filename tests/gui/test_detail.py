@@ -250,7 +250,7 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
 def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[MechanismScene, MechanismScene], zoom: float) -> None:
     scene = scenes[0]
     visible, scale = scene.fit(600, 500)
-    scene.look_at(visible, scale * zoom)
+    scene.show_region(visible, scale * zoom)
     for part in scene.parts.values():
         if isinstance(part.item, Loop):
             path, whole = part.item.path(), part.item._points
@@ -261,15 +261,15 @@ def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[Mecha
 
 def test_a_design_edited_under_the_glass_has_all_its_points_there(scenes: tuple[MechanismScene, MechanismScene]) -> None:
     scene = scenes[0]
-    assert scene.reading is not None
+    assert scene.geometry is not None
     visible, scale = scene.fit(600, 500)
-    scene.look_at(visible, scale * 400.0)
+    scene.show_region(visible, scale * 400.0)
     near = loops(scene)
-    larger = edited(scene.reading.study.design, "cam.base_radius_mm", scene.reading.study.design.drive.cam.base_radius_mm + 0.5)
+    larger = edited(scene.geometry.study.design, "cam.base_radius_mm", scene.geometry.study.design.drive.cam.base_radius_mm + 0.5)
     for keep in (True, False):
-        scene.update_study(Study(larger if keep else scene.reading.study.design, SAMPLES), keep_labels=keep)
+        scene.update_study(Study(larger if keep else scene.geometry.study.design, SAMPLES), keep_labels=keep)
         assert loops(scene) == pytest.approx(near, rel=0.02)
-    scene.look_at(visible, scale)
+    scene.show_region(visible, scale)
     assert loops(scene) < 0.3 * near
 
 
@@ -278,7 +278,7 @@ def test_zooming_brings_points_back_and_leaves_them_again(scenes: tuple[Mechanis
     visible, scale = scene.fit(600, 500)
     counts = []
     for zoom in (1.0, 20.0, 400.0, 1.0):
-        scene.look_at(visible, scale * zoom)
+        scene.show_region(visible, scale * zoom)
         counts.append(loops(scene))
     assert counts[0] < counts[1] < counts[2]
     assert counts[3] == counts[0]
@@ -294,8 +294,8 @@ def test_a_body_of_pieces_has_no_line_inside() -> None:
     for key, part in scene.parts.items():
         part.item.setVisible(key == "body.arm")
     hub = arm.mapToScene(QPointF(0.0, 0.0))
-    assert scene.reading is not None
-    unit, scale = scene.reading.unit, 2.0  # pixels per mm
+    assert scene.geometry is not None
+    unit, scale = scene.geometry.unit, 2.0  # pixels per mm
     box = QRectF(hub.x() - 80.0, hub.y() - 80.0, 160.0, 160.0)
     shown = dots(Sheet(scene, 320, 320, (box, scale)))
     fill = np.array([int(fill_of(scene)[i : i + 2], 16) for i in (1, 3, 5)])

@@ -297,7 +297,7 @@ def test_a_rise_alone_is_marked_with_what_it_misses_and_what_would_close_it(user
     view, whole = user.motion(), user.design.drive.motion
     assert stroke(whole) == 0.0
     assert view.diagram.motion == whole, "drawings keep the last whole motion"
-    assert view.model.amiss(1, RISE)
+    assert view.model.faulty(1, RISE)
     assert view.draft.isVisible()
     assert view.draft.trouble.text() == "Segment 2, rise: the follower ends 40 mm above its start"
     assert "-40 mm" in view.draft.remedy.text()

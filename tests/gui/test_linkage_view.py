@@ -44,7 +44,7 @@ def test_a_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     assert not view.in_trouble
     for step in range(10):
         user.turn(36.0 * step)
-        assert view.scene.reading is not None
+        assert view.scene.geometry is not None
         study, index = user.session.study, view.scene.index
         for body, pose in study.linkage.bodies.items():
             key = f"body.{body}"

@@ -217,7 +217,7 @@ def test_labels_keep_their_sides_while_editing_and_settle_afterwards(show: Show)
     wait_for(lambda: not view.canvas.rest.isActive())
     fresh = MechanismView(Session(view.session.design), Player())
     fresh.pull()
-    fresh.scene.look_at(view.canvas.visible, view.canvas.scale_now)
+    fresh.scene.show_region(view.canvas.visible, view.canvas.scale_now)
     assert fresh.scene._labels is not None
     assert view.scene._labels.sides == fresh.scene._labels.sides
     fresh.deleteLater()

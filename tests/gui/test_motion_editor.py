@@ -535,7 +535,7 @@ def test_the_diagram_cuts_where_it_was_clicked(user: User) -> None:
     paper = diagram(user)
     place = paper.place_of(200.2, 60.0).toPoint()
     QTest.mouseClick(paper.viewport(), Qt.MouseButton.RightButton, NONE, place)
-    paper.menu_wanted.emit(paper.mapToGlobal(place), 200.2)
+    paper.menu_requested.emit(paper.mapToGlobal(place), 200.2)
     menu = paper.findChild(QMenu)
     assert menu is not None
     paper.segment_chosen.emit(2)

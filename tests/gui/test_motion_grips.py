@@ -3,7 +3,19 @@
 import pytest
 
 from core.design import LEAST_SPAN, Motion, Named, Segment
-from kindyna_gui.motion.grips import LEVEL, LINE, POINT, Grip, Pull, Scale, grip_at, meant, nudged, segment_at, snapped
+from kindyna_gui.motion.grips import (
+    LEVEL,
+    LINE,
+    POINT,
+    Grip,
+    Pull,
+    Scale,
+    grip_at,
+    nudged,
+    segment_at,
+    snapped,
+    snapped_angle,
+)
 
 DWELL, SINE = Named("dwell"), Named("modified-sine")
 LIFT = Motion(
@@ -66,7 +78,7 @@ def test_a_segment_is_found_by_its_angle() -> None:
 
 
 def test_an_angle_that_was_pointed_at_is_rounded() -> None:
-    assert [meant(a) for a in (50.0, 50.12, 34.615384, 34.8, 49.99999999999)] == [50.0, 50.12, 34.5, 34.8, 50.0]
+    assert [snapped_angle(a) for a in (50.0, 50.12, 34.615384, 34.8, 49.99999999999)] == [50.0, 50.12, 34.5, 34.8, 50.0]
 
 
 # -- pulls ------------------------------------------------------------------------------------------------

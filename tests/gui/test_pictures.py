@@ -384,9 +384,9 @@ def test_the_frame_holds_the_whole_turn_and_never_moves(design: Design) -> None:
 @designs
 def test_symbols_keep_their_size_whatever_the_size_of_the_mechanism(design: Design) -> None:
     scene = scene_of(design)
-    assert scene.reading is not None
+    assert scene.geometry is not None
     rect = scene.fit_rect()
-    assert 60.0 < np.hypot(rect.width(), rect.height()) / scene.reading.unit < 200.0
+    assert 60.0 < np.hypot(rect.width(), rect.height()) / scene.geometry.unit < 200.0
 
 
 def test_a_mechanism_of_any_size_gives_the_same_picture() -> None:
@@ -428,10 +428,10 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
     design: Design, size: tuple[int, int]
 ) -> None:
     scene = scene_of(design)
-    reading = scene.reading
+    reading = scene.geometry
     assert reading is not None
     visible, scale = scene.fit(*size)
-    scene.look_at(visible, scale)
+    scene.show_region(visible, scale)
     parts = {key.removeprefix("label."): part.item for key, part in scene.parts.items() if key.startswith("label.")}
     assert {"cam", "roller"} <= set(parts)
     for i in INDICES:
@@ -466,7 +466,7 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
 def test_the_scale_bar_is_round(size: tuple[int, int], texts: list[str]) -> None:
     scene = scene_of(LIFT)
     visible, scale = scene.fit(*size)
-    scene.look_at(visible, scale)
+    scene.show_region(visible, scale)
     assert scene.overlay is not None
     assert scene.overlay.bar.texts == texts
     width = scene.overlay.bar.childItems()[0].boundingRect().width()
@@ -567,7 +567,7 @@ def test_a_slide_on_a_moving_body_moves_with_it() -> None:
 def test_no_label_stands_on_hatching(design: Design, size: tuple[int, int]) -> None:
     scene = scene_of(design)
     visible, scale = scene.fit(*size)
-    scene.look_at(visible, scale)
+    scene.show_region(visible, scale)
     hatched = [part.item for key, part in scene.parts.items() if key.startswith("ground.")]
     for i in INDICES:
         scene.set_index(i)

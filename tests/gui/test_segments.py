@@ -216,7 +216,7 @@ def test_a_span_its_neighbour_cannot_give_stays_until_it_is_mended(user: User) -
     view = user.motion()
     assert user.design == LIFT
     assert column(user, SPAN) == ["35", "300", "207", "41.5", "35"]
-    assert view.model.amiss(1, SPAN)
+    assert view.model.faulty(1, SPAN)
     assert "258.5° more than a turn" in view.draft.trouble.text()
     user.enter_cell(1, SPAN, "45")
     assert spans(user) == [35.0, 45.0, 203.5, 41.5, 35.0]

@@ -208,7 +208,7 @@ def test_the_list_of_ratios_stands_above_the_mechanism(six_bar: User) -> None:
     (drawn,) = scene.construct.ratios.values()
     assert view.canvas.scale_now <= scale
     lowest = min(tag.pos().y() - tag.size[1] / view.canvas.scale_now for _, _, tag in drawn.rows)
-    highest = max(float(track.imag.max()) for track in scene.reading.tracks())  # type: ignore[union-attr]
+    highest = max(float(track.imag.max()) for track in scene.geometry.tracks())  # type: ignore[union-attr]
     assert lowest > highest
 
 
@@ -249,7 +249,7 @@ def test_numbers_of_centres_cover_neither_parts_nor_each_other(name: str, open_u
         tags = [m.tag for m in scene.construct.marks.marks if m.tag.isVisible()]
         boxes = [t.pixel_box().translated(t.pos().x() * scale, -t.pos().y() * scale) for t in tags]
         assert not any(a.intersects(b) for i, a in enumerate(boxes) for b in boxes[:i])
-        dots = ink(scene.reading, np.array([scene.index]), ())  # type: ignore[arg-type]
+        dots = ink(scene.geometry, np.array([scene.index]), ())  # type: ignore[arg-type]
         for box in boxes:
             seen += 1
             x = np.maximum(np.abs(dots.place[0].real * scale - box.center().x()) - box.width() / 2, 0.0)

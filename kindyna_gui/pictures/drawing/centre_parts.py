@@ -13,8 +13,8 @@ from core.instant_centres import CentreTable, KennedyStep, Triangle, line_of
 from core.mechanism import ROLLER, link_number
 from core.mechanism.kinematics import FRAME
 from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag
-from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.drawing.shapes import at, polyline
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
@@ -160,18 +160,18 @@ class KennedyLines:
         return lines
 
 
-def coupler_curves(reading: Reading, theme: Theme) -> Iterator[Part]:
+def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """The way of every named point over the turn: of points on links that no pair holds on the frame boldly."""
-    held = {j.pair.body for j in reading.joints if j.fixed}
-    pinned = {name for body in held | {FRAME} for name in reading.bodies[body].points}
+    held = {j.pair.body for j in geometry.joints if j.fixed}
+    pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
     seen: set[str] = set()
-    for body in reading.moving.values():
+    for body in geometry.moving.values():
         for name, place in body.points.items():
-            if name in seen or name == ROLLER or name.isdecimal() or name in reading.bodies[FRAME].points:
+            if name in seen or name == ROLLER or name.isdecimal() or name in geometry.bodies[FRAME].points:
                 continue
             seen.add(name)
             free = name not in pinned
             pen = theme.pen(BLUE, OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
             track = body.track(place)
-            item = Loop(track, pen) if reading.whole_turn else Outline(polyline(track), pen)
+            item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
             yield Part(f"coupler.{name}", item, ("coupler",), Z_WAYS + (0.1 if free else 0.0))

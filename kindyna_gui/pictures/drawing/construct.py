@@ -14,9 +14,9 @@ from PySide6.QtCore import QRectF
 from core.instant_centres import CHAINS
 from kindyna_gui.pictures.drawing.centre_parts import Z_CENTRES, Z_LINES, CentreMarks, KennedyLines, coupler_curves
 from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.labels import ink
-from kindyna_gui.pictures.drawing.geometry import Reading
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import Theme
@@ -29,9 +29,9 @@ class Construct:
     """
 
     def __init__(
-        self, reading: Reading, theme: Theme, sight: Sight, texts: Callable[[], list[QRectF]], step: int | None
+        self, geometry: Geometry, theme: Theme, sight: Sight, texts: Callable[[], list[QRectF]], step: int | None
     ) -> None:
-        self._reading, self._theme, self._sight, self._texts = reading, theme, sight, texts
+        self._geometry, self._theme, self._sight, self._texts = geometry, theme, sight, texts
         self._step, self._made = step, set[str]()
         self._index = 0
         self._room: Room | None = None
@@ -53,7 +53,7 @@ class Construct:
     def room(self) -> Room:
         """What is taken at the sample at hand."""
         if self._room is None:
-            drawn = ink(self._reading, np.array([self._index]), ())
+            drawn = ink(self._geometry, np.array([self._index]), ())
             self._room = Room(self._sight, drawn, self._texts())
             down = 0.0
             for ratios in self._listed():
@@ -76,7 +76,7 @@ class Construct:
         self._step = step
         if self.marks is None and self.kennedy is None:
             return
-        plan = self._reading.study.centres.construction
+        plan = self._geometry.study.centres.construction
         known = None if step is None else frozenset((*plan.known, *(w.key for w in plan.steps[:step])))
         wanted = plan.steps[step - 1].key if step and step <= len(plan.steps) else None
         if self.marks is not None:
@@ -88,21 +88,21 @@ class Construct:
     # -- layers ---------------------------------------------------------------------------------------------
 
     def _centres(self, layer: str) -> Iterator[Part]:
-        self.marks = CentreMarks(self._reading.study.centres, self._theme, self._sight, self.room)
+        self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._sight, self.room)
         yield Part(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
 
     def _kennedy(self, layer: str) -> Iterator[Part]:
-        table = self._reading.study.centres
+        table = self._geometry.study.centres
         self.kennedy = KennedyLines(table, table.construction.steps, self._theme, self._sight)
         yield Part(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
 
     def _ratios(self, layer: str) -> Iterator[Part]:
-        drawn = RatioDimensions(self._reading, CHAINS[layer], self._theme, self._sight, self.room)
+        drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._sight, self.room)
         self.ratios[layer] = drawn
         yield Part(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
 
     def _coupler(self, layer: str) -> Iterator[Part]:
-        yield from coupler_curves(self._reading, self._theme)
+        yield from coupler_curves(self._geometry, self._theme)
 
 
 _LAYERS: Mapping[str, Callable[[Construct, str], Iterator[Part]]] = MappingProxyType(

@@ -6,28 +6,28 @@ from collections.abc import Iterable
 
 from PySide6.QtCore import QRectF
 
+from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
-from kindyna_gui.pictures.drawing.geometry import Reading
 
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
 _STANDING = ("rails", "ground", "pedestal")
 
 
-def whole(reading: Reading, parts: Iterable[Part]) -> QRectF:
+def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
     """The rectangle that holds the mechanism over the whole turn [mm]: all that moves, the ground it stands on, and
     the instant centre where it is near."""
-    low, high = reading.core_box
+    low, high = geometry.core_box
     rect = QRectF(low.real, low.imag, (high - low).real, (high - low).imag)
     for part in parts:
         if part.move is None and part.key.partition(".")[0] in _STANDING:
             rect = rect.united(part.item.boundingRect())
-    q = reading.near_centres
+    q = geometry.near_centres
     if q.size:
         x, y = q.real, q.imag
         left, below = float(x.min()), float(y.min())
         rect = rect.united(QRectF(left, below, float(x.max()) - left + 1e-9, float(y.max()) - below + 1e-9))
-    room = MARGIN_UNITS * reading.unit
+    room = MARGIN_UNITS * geometry.unit
     return rect.adjusted(-room, -room, room, room)
 
 

@@ -93,7 +93,7 @@ def _joint(name: str, pair: Pair, bodies: Mapping[str, Body]) -> Joint:
     return Joint(name, pair, track, pair.axis, complex(path[0]), float(along.min()), float(along.max()), complex(own))
 
 
-class Reading:
+class Geometry:
     """A study as places in mm at its n cam angles.
 
     Raises NoAnswer where the linkage has none; where only the cam has none, ``shape`` is None.
@@ -202,7 +202,7 @@ class Reading:
         size = abs(high - low) / UNITS_ACROSS
         return float(10.0 ** (np.round(UNIT_STEPS * np.log10(size)) / UNIT_STEPS))
 
-    def stands_as(self, other: Reading) -> bool:
+    def same_places(self, other: Geometry) -> bool:
         """Whether every part stands where it does in another reading: no more than speed or loads may differ."""
         return (
             self.kinematics is other.kinematics

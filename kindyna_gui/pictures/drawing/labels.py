@@ -15,9 +15,9 @@ from PySide6.QtCore import QRectF
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
+from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
 from kindyna_gui.pictures.drawing.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
-from kindyna_gui.pictures.drawing.geometry import Reading
 from kindyna_gui.pictures.drawing.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
@@ -68,74 +68,74 @@ def _clear(outwards: np.ndarray, half: complex) -> np.ndarray:
     return np.asarray(outwards * (half.real * np.abs(outwards.real) + half.imag * np.abs(outwards.imag)))
 
 
-def _turn(reading: Reading, *bodies: str) -> np.ndarray | None:
+def _turn(geometry: Geometry, *bodies: str) -> np.ndarray | None:
     """The unit vector that goes round with the first of these links of a linkage that turns far (n,)."""
-    for name in bodies if reading.numbered else ():
-        angle = np.deg2rad(reading.bodies[name].angle)
+    for name in bodies if geometry.numbered else ():
+        angle = np.deg2rad(geometry.bodies[name].angle)
         if np.ptp(angle) > FAR_TURN:
             return np.exp(1j * angle)
     return None
 
 
-def names(reading: Reading) -> Iterator[Label]:
+def names(geometry: Geometry) -> Iterator[Label]:
     """What is named: cam, roller, bodies, pins, instant centre."""
-    unit = reading.unit
-    fixed = np.zeros(reading.samples, dtype=complex)
-    if reading.face_radius:
-        yield Label("roller", "roller", reading.reference, reading.face_radius, "roller")
-    slides = {j.pair.body: j for j in reading.joints if j.pair.kind == SLIDING}
-    for body in reading.moving.values():
+    unit = geometry.unit
+    fixed = np.zeros(geometry.samples, dtype=complex)
+    if geometry.face_radius:
+        yield Label("roller", "roller", geometry.reference, geometry.face_radius, "roller")
+    slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
+    for body in geometry.moving.values():
         places = list(body.nodes.values())
-        name = body.name.removeprefix("link") if reading.numbered else body.name.replace("_", " ")
+        name = body.name.removeprefix("link") if geometry.numbered else body.name.replace("_", " ")
         if body.name in slides:
-            yield Label(body.name, name, *_of_slide(reading, body.name, slides), "linkage")
+            yield Label(body.name, name, *_of_slide(geometry, body.name, slides), "linkage")
         elif len(places) > 1:
             ends = max(((a, b) for a in places for b in places), key=lambda e: abs(e[0] - e[1]))
             yield Label(
-                body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(reading, body.name)
+                body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(geometry, body.name)
             )
-    for joint in drawn_joints(reading):
+    for joint in drawn_joints(geometry):
         if joint.pair.kind == REVOLUTE:
             on_block = joint.pair.body in slides or joint.pair.on in slides
             room = 0.5 * BLOCK_HEIGHT * unit if on_block else 1.3 * EYE * unit
-            turn = None if joint.fixed else _turn(reading, joint.pair.on, joint.pair.body)
+            turn = None if joint.fixed else _turn(geometry, joint.pair.on, joint.pair.body)
             yield Label(f"pin.{joint.name}", joint.name.replace("_", " "), joint.track, room, "linkage", None, turn)
-    yield from _free_points(reading)
-    if reading.profile.size:
-        yield Label("cam", "cam", fixed, float(np.abs(reading.profile).max()), "cam", 0.93 * reading.bearing_room)
-        if np.isfinite(reading.centre).any():
-            yield Label("centre", "Q", reading.centre, 1.6 * unit, "centre")
+    yield from _free_points(geometry)
+    if geometry.profile.size:
+        yield Label("cam", "cam", fixed, float(np.abs(geometry.profile).max()), "cam", 0.93 * geometry.bearing_room)
+        if np.isfinite(geometry.centre).any():
+            yield Label("centre", "Q", geometry.centre, 1.6 * unit, "centre")
 
 
-def _free_points(reading: Reading) -> Iterator[Label]:
+def _free_points(geometry: Geometry) -> Iterator[Label]:
     """The points of links that no pair is at, such as coupler points; only a linkage has any."""
-    if not reading.numbered:
+    if not geometry.numbered:
         return
     from core.mechanism import ROLLER
 
-    pinned_points = {joint.pair.point for joint in reading.joints}
-    for body in reading.moving.values():
+    pinned_points = {joint.pair.point for joint in geometry.joints}
+    for body in geometry.moving.values():
         for name, place in body.points.items():
             if name not in pinned_points and not (name == ROLLER or name.isdecimal()):
-                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * reading.unit, "linkage")
+                yield Label(f"point.{body.name}.{name}", name, body.track(place), 1.3 * EYE * geometry.unit, "linkage")
 
 
-def _of_slide(reading: Reading, name: str, slides: dict) -> tuple[np.ndarray, float]:
-    joint, unit = slides[name], reading.unit
-    if joint.fixed and name == reading.kinematics.follower_body and not reading.numbered:
+def _of_slide(geometry: Geometry, name: str, slides: dict) -> tuple[np.ndarray, float]:
+    joint, unit = slides[name], geometry.unit
+    if joint.fixed and name == geometry.kinematics.follower_body and not geometry.numbered:
         outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
-        return joint.track + outwards * joint.line * (reading.face_radius + 0.9 * unit), unit
+        return joint.track + outwards * joint.line * (geometry.face_radius + 0.9 * unit), unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
 
 
-def spread_samples(reading: Reading) -> np.ndarray:
+def spread_samples(geometry: Geometry) -> np.ndarray:
     """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the ways of
     follower and instant centre."""
-    n = reading.samples
+    n = geometry.samples
     spread = np.full(n, 1.0 / n)
-    for track in (reading.reference, reading.centre):
+    for track in (geometry.reference, geometry.centre):
         finite = np.where(np.isfinite(track), track, 0.0)
-        distance = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * reading.unit)
+        distance = np.minimum(np.abs(np.diff(finite, prepend=finite[:1])), 10.0 * geometry.unit)
         spread += distance / (distance.sum() or 1.0)
     marks = np.floor(np.cumsum(spread) / spread.sum() * (SAMPLED - 1e-9))
     return np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
@@ -150,9 +150,9 @@ class Ink:
     weight: np.ndarray
 
 
-def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> Ink:
+def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, np.ndarray]]) -> Ink:
     """The drawing as dots at the samples ``seen`` (k,); strokes: from (n,) to (n,) [mm], such as arrows."""
-    unit = reading.unit
+    unit = geometry.unit
     rows: list[tuple[np.ndarray, float, float]] = []
 
     def dots(one: np.ndarray, other: np.ndarray, radius: float, weight: float) -> None:
@@ -160,7 +160,7 @@ def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, 
         part = np.linspace(0.0, 1.0, count)
         rows.append((one[:, None] + (other - one)[:, None] * part, radius, weight))
 
-    for body in reading.moving.values():
+    for body in geometry.moving.values():
         ends = [body.track(p)[seen] for p in body.nodes.values()]
         middle = sum(ends) / max(len(ends), 1)
         for i, end in enumerate(ends[1:]):
@@ -171,29 +171,29 @@ def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, 
         if len(ends) > 1:
             rows.append((np.stack(ends, axis=1), EYE * unit, 1.5))
     around = np.exp(2j * np.pi * np.arange(40) / 40)
-    if reading.face_radius:
-        rows.append((reading.reference[seen][:, None] + reading.face_radius * around, 0.0, 0.8))
-        rows.append((reading.reference[seen][:, None], unit, 1.5))
-    if reading.profile.size:
-        thin = slice(None, None, max(1, reading.samples // 90))
-        turn = np.exp(1j * np.deg2rad(reading.turned[seen]))[:, None]
-        rows.append((reading.profile[thin] * turn, 0.0, 0.6))
-        rows.append((reading.pitch[thin] * turn, 0.0, 0.9))
-        centre = np.where(np.isfinite(reading.centre[seen]), reading.centre[seen], 0.0)
-        dots(reading.reference[seen], centre, 0.0, 0.25)
-    if reading.with_cam:
+    if geometry.face_radius:
+        rows.append((geometry.reference[seen][:, None] + geometry.face_radius * around, 0.0, 0.8))
+        rows.append((geometry.reference[seen][:, None], unit, 1.5))
+    if geometry.profile.size:
+        thin = slice(None, None, max(1, geometry.samples // 90))
+        turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]
+        rows.append((geometry.profile[thin] * turn, 0.0, 0.6))
+        rows.append((geometry.pitch[thin] * turn, 0.0, 0.9))
+        centre = np.where(np.isfinite(geometry.centre[seen]), geometry.centre[seen], 0.0)
+        dots(geometry.reference[seen], centre, 0.0, 0.25)
+    if geometry.with_cam:
         rows.append((np.zeros((seen.size, 1), dtype=complex), 2.0 * unit, 1.0))
-        radius, start, span = sense_arc(reading)
+        radius, start, span = sense_arc(geometry)
         arc = radius * np.exp(1j * np.deg2rad(start + span * np.linspace(0.0, 1.0, 16)))
         rows.append((np.tile(arc, (seen.size, 1)), 0.4 * unit, 0.8))
-    for joint in reading.joints:
+    for joint in geometry.joints:
         track = joint.track[seen]
         if joint.pair.kind == SLIDING:
             line, over = joint.line * np.ones(seen.size), 4.2 * unit
             dots(joint.root + (joint.low - over) * line, joint.root + (joint.high + over) * line, 2.5 * unit, 0.7)
             rows.append((track[:, None], 0.6 * BLOCK_LENGTH * unit, 1.0))
         elif joint.fixed:
-            down = ground_direction(joint, reading) * unit
+            down = ground_direction(joint, geometry) * unit
             rows.append((track[:, None] + down * np.array([1.0, 2.2, 3.0]), 1.6 * unit, 1.0))
     for start, end in strokes:
         dots(start[seen], np.where(np.isfinite(end), end, start)[seen], 0.5 * unit, 0.7)
@@ -205,19 +205,19 @@ def ink(reading: Reading, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray, 
 class Labels:
     """The labels of one drawing: tags, and how they are laid for a picture of a given scale."""
 
-    def __init__(self, reading: Reading, theme: Theme) -> None:
-        self._reading = reading
+    def __init__(self, geometry: Geometry, theme: Theme) -> None:
+        self._geometry = geometry
         self._strokes: Sequence[tuple[np.ndarray, np.ndarray]] = ()
-        self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(reading)]
+        self._rows = [(label, Tag(label.text, theme.ink, theme)) for label in names(geometry)]
         self._moves: dict[str, Move] = {}
         self.sides: dict[str, int] = {}
 
-    def renew(self, reading: Reading) -> bool:
+    def renew(self, geometry: Geometry) -> bool:
         """Name the parts of another drawing with the same texts; False, and nothing done, where it has others."""
-        rows = list(names(reading))
+        rows = list(names(geometry))
         if [(label.key, label.text) for label in rows] != [(label.key, label.text) for label, _ in self._rows]:
             return False
-        self._reading = reading
+        self._geometry = geometry
         self._rows = [(label, tag) for label, (_, tag) in zip(rows, self._rows, strict=True)]
         for cached in ("_samples", "_ink"):
             self.__dict__.pop(cached, None)
@@ -227,11 +227,11 @@ class Labels:
 
     @cached_property
     def _samples(self) -> np.ndarray:
-        return spread_samples(self._reading)
+        return spread_samples(self._geometry)
 
     @cached_property
     def _ink(self) -> Ink:
-        return ink(self._reading, self._samples, self._strokes)
+        return ink(self._geometry, self._samples, self._strokes)
 
     def parts(self) -> Iterator[Part]:
         for label, tag in self._rows:

@@ -14,11 +14,11 @@ from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, parts, vectors
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
+from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Part
 from kindyna_gui.pictures.drawing.labels import Labels
 from kindyna_gui.pictures.drawing.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
-from kindyna_gui.pictures.drawing.geometry import Reading
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
 
 
-BUILDERS: tuple[Callable[[Reading, Theme], Iterator[Part]], ...] = (
+BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
     cam_parts.cam,
     parts.roller,
     parts.linkage,
     cam_parts.contact,
 )
-FIELDS: Mapping[str, Callable[[Reading], vectors.Field]] = MappingProxyType(
+FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
     {"velocities": vectors.velocities, "forces": vectors.forces}
 )
 """Layers of vectors, computed when first shown."""
@@ -43,7 +43,7 @@ FIELDS: Mapping[str, Callable[[Reading], vectors.Field]] = MappingProxyType(
 class MechanismScene(QGraphicsScene):
     """A study's mechanism in mm, y upwards: whoever shows it turns y over.
 
-    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``look_at`` must be told what is visible and at which
+    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``show_region`` must be told what is visible and at which
     scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
 
     closest: by how much a reader may enlarge the picture and still find its curves smooth
@@ -54,7 +54,7 @@ class MechanismScene(QGraphicsScene):
         self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
         self.setBackgroundBrush(QColor(theme.paper))
         self.theme = theme
-        self.reading: Reading | None = None
+        self.geometry: Geometry | None = None
         self.index = 0
         self._angle: float | None = None
         self.parts: dict[str, Part] = {}
@@ -62,7 +62,7 @@ class MechanismScene(QGraphicsScene):
         self._lines: list[Loop] = []
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
-        self._look: tuple[QRectF, float] | None = None
+        self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
         self._fields: dict[str, vectors.Field] = {}
         self.sight = Sight()
@@ -78,23 +78,23 @@ class MechanismScene(QGraphicsScene):
         """Draw another study; cam angle, layers and what is visible stay as they are.
 
         keep_labels: labels stay on their sides, which is quick and does not flicker; ``lay_labels`` finds better ones,
-        and so does the first ``look_at``. lay: False where ``look_at`` follows at once, so that nothing is laid twice.
+        and so does the first ``show_region``. lay: False where ``show_region`` follows at once, so that nothing is laid twice.
         """
-        reading = Reading(study)
-        before, self.reading = self.reading, reading
+        geometry = Geometry(study)
+        before, self.geometry = self.geometry, geometry
         if before is not None:
-            self.index = round(self.index / before.samples * reading.samples) % reading.samples
+            self.index = round(self.index / before.samples * geometry.samples) % geometry.samples
         self._angle = None
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         drew = bool(self._fields)
         self._drop_vectors()
-        stands = before is not None and reading.stands_as(before)
-        if not stands:
-            self._rebuild(reading)
-        if reading.numbered:
+        same = before is not None and geometry.same_places(before)
+        if not same:
+            self._rebuild(geometry)
+        if geometry.numbered:
             from kindyna_gui.pictures.drawing.construct import Construct
 
-            self.construct = Construct(reading, self.theme, self.sight, self._texts, self._step)
+            self.construct = Construct(geometry, self.theme, self.sight, self._texts, self._step)
         for layer in FIELDS:
             self._need(layer)
         for layer in LINKAGE_LAYERS:
@@ -102,32 +102,32 @@ class MechanismScene(QGraphicsScene):
         if self._fields or drew:
             self._make_room()
         self._show()
-        if not lay or (self._look is None and keep_labels):
+        if not lay or (self._region is None and keep_labels):
             self._move(self.index, None)  # nothing can be laid yet
-        elif not stands or self._fields or drew or not keep_labels:
-            self._look_at(*(self._look or self.fit(*USUAL_SIZE)), sides)
+        elif not same or self._fields or drew or not keep_labels:
+            self._show_region(*(self._region or self.fit(*USUAL_SIZE)), sides)
         else:
             self._move(self.index, None)
 
-    def _rebuild(self, reading: Reading) -> None:
+    def _rebuild(self, geometry: Geometry) -> None:
         """Draw all parts anew; labels of the same names stay the items they are."""
-        named = self._labels is not None and self._labels.renew(reading)
+        named = self._labels is not None and self._labels.renew(geometry)
         for key, part in self.parts.items():
             if not (named and key.startswith("label.")):
                 self.removeItem(part.item)
         self.parts = {}
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
-        self.overlay.angle_name = reading.study.angle_name if reading.numbered else "cam angle"
+        self.overlay.angle_name = geometry.study.angle_name if geometry.numbered else "cam angle"
         for builder in BUILDERS:
-            for part in builder(reading, self.theme):
+            for part in builder(geometry, self.theme):
                 self._take(part)
         if self._labels is None or not named:
-            self._labels = Labels(reading, self.theme)
+            self._labels = Labels(geometry, self.theme)
         for part in self._labels.parts():
             self._take(part)
         self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
-        self._whole = framing.whole(reading, self.parts.values())
+        self._whole = framing.whole(geometry, self.parts.values())
         self.setSceneRect(self._whole)
 
     def _drop_vectors(self) -> None:
@@ -148,12 +148,12 @@ class MechanismScene(QGraphicsScene):
 
     def _need(self, layer: str) -> None:
         """Vectors are computed when their layer is first shown."""
-        if self.reading is None or self.overlay is None or not self._shown[layer] or layer in self.overlay.vectors:
+        if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self.overlay.vectors:
             return
-        field = self._fields[layer] = FIELDS[layer](self.reading)
-        for part in vectors.arrows(field, layer, self.reading, self.theme):
+        field = self._fields[layer] = FIELDS[layer](self.geometry)
+        for part in vectors.arrows(field, layer, self.geometry, self.theme):
             self._take(part)
-        self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.reading)))
+        self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
 
     def _need_more(self, layer: str) -> None:
         """What a linkage shows besides is read when its layer is first shown."""
@@ -181,9 +181,9 @@ class MechanismScene(QGraphicsScene):
 
     def _make_room(self) -> None:
         """Labels keep clear of the vectors that are shown."""
-        if self._labels is not None and self.reading is not None:
+        if self._labels is not None and self.geometry is not None:
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
-            self._labels.avoid([stroke for field in shown for stroke in vectors.strokes(field, self.reading)])
+            self._labels.avoid([stroke for field in shown for stroke in vectors.strokes(field, self.geometry)])
 
     def item(self, key: str) -> QGraphicsItem:
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
@@ -207,8 +207,8 @@ class MechanismScene(QGraphicsScene):
         if name in FIELDS:
             self._need(name)
             self._make_room()
-            if self._look is not None:
-                self.look_at(*self._look)
+            if self._region is not None:
+                self.show_region(*self._region)
         self._show()
         self._move(self.index, self._angle)
 
@@ -226,27 +226,27 @@ class MechanismScene(QGraphicsScene):
 
     def _move(self, index: int, angle: float | None) -> None:
         """To a sample; angle: what is told in place of its own cam angle [deg]."""
-        if self.reading is None or self.overlay is None:
+        if self.geometry is None or self.overlay is None:
             return
-        self.index, self._angle = index % self.reading.samples, angle
+        self.index, self._angle = index % self.geometry.samples, angle
         if self.construct is not None:
             self.construct.begin(self.index)
         for part in self.parts.values():
             if part.move is not None and part.item.isVisible():
                 part.move(self.index)
-        self.overlay.show_angle(float(self.reading.cam_angle[self.index]) if angle is None else angle)
+        self.overlay.show_angle(float(self.geometry.cam_angle[self.index]) if angle is None else angle)
 
     def set_fraction(self, fraction: float) -> None:
         """Move to the sample nearest to this part of a turn."""
-        if self.reading is not None:
-            n, whole = self.reading.samples, self.reading.whole_turn
+        if self.geometry is not None:
+            n, whole = self.geometry.samples, self.geometry.whole_turn
             # there and back where the mechanism cannot go round
             self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
 
     def set_angle(self, theta: float) -> None:
         """Move to the sample nearest to cam angle theta [rad]; theta itself is told in the corner."""
-        if self.reading is not None:
-            self._move(self.reading.nearest(theta), degrees(theta))
+        if self.geometry is not None:
+            self._move(self.geometry.nearest(theta), degrees(theta))
 
     # -- sight ----------------------------------------------------------------------------------------------
 
@@ -256,7 +256,7 @@ class MechanismScene(QGraphicsScene):
 
     def least_rect(self) -> QRectF:
         """What a picture must hold to be no worse than fitted: the same with half the margin."""
-        half = 0.5 * MARGIN_UNITS * self.reading.unit if self.reading is not None else 0.0
+        half = 0.5 * MARGIN_UNITS * self.geometry.unit if self.geometry is not None else 0.0
         return self._whole.adjusted(half, half, -half, -half)
 
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
@@ -268,17 +268,17 @@ class MechanismScene(QGraphicsScene):
         """The same without strips for texts."""
         return framing.filled(self._whole, width, height)
 
-    def look_at(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
+    def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
         """Lay labels, scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
-        self._look_at(visible, scale, self._labels.sides if self._labels is not None and keep_labels else {})
+        self._show_region(visible, scale, self._labels.sides if self._labels is not None and keep_labels else {})
 
     def lay_labels(self) -> None:
         """Find the best side for each label."""
-        if self._look is not None:
-            self.look_at(*self._look)
+        if self._region is not None:
+            self.show_region(*self._region)
 
-    def _look_at(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
-        self._look = (visible, scale)
+    def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
+        self._region = (visible, scale)
         self.sight.visible, self.sight.scale = QRectF(visible), scale
         for line in self._lines:
             line.look(scale * self.theme.ratio * self._closest)

@@ -10,8 +10,8 @@ from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
+from kindyna_gui.pictures.drawing.geometry import Body, Geometry, Joint
 from kindyna_gui.pictures.drawing.items import Outline, Part, Silhouette, pinned, riding
-from kindyna_gui.pictures.drawing.geometry import Body, Joint, Reading
 from kindyna_gui.pictures.drawing.shapes import (
     EYE,
     HATCH,
@@ -36,53 +36,53 @@ Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 
-def linkage(reading: Reading, theme: Theme) -> Iterator[Part]:
+def linkage(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """Bodies as bars, levers and plates; pins; slides."""
-    for number, body in enumerate(reading.moving.values()):
+    for number, body in enumerate(geometry.moving.values()):
         fill = brush(theme.links[number % len(theme.links)])
-        pieces = body_pieces(body, reading)
+        pieces = body_pieces(body, geometry)
         if pieces:
             item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)
             yield Part(f"body.{body.name}", item, ("linkage",), Z_BODY + 0.1 * number, riding(item, body.z, body.angle))
-    for joint in drawn_joints(reading):
-        yield from JOINTS[joint.pair.kind](joint, reading, theme)
+    for joint in drawn_joints(geometry):
+        yield from JOINTS[joint.pair.kind](joint, geometry, theme)
 
 
-def drawn_joints(reading: Reading) -> Iterator[Joint]:
+def drawn_joints(geometry: Geometry) -> Iterator[Joint]:
     """Every pair once: several links on one pin are one pin."""
     seen: set[tuple[str, str]] = set()
-    for joint in reading.joints:
+    for joint in geometry.joints:
         key = (joint.pair.kind, joint.pair.point)
-        if not reading.numbered or key not in seen:
+        if not geometry.numbered or key not in seen:
             seen.add(key)
             yield joint
 
 
-def body_pieces(body: Body, reading: Reading) -> tuple[QPainterPath, ...]:
+def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
     """A body as a bar between two points, a lever about its fixed pivot, or a plate; none where it has one point."""
     places = tuple(body.nodes.values())
     if len(places) < 2:
         return ()
     if len(places) == 2:
-        return link(places, reading.unit)
-    hubs = [j.pair.point for j in reading.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
+        return link(places, geometry.unit)
+    hubs = [j.pair.point for j in geometry.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
     if hubs and hubs[0] in body.nodes:
         hub = body.nodes[hubs[0]]
-        return lever(hub, tuple(p for p in places if p != hub), reading.unit)
-    return plate(places, reading.unit)
+        return lever(hub, tuple(p for p in places if p != hub), geometry.unit)
+    return plate(places, geometry.unit)
 
 
-def _pin(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
-    item = Outline(circle(PIN * reading.unit), theme.pen(theme.ink, OUTLINE), brush(theme.paper))
+def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    item = Outline(circle(PIN * geometry.unit), theme.pen(theme.ink, OUTLINE), brush(theme.paper))
     yield Part(f"pin.{joint.name}", item, ("linkage",), Z_PIN, pinned(item, joint.track))
     if joint.fixed:
-        yield from _pedestal(joint, reading, theme)
+        yield from _pedestal(joint, geometry, theme)
 
 
-def _pedestal(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
-    turn = 1j * ground_direction(joint, reading)  # the symbol is drawn downwards
+def _pedestal(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    turn = 1j * ground_direction(joint, geometry)  # the symbol is drawn downwards
     place = complex(joint.track[0])
-    triangle, ground = (scaled(path, reading.unit, place, turn) for path in pedestal())
+    triangle, ground = (scaled(path, geometry.unit, place, turn) for path in pedestal())
     yield Part(
         f"pedestal.{joint.name}",
         Outline(triangle, theme.pen(theme.ink, THIN), brush(theme.paper)),
@@ -92,28 +92,28 @@ def _pedestal(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     yield Part(f"ground.{joint.name}", Outline(ground, theme.pen(theme.quiet, THIN)), ("ground",), Z_GROUND)
 
 
-def ground_direction(joint: Joint, reading: Reading) -> complex:
+def ground_direction(joint: Joint, geometry: Geometry) -> complex:
     """Where the ground of a fixed pivot is drawn: downwards, unless a link comes from there during the turn."""
-    step = max(1, reading.samples // 24)
-    body = reading.bodies[joint.pair.body]
+    step = max(1, geometry.samples // 24)
+    body = geometry.bodies[joint.pair.body]
     links = [body.track(p)[::step] - joint.track[::step] for p in body.nodes.values()]
-    away = [z / np.abs(z) for z in links if np.abs(z).min() > 1e-9 * reading.unit]
+    away = [z / np.abs(z) for z in links if np.abs(z).min() > 1e-9 * geometry.unit]
     if not away:
         return _DOWN_FIRST[0]
     worst = [max(float((z * complex(d).conjugate()).real.max()) for z in away) for d in _DOWN_FIRST]
     return _DOWN_FIRST[next((i for i, w in enumerate(worst) if w < 0.4), int(np.argmin(worst)))]
 
 
-def _slide(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
+def _slide(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """A body that carries the follower's face is a stem in a bush, any other a block between rails."""
-    if joint.fixed and joint.pair.body == reading.kinematics.follower_body and not reading.numbered:
-        yield from _stem(joint, reading, theme)
+    if joint.fixed and joint.pair.body == geometry.kinematics.follower_body and not geometry.numbered:
+        yield from _stem(joint, geometry, theme)
     else:
-        yield from _block(joint, reading, theme)
+        yield from _block(joint, geometry, theme)
 
 
-def _block(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
-    unit, body = reading.unit, reading.bodies[joint.pair.body]
+def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    unit, body = geometry.unit, geometry.bodies[joint.pair.body]
     half_length, half_height = 0.5 * BLOCK_LENGTH, 0.5 * BLOCK_HEIGHT
     box = QPainterPath()
     box.addRect(QRectF(-half_length, -half_height, BLOCK_LENGTH, BLOCK_HEIGHT))
@@ -122,36 +122,36 @@ def _block(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     z = Z_BODY - 0.5 if joint.fixed else Z_BODY + 0.8
     yield Part(f"block.{joint.name}", item, ("linkage",), z, riding(item, body.z, body.angle))
     low, high = joint.low / unit - half_length - 1.6, joint.high / unit + half_length + 1.6
-    yield from _rails(joint, reading, theme, low, high, half_height)
+    yield from _rails(joint, geometry, theme, low, high, half_height)
 
 
-def _rails(joint: Joint, reading: Reading, theme: Theme, low: float, high: float, half_gap: float) -> Iterator[Part]:
+def _rails(joint: Joint, geometry: Geometry, theme: Theme, low: float, high: float, half_gap: float) -> Iterator[Part]:
     """Two lines along the way of a slide, hatched outside where they are ground; lengths in units."""
     ends = [(complex(low, side), complex(high, side)) for side in (half_gap, -half_gap)]
-    lines = scaled(segments(ends), reading.unit, joint.root, joint.line)
+    lines = scaled(segments(ends), geometry.unit, joint.root, joint.line)
     item = Outline(lines, theme.pen(theme.ink, THIN))
     if not joint.fixed:
-        on = reading.bodies[joint.pair.on]
+        on = geometry.bodies[joint.pair.on]
         yield Part(f"rails.{joint.name}", item, ("guide",), Z_BODY + 0.7, riding(item, on.z, on.angle))
         return
     yield Part(f"rails.{joint.name}", item, ("guide",), Z_GUIDE)
     upper, lower = ends
     hatched = joined(hatching(upper[1], upper[0], 0.85, HATCH), hatching(*lower, 0.85, HATCH))
-    path = scaled(hatched, reading.unit, joint.root, joint.line)
+    path = scaled(hatched, geometry.unit, joint.root, joint.line)
     yield Part(f"ground.{joint.name}", Outline(path, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE)
 
 
-def _stem(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
+def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """A stem from the face through a hatched bush beyond the highest position."""
-    unit, body = reading.unit, reading.bodies[joint.pair.body]
+    unit, body = geometry.unit, geometry.bodies[joint.pair.body]
     outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
     line, own = joint.line * outwards, joint.own * outwards
     high = (joint.high if outwards > 0 else -joint.low) / unit
     stroke = (joint.high - joint.low) / unit
-    start = high + reading.face_radius / unit + 1.5
+    start = high + geometry.face_radius / unit + 1.5
     length = max(6.0, 0.8 * stroke)
     low = (joint.low if outwards > 0 else -joint.high) / unit
-    eye = min(EYE, 0.4 * reading.face_radius / unit) or EYE
+    eye = min(EYE, 0.4 * geometry.face_radius / unit) or EYE
     half = 0.65 * eye
     shapes = stem(start + length - low + 1.8, half, eye)
     pieces = [scaled(path, unit, body.points[joint.pair.point], own) for path in shapes]
@@ -166,19 +166,19 @@ def _stem(joint: Joint, reading: Reading, theme: Theme) -> Iterator[Part]:
     yield Part(f"ground.{joint.name}", Outline(lines, theme.pen(theme.quiet, THIN)), ("ground", "guide"), Z_GUIDE + 0.1)
 
 
-def roller(reading: Reading, theme: Theme) -> Iterator[Part]:
+def roller(geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """The follower's round face with its centre mark."""
-    radius = reading.face_radius
+    radius = geometry.face_radius
     if radius == 0.0:
         return
     item = Outline(circle(radius), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
-    yield Part("roller", item, ("roller",), Z_ROLLER, pinned(item, reading.reference))
-    eye = min(PIN * reading.unit, 0.3 * radius)
+    yield Part("roller", item, ("roller",), Z_ROLLER, pinned(item, geometry.reference))
+    eye = min(PIN * geometry.unit, 0.3 * radius)
     mark = joined(circle(eye), cross(min(2.2 * eye, 0.8 * radius)))
     centre = Outline(mark, theme.pen(theme.ink, THIN), brush(theme.paper, 0.6))
-    yield Part("roller.centre", centre, ("roller",), Z_PIN, pinned(centre, reading.reference))
+    yield Part("roller.centre", centre, ("roller",), Z_PIN, pinned(centre, geometry.reference))
 
 
-JOINTS: Mapping[str, Callable[[Joint, Reading, Theme], Iterator[Part]]] = MappingProxyType(
+JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
     {REVOLUTE: _pin, SLIDING: _slide}
 )

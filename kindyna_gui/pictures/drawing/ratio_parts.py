@@ -13,9 +13,9 @@ from core.instant_centres import CentreTable, RatioArms, ratio_arms
 from core.mechanism import body_name, link_number
 from kindyna_gui.pictures.drawing.centre_parts import Group, Key, centre_name
 from kindyna_gui.pictures.drawing.free_space import Room
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.drawing.overlay import MARGIN
-from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.sight import Sight
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits
@@ -112,11 +112,11 @@ class RatioDimensions:
     """Every ratio of a chain at one sample after the other: two dimensions each, and a line of the list under the angle."""
 
     def __init__(
-        self, reading: Reading, pairs: Pairs, theme: Theme, sight: Sight, room: Callable[[], Room]
+        self, geometry: Geometry, pairs: Pairs, theme: Theme, sight: Sight, room: Callable[[], Room]
     ) -> None:
-        self._reading, self._sight, self._room = reading, sight, room
-        self._table = reading.study.centres
-        driver = body_name(reading.study.design.drive.mechanism.driver.link)
+        self._geometry, self._sight, self._room = geometry, sight, room
+        self._table = geometry.study.centres
+        driver = body_name(geometry.study.design.drive.mechanism.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
         for number, (body, base) in enumerate(pairs(self._table, driver)):
             colour = COLOURS[number % len(COLOURS)]
@@ -173,7 +173,7 @@ class RatioDimensions:
 
     def list(self, i: int, room: Room, down: float) -> None:
         """All ratios in figures, one below the other under the angle; down: so many pixels further."""
-        omega, bodies = self._reading.study.omega, self._reading.kinematics.bodies
+        omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
         seen, scale = self._sight.visible, self._sight.scale
         x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
         for number, (arms, _, tag) in enumerate(self.rows):

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.errors import NoAnswer
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
-from kindyna_gui.pictures.drawing.geometry import MM, Reading
 from kindyna_gui.pictures.style import OUTLINE, Theme
 
 LONGEST, HEAD = 16.0, 1.8  # longest arrow and its head, in units
@@ -38,35 +38,35 @@ class Field:
         top, usual = float(finite.max()), float(np.percentile(finite, 98.0))
         return top if top < 20.0 * usual or usual == 0.0 else usual
 
-    def mm_per_unit(self, reading: Reading) -> float:
+    def mm_per_unit(self, geometry: Geometry) -> float:
         """Length of an arrow [mm] for one unit (SI)."""
-        return LONGEST * reading.unit / self.peak if self.peak > 0.0 else 0.0
+        return LONGEST * geometry.unit / self.peak if self.peak > 0.0 else 0.0
 
 
-def velocities(reading: Reading) -> Field:
+def velocities(geometry: Geometry) -> Field:
     """Velocity of every point of every body that moves; points that stay together count once."""
     rows: list[tuple[str, np.ndarray, np.ndarray]] = []
-    for name, pose in reading.kinematics.bodies.items():
-        for point in reading.bodies[name].nodes:
+    for name, pose in geometry.kinematics.bodies.items():
+        for point in geometry.bodies[name].nodes:
             track = pose.point(point)
-            place, speed = track[0] * MM, track[1] * reading.study.omega
-            if not any(np.abs(place - other).max() <= NO_VECTOR * reading.unit for _, other, _ in rows):
+            place, speed = track[0] * MM, track[1] * geometry.study.omega
+            if not any(np.abs(place - other).max() <= NO_VECTOR * geometry.unit for _, other, _ in rows):
                 rows.append((f"{name}.{point}", place, speed))
     return _moving(Field("velocity", "m/s", tuple(rows)))
 
 
-def forces(reading: Reading) -> Field:
+def forces(geometry: Geometry) -> Field:
     """Forces of the pairs, as the tables of core name them, and of the cam on the follower."""
     try:
-        forces = reading.study.dynamics
-        shape = reading.shape
+        forces = geometry.study.dynamics
+        shape = geometry.shape
     except NoAnswer:
         return Field("force", "N", ())
-    places = {joint.name: joint.track for joint in reading.joints}
-    centre = np.zeros(reading.samples, dtype=complex)
+    places = {joint.name: joint.track for joint in geometry.joints}
+    centre = np.zeros(geometry.samples, dtype=complex)
     rows = [(name, places.get(name, centre), force) for name, force in forces.pairs.items()]
     if shape is not None:
-        rows.append(("contact", reading.contact, -forces.contact * shape.flank.normal))
+        rows.append(("contact", geometry.contact, -forces.contact * shape.flank.normal))
     return _moving(Field("force", "N", tuple(rows)))
 
 
@@ -77,11 +77,11 @@ def _moving(field: Field) -> Field:
     return Field(field.family, field.unit, tuple(row for row in rows if np.abs(row[2]).max(initial=0.0) > least))
 
 
-def arrows(field: Field, layer: str, reading: Reading, theme: Theme) -> Iterator[Part]:
+def arrows(field: Field, layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     """One arrow for each row."""
-    scale = field.mm_per_unit(reading)
+    scale = field.mm_per_unit(geometry)
     for key, place, vector in field.rows:
-        item = Arrow(theme.pen(theme.family(field.family), OUTLINE), HEAD * reading.unit)
+        item = Arrow(theme.pen(theme.family(field.family), OUTLINE), HEAD * geometry.unit)
         yield Part(f"{layer}.{key}", item, (layer,), Z_ARROW, _follow(item, place, vector * scale))
 
 
@@ -89,8 +89,8 @@ def _follow(item: Arrow, place: np.ndarray, vector: np.ndarray) -> Move:
     return lambda i: item.point(complex(place[i]), complex(vector[i]))
 
 
-def strokes(field: Field, reading: Reading) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def strokes(field: Field, geometry: Geometry) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """Where arrows start and end (n,), (n,) [mm]."""
-    scale = field.mm_per_unit(reading)
+    scale = field.mm_per_unit(geometry)
     for _, place, vector in field.rows:
         yield place, place + vector * scale
