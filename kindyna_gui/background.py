@@ -42,7 +42,7 @@ class Worker(Thread):
                 except Cancelled as error:
                     self.results.put((key, error))
                     return
-                except Exception as error:  # raised again in the window's thread, where it is heard
+                except Exception as error:  # raised again in the window's thread, where its hook handles it
                     result = error
                 self.results.put((key, result))
 

@@ -134,7 +134,7 @@ def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str]) -> OnConfl
 
 
 def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfinished:
-    """What to save where the motion is not finished; lines: what it lacks; closing: what would close it, '' where
+    """What to save where the motion is not finished; lines: what it misses; closing: what would close it, '' where
     nothing simple does."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)

@@ -1,5 +1,5 @@
 """Python's garbage collector works in the window's own thread alone: what it takes away may be a widget, which no other thread
-may touch. Left to itself it works in whichever thread happens to ask for memory."""
+may touch. By default it runs in whichever thread happens to allocate memory."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ EVERY_MS = 500
 
 
 def tidy() -> None:
-    """Take away what is due by Python's own thresholds: of the oldest generation that is full."""
+    """Collect the oldest generation that has reached Python's own threshold."""
     for generation in (2, 1, 0):
         if gc.get_count()[generation] > gc.get_threshold()[generation]:
             gc.collect(generation)
@@ -21,7 +21,7 @@ def tidy() -> None:
 
 
 def tidy_in_this_thread(app: QApplication) -> None:
-    """From now on, while the application runs, and in no other way."""
+    """Collect by a timer of the application's thread alone, from now on until the application ends."""
     from PySide6.QtCore import QTimer
 
     gc.disable()

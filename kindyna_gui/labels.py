@@ -76,7 +76,7 @@ def sentence(text: str) -> str:
 
 
 def choice_text(word: str) -> str:
-    """A word of a choice, as shown."""
+    """A choice, as shown."""
     return _CHOICES.get(str(word), str(word))
 
 

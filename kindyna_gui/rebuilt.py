@@ -38,7 +38,7 @@ def clear_menu(menu: QMenu) -> None:
 class Rebuilt(QWidget):
     """The place of a content that is replaced whole.
 
-    sources: objects whose signals the contents are connected to, which a content that goes must not obey any longer.
+    sources: objects whose signals the contents are connected to, which a content that is removed must not react to any longer.
     """
 
     def __init__(self, *sources: QObject) -> None:

@@ -96,7 +96,10 @@ def png(widget: QWidget) -> bytes:
 
 
 def picture_angle(study: Study) -> float:
-    """Where the pressure angle is largest; of a linkage without a cam an eighth of a turn on [rad]. Raises NoAnswer."""
+    """The angle of the pictures [rad]: where the pressure angle is largest; of a linkage without a cam an eighth of a turn.
+
+    Raises NoAnswer.
+    """
     if "cam" not in study.stages:
         return float(study.theta[min(study.theta.size - 1, study.samples // 8)])
     top: float = study.extremes("cam", ("pressure_angle",))["pressure_angle"].high.theta

@@ -77,7 +77,7 @@ class View(QWidget):
         self._trouble = QLabel(alignment=Qt.AlignmentFlag.AlignCenter, wordWrap=True)
         self._trouble.setMargin(24)
         self._trouble.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        # else a long sentence asks for its height and moves the docks
+        # else a long sentence takes its height and moves the docks
         self._trouble.setMinimumSize(1, 1)
         self._stack = QStackedLayout(self)
         self._stack.setContentsMargins(0, 0, 0, 0)

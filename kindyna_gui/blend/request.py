@@ -200,8 +200,8 @@ CONSTANT = ("cv1", "cv2")
 
 
 def first_request(motion: Motion, chosen: int) -> WizardRequest:
-    """What a motion is like about the chosen segment, or the next that moves, asked anew: its stroke, its angles, and
-    where it is a blend its sequence and heights. A motion that stands still is asked for a card picker's."""
+    """The request that would lead to the motion about the chosen segment, or the next that moves: its stroke, its angles,
+    and where it is a blend its sequence and heights. For a motion without any rise: the default request."""
     moving = [not is_dwell(s) and s.rise != 0.0 for s in motion.segments]
     count = len(moving)
     at = next((i for k in range(count) if moving[i := (chosen + k) % count]), None)
@@ -227,7 +227,7 @@ def _about(at: int, on: Sequence[bool]) -> list[int]:
 
 
 def _request_of(motion: Motion, run: Sequence[int]) -> tuple[WizardRequest, bool]:
-    """A run of segments as it is asked for, and whether it is a blend."""
+    """The request for a run of segments, and whether the run is a blend."""
     segments = [motion.segments[i] for i in run]
     begins = (*join_angles(motion), 360.0)
     whole = len(run) == len(motion.segments)

@@ -112,7 +112,7 @@ class Documents(QObject):
     # -- saving -------------------------------------------------------------------------------------------
 
     def save(self) -> bool:
-        """Save to the design's own file; where it has none, ask for one."""
+        """Save to the design's own file; where it has none, open the file dialog."""
         if not self._whole():
             return False
         path = self._session.path

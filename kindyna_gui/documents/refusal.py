@@ -1,4 +1,4 @@
-"""Why an edit is refused: faults of the design, or an answer that there is none of."""
+"""Why an edit is refused: faults of the design, or a stage that has no answer."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ class Refusal:
     reasons: Reasons
 
     def at(self, path: str) -> str:
-        """What is to be read beside the field of this path; empty where it has no part in it.
+        """The message beside the field of this path; empty where the refusal does not concern it.
 
-        The field that was edited tells everything: first what concerns itself, the rest with the other's name.
+        The field that was edited shows all reasons: first its own, then those of others with their names.
         """
         own = [sentence(text) for field, _, text in self.reasons if field == path]
         others = [f"{name}: {text}" for field, name, text in self.reasons if field != path] if path == self.path else []
@@ -34,13 +34,13 @@ class Refusal:
 
 
 def fault_reasons(design: Design, items: Iterable[Fault]) -> Reasons:
-    """Faults in the words of the forms."""
+    """Faults as the forms name them: path, name of the field, sentence."""
     rows = ((f.path, f"{f.problem}; allowed: {f.allowed}" if f.allowed else f.problem) for f in items)
     return tuple((path, name_of(design, path), named(design, text)) for path, text in rows)
 
 
 def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
-    """What is wrong with a design: its faults, else the first of these stages that has no answer."""
+    """Why a design cannot be put in place: its faults, else the first of these stages that has no answer; empty: it can."""
     reasons = fault_reasons(design, faults(design))
     if reasons:
         return reasons
@@ -48,7 +48,7 @@ def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
     try:
         # only what is on screen: it is computed anyway once the design is in place
         for stage in stages:
-            if stage in study.stages:  # another kind of linkage may lack what is shown now
+            if stage in study.stages:  # another kind of design may not have it
                 getattr(study, stage)
     except NoAnswer as error:
         text = named(design, str(error).removeprefix(f"{error.field}: "))

@@ -88,7 +88,7 @@ class Session(QObject):
 
     @property
     def study(self) -> Study:
-        """The study of the design in place; its stages are computed when a view asks."""
+        """The study of the design in place; its stages are computed when they are read."""
         if self._study is None:
             self._study = Study(self.design, SAMPLES)
         return self._study
@@ -327,7 +327,7 @@ class Session(QObject):
         self.file_changed.emit()
 
     def _step_taken(self, *_: object) -> None:
-        """What stands as its file has it, or as it was begun, asks for no saving, whichever way it was reached."""
+        """A design equal to its file, or to the one begun with, needs no saving, however it was reached."""
         if self.draft is None and (self.design, self.path) in self._unchanged:
             self.stack.setClean()
 

@@ -26,7 +26,7 @@ from kindyna_gui.documents.refusal import fault_reasons
 from kindyna_gui.labels import choice_text, law_label, name_of, segment_of, sentence, value_text
 
 WHOLE = "motion.segments"
-"""Where it is said that the whole motion makes no turn, or does not come back."""
+"""Path of the faults of the whole motion: it makes no turn, or does not come back."""
 
 
 def misses(draft: Draft, design: Design) -> list[str]:

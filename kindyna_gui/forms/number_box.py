@@ -192,7 +192,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         return self.text() != shortest(self._value)
 
     def confirm(self) -> None:
-        """Take the text for the number meant."""
+        """Confirm the typed text as the number."""
         if not self.pending:
             mended = self.refused
             self.show_value(self._value)

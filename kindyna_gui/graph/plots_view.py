@@ -22,7 +22,7 @@ LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
 
 class PlotView(View):
-    """One plot of a few quantities of one unit; those that a design lacks are named with the reason."""
+    """One plot of a few quantities of one unit; those that a design does not have are named with the reason."""
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
         super().__init__(session, player)

@@ -98,7 +98,7 @@ class Canvas(QGraphicsView):
         self.fitted = True
 
     def show_again(self) -> None:
-        """After an edit: what was visible stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
+        """Show what was visible again, after an edit: it stays, unless a fitted mechanism has outgrown its picture or shrunk in it."""
         if self.fitted and not self._joint:  # under the hand the picture stays
             wanted, scale = self._scene.fit(self.viewport().width(), self.viewport().height())
             if not self.visible.contains(self._scene.least_rect()) or self._scale < HALF_EMPTY * scale:

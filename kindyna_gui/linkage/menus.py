@@ -38,7 +38,7 @@ def _same(one: Driver, other: Driver) -> bool:
 
 
 def _loses(design: Design, driver: Driver) -> str:
-    """What of the design goes with another driver: a crank at speed has neither motion nor cam."""
+    """What the design loses with another driver: a crank at speed has neither motion nor cam."""
     if driver.kind != CRANK or design.drive.motion is None:
         return ""
     return "its motion" if design.drive.cam is None else "its motion and its cam"

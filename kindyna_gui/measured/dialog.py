@@ -233,7 +233,7 @@ class MeasuredDialog(PutDialog):
             self.show_message("Measuring error: allowed: 0 or more", wrong=True)
 
     def _read_otherwise(self) -> None:
-        """In other units, or another column: neither error nor level mean what they meant."""
+        """Read in other units, or another column: error and level typed before are dropped."""
         self._request = replace(self._request, error=None, lowest=None)
         self.read_and_fit()
 

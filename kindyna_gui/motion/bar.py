@@ -14,7 +14,7 @@ from kindyna_gui.motion.actions import ACTIONS
 
 
 class SegmentBar(QWidget):
-    """The rows of ``ACTIONS`` as buttons; without their words where there is no room for these.
+    """The rows of ``ACTIONS`` as buttons; without their texts where there is no room for these.
 
     wanted             (name, cam angle [deg] or None): a button was clicked, or an entry of ``menu``
     abilities_changed  (dict: name -> whether it makes sense now)

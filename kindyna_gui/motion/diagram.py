@@ -27,7 +27,7 @@ from kindyna_gui.pictures.plots.ranges import peak, shown_range
 from kindyna_gui.pictures.style import DASHED, SMALL, THIN, brush, font
 from kindyna_gui.pictures.units import readable, short, with_unit
 
-FLAT = 50.0  # shown above and below a motion that stands still, in its unit
+FLAT = 50.0  # shown above and below a motion without any rise, in its unit
 ANGLES = 21  # height of the numbers below, pixels
 RADIUS = 4.0  # of a join's point, pixels
 LETTER = 10  # height of a mark's letter, pixels
@@ -98,7 +98,7 @@ class MotionDiagram(CurvePlot):
         self.motion, self._marks = motion, [marks(join, motion) for join in study.program.joins]
         size = self.rung.size
         self._view.setRange(yRange=(low / size, high / size), padding=0.0)
-        self._view.updateMatrix()  # else it is found out of date in painting, and all is painted again
+        self._view.updateMatrix()  # else painting updates it, and all is painted again
         self._lay()
         self.point_out()
 

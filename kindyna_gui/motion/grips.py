@@ -18,7 +18,7 @@ AWAY = 8.0  # a dwell's line begins so many pixels from its ends, which belong t
 TREMBLE = 3.0  # pixels that a hand may tremble in a direction that it does not mean
 ANGLE_STEP = 0.5  # degrees
 LEVEL_PIXELS = 2.5  # the most that a step of levels, 1, 2 or 5 times a power of ten, is high
-FINE = 0.1  # of the way, and of the steps
+FINE = 0.1  # of the travel, and of the steps
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def snapped(value: float, step: float, direction: int = 0) -> float:
 
 
 def snapped_angle(angle: float) -> float:
-    """The cam angle that is meant [deg]: one that was typed or stepped to stays, one that was pointed at snaps."""
+    """A cam angle [deg] snapped where it was pointed at; a round one, which was typed or stepped to, stays."""
     typed = round(angle, 2)
     return typed + 0.0 if abs(typed - angle) < 1e-6 else snapped(angle, ANGLE_STEP)
 

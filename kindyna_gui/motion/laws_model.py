@@ -113,7 +113,7 @@ class LawsModel(QAbstractTableModel):
         super().__init__(parent)
         self.rows = list(law_rows())
         self._strokes: dict[str, int] = {}  # slug -> number of its stroke, in the order of ticking
-        self._marked: tuple[str, str] = ("", "")  # slug, and what is said beside it
+        self._marked: tuple[str, str] = ("", "")  # slug, and the text beside it
 
     # -- what is ticked and marked --------------------------------------------------------------------------
 

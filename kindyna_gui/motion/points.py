@@ -88,7 +88,7 @@ class PointsModel(QAbstractTableModel):
     def refused(self, row: int, column: int) -> bool:
         return self.path(row, column) in self._wrong
 
-    # -- what a table asks --------------------------------------------------------------------------------
+    # -- model for Qt ------------------------------------------------------------------------------------
 
     def rowCount(self, parent: Index | None = None) -> int:
         return 0 if parent is not None and parent.isValid() else len(self._points)

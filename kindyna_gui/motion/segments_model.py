@@ -66,7 +66,7 @@ COLUMNS = (
 
 
 def difference(to: float, start: float) -> float:
-    """to - start, as a reader would reckon it: 76.5 - 35 is 41.5 and nothing else."""
+    """to - start, as a reader would compute it: 76.5 - 35 is 41.5 and nothing else."""
     return float(Decimal(shortest(to)) - Decimal(shortest(start)))
 
 

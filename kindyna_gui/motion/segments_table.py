@@ -35,7 +35,7 @@ class SegmentDelegate(CellDelegate):
     """The picker of laws, or a number that steps live, in the cell; a red frame around what was refused.
 
     Cells are painted from ``SegmentsModel.cell``: a drawn join repaints the whole table at every move of the mouse,
-    and the usual delegate asks the model for seven things per cell.
+    and the usual delegate reads seven roles of the model per cell.
     """
 
     def __init__(self, session: Session, model: SegmentsModel, table: QTableView) -> None:
@@ -212,7 +212,7 @@ class SegmentsTable(QTableView):
 
     def fit_columns(self, *_: object) -> None:
         """Columns as wide as their texts; done here, for a header that does it itself lays all of them out anew at
-        every change. The joins give way to the names of the laws, and share what is left over in a wide table."""
+        every change. In a narrow table the names of the laws come before the joins, in a wide one both share the rest."""
         rows, room = range(self._model.rowCount()), self.viewport().width()
         cells = [self._model.cell(row, column) for row in rows for column in range(len(COLUMNS))]
         lengths = (room, *(len(cell.text) if cell.right or cell.variants else cell.text for cell in cells))

@@ -217,7 +217,7 @@ class SegmentsView(View):
             self._sharing.start()
 
     def _share(self) -> None:
-        """The table gets what its rows need, or its words where it stands beside; the diagram the rest."""
+        """The table gets what its rows need, or its texts where it stands beside; the diagram the rest."""
         beside = self.splitter.orientation() == Qt.Orientation.Horizontal
         hint = self.splitter.widget(1).sizeHint()
         room = self.splitter.width() if beside else self.splitter.height()
@@ -283,7 +283,7 @@ class SegmentsView(View):
         """Bring the field or cell of a path before the reader; ``motion.start`` will do for ``motion.start_mm``.
         False where there is none."""
         self.pull()
-        if self.in_trouble:  # there is no motion, as the view says
+        if self.in_trouble:  # there is no motion, as the view shows
             return False
         if self.head.focus_field(path):
             if path.startswith("motion.stroke") and not self.head.moves:

@@ -54,7 +54,7 @@ class Sheet(QGraphicsView):
     def __init__(
         self, scene: MechanismScene, width: int, height: int, region: tuple[QRectF, float] | None = None
     ) -> None:
-        """look: what is visible [mm] and at how many pixels per mm; else all of it."""
+        """region: what is visible [mm] and at how many pixels per mm; None: all of it."""
         super().__init__()
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
@@ -153,7 +153,7 @@ def _mechanism_svg(study: Study) -> bytes:
 
 
 def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
-    """Plots of these quantities, one row below the other; what a design lacks is left out."""
+    """Plots of these quantities, one row below the other; what a design does not have is left out."""
 
     def picture(study: Study) -> bytes:
         there = {row.quantity: row for row in existing(study, channels(study.design))}

@@ -160,7 +160,7 @@ def _turn(camera: Camera, film: Film, go_on: GoOn) -> Image.Image:
 
 
 class _Watched(BytesIO):
-    """A file that asks before each part is written whether to go on."""
+    """A file that calls ``go_on`` before each part is written, and stops where that returns False."""
 
     def __init__(self, go_on: Callable[[], bool]) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""How large a quantity naturally is in a design: below the rounding of that it is zero, whatever its digits say.
+"""How large a quantity naturally is in a design: below the rounding of that it is zero, whatever its digits are.
 
 In a dwell the contact normal passes through the cam's centre, so that the torque is the difference of two equal
 products; drawn to its own scale it would be a storm of noise.
@@ -21,7 +21,7 @@ _ORDERS: Mapping[str, int] = MappingProxyType({"/s": 1, "/s²": 2, "/s³": 3})
 
 
 def _reach(study: Study) -> float:
-    """A length that tells the size of the mechanism [m]."""
+    """A length characteristic of the mechanism's size [m]."""
     return study.course.plan.size if study.mechanism.ranged else study.reach
 
 

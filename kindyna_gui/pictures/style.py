@@ -125,7 +125,7 @@ TEXT, SMALL = 12, 11  # heights of letters, pixels
 FONTS = ("DejaVu Sans", "Noto Sans", "Liberation Sans", "Segoe UI", "Helvetica Neue", "Arial", "NanumGothic")
 
 
-# Every edit asks for the same few dozens of these again; a copy costs next to nothing.
+# Every edit needs the same few dozens of these again; a copy costs next to nothing.
 
 
 @lru_cache(maxsize=256)

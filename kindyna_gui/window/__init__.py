@@ -1,1 +1,1 @@
-"""The window: menus, docks, player bar, help, and the views of what the program itself has to say."""
+"""The window: menus, docks, player bar, help, and the views on the program itself: findings, certificate, log."""

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 class Designing(QObject):
-    """Edits that begin in a menu. What asks the user something is imported when it is wanted.
+    """Edits that begin in a menu. Dialogs are imported when they are opened.
 
     status_message (str): what has been done, or why not, for the status line
     """
@@ -52,7 +52,7 @@ class Designing(QObject):
             import_measured(self._session, self._window)
 
     def _moves(self) -> bool:
-        """There is a motion to be edited; else say how to get one."""
+        """Whether there is a motion to be edited; else the status line tells how to get one."""
         self._window.documents.settle()
         if motion_of(self._session.design) is None:
             self.status_message.emit(NO_MOTION)
@@ -71,7 +71,7 @@ class Designing(QObject):
                 self._window.documents.begin(choice.design(), choice.name)
 
     def change(self, make: Callable[[], Design], text: str) -> None:
-        """Another design in one step; where it cannot be made or is refused, say why."""
+        """Another design in one step; where it cannot be made or is refused, the status line shows why."""
         session = self._session
         self._window.documents.settle()
         session.end_gesture()

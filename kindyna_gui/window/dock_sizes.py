@@ -84,7 +84,7 @@ class Shares(QObject):
             grown = self._echo = False
         if grown:
             self._restore(front)
-            self._echo = True  # the docks tell of the sizes that they have just been given
+            self._echo = True  # the docks report the sizes that they have just been given
             self._late.start()
         elif self._echo:
             self._echo = False

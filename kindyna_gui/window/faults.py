@@ -1,4 +1,4 @@
-"""Faults of the program: an exception that nothing else catches is logged, said where it happened, and leaves the design as it
+"""Faults of the program: an exception that nothing else catches is logged, shown where it happened, and leaves the design as it
 was before the action.
 
 Python hands the exception of a slot, an event handler or a timer to ``sys.excepthook``, one that it cannot raise, as in a
@@ -89,14 +89,14 @@ class Faults(QObject):
     # -- a fault ------------------------------------------------------------------------------------------
 
     def handle(self, error: BaseException) -> None:
-        """A fault in the window's own thread."""
-        if not self._going_back:  # else it is said already
+        """Handle an exception raised in the window's own thread."""
+        if not self._going_back:  # else it is shown already
             self._failures.append((self._view_of(error.__traceback__), short(error)))
             self._event_end.start()
         self.log.write(error, self._state())
 
     def handle_in_thread(self, error: BaseException, thread: str) -> None:
-        """A fault in another thread, which touches nothing of the window."""
+        """Handle an exception raised in another thread; nothing of the window is touched from there."""
         self.log.write(error, f"In the thread {thread}")
         self._in_thread.emit(None, f"Work beside the window failed ({short(error)}). Help > Log tells more.")
 

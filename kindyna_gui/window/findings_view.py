@@ -24,7 +24,7 @@ HEADINGS = (Heading("Finding", wide=True), Heading("Field"), Heading("Angle °",
 class FindingsView(View):
     """The list of findings.
 
-    field_requested   (path): the reader wants to see this field
+    field_requested   (path): a finding was clicked whose field this is
     """
 
     stages = STAGES_OF_VIEWS["findings"]

@@ -101,7 +101,7 @@ def _loaded(path: Path) -> Design:
 
 
 def thumbnail(design: Design, size: QSize = THUMB, ratio: float = 1.0) -> QPixmap:
-    """The mechanism small, without words; empty where it has no position."""
+    """A small picture of the mechanism, without texts; empty where it has no position."""
     picture = QPixmap(size * ratio)
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.white)

@@ -18,7 +18,7 @@ EMPTY = "Nothing has failed. What fails is written here with the time, what was 
 
 
 class LogView(View):
-    """The text of the log, the newest entry in sight."""
+    """The text of the log, scrolled to the newest entry."""
 
     stages = STAGES_OF_VIEWS["log"]
 

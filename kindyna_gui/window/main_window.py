@@ -58,7 +58,7 @@ class MainWindow(QMainWindow):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else what is connected to them would keep the window for ever
-        session.design_changed.connect(self._design_changed)  # before the views, which ask the player for the angle
+        session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
         self.recovery = Recovery(self)
@@ -211,7 +211,7 @@ class MainWindow(QMainWindow):
         try:
             self.player.set_ranges(study.turn_ranges)
         except KindynaError:
-            self.player.set_ranges(())  # it stands nowhere, which the views tell
+            self.player.set_ranges(())  # no position at all, which the views show
 
     def _show_refusal(self, refusal: Refusal) -> None:
         self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")
@@ -221,7 +221,7 @@ class MainWindow(QMainWindow):
         self.titles.name_window()
 
     def reverse(self, on: bool) -> None:
-        """Play the other way round."""
+        """Play backwards."""
         self.player.set_forward(not on)
 
     # -- help ---------------------------------------------------------------------------------------------
@@ -297,7 +297,7 @@ class MainWindow(QMainWindow):
 def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     """The window with a design, paused at cam angle 0; not shown yet.
 
-    path: the file to open; None, or the default design: an example that asks for a name when it is saved. Raises
+    path: the file to open; None, or the default design: an example, saved under a name of its own. Raises
     DesignError, FileError.
     """
     keep_freed_memory()

@@ -73,7 +73,7 @@ class Player(QObject):
             self.angle_changed.emit(theta)
 
     def set_ranges(self, ranges: tuple[tuple[float, float], ...]) -> None:
-        """Keep the angle within these ranges; it goes to the nearest place where it may stand."""
+        """Keep the angle within these ranges; it goes to the nearest allowed angle."""
         self.ranges = ranges
         self.set_theta(self.theta)
 
@@ -163,7 +163,7 @@ def step_of(modifiers: Qt.KeyboardModifier) -> float:
 
 
 def obey(player: Player, event: QKeyEvent) -> bool:
-    """Do what a key asks of the player; False where it asks nothing of it."""
+    """Act on a key that moves the cam; False where the key is no such one."""
     step = step_of(event.modifiers())
     direction = DIRECTIONS.get(event.key(), 0.0)
     if event.key() == PLAY and step == 1.0:

@@ -21,7 +21,7 @@ STAY_MS = 6000  # of a message
 
 
 class StatusLine(QStatusBar):
-    """What the session and the player are at; the findings are those of the stages on screen, no other is computed."""
+    """Shows the state of session and player; the findings are those of the stages on screen, no other is computed."""
 
     def __init__(self, session: Session, player: Player, show_findings: Callable[[], object], show_log: Callable[[], object]) -> None:
         super().__init__()
@@ -36,7 +36,7 @@ class StatusLine(QStatusBar):
         self.faults.hide()
         self.saved, self.assumed, self.angle = QLabel(), QLabel(), QLabel()
         self.angle.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        # of a fixed size: else each angle that is told would lay out the whole line anew
+        # of a fixed size: else each new angle would lay out the whole line anew
         self.angle.setFixedSize(self.fontMetrics().horizontalAdvance("driver angle 359.9°  "), self.fontMetrics().height())
         self.angle.setToolTip("Angle of all views")
         self.assumed.setToolTip("Values that are not taken from a source")
@@ -58,16 +58,16 @@ class StatusLine(QStatusBar):
         self._angle_changed(player.theta)
 
     def show_message(self, text: str) -> None:
-        """Say what has been done, for a while."""
+        """Show what has been done, for a while."""
         self.showMessage(text, STAY_MS)
 
     def refuse(self, text: str) -> None:
-        """Say that an edit was refused, until it is mended or taken back, or for a while."""
+        """Show that an edit was refused, until it is mended or taken back, or for a while."""
         self._refusal = f"Refused: {text}"
         self.show_message(self._refusal)
 
     def show_fault(self, text: str) -> None:
-        """Say that the program has failed, until something else is to be said; the way to the log stays."""
+        """Show that the program has failed, until there is another message; the button to the log stays."""
         self.faults.setToolTip(f"{text} Click to read the log.")
         self.faults.show()
         self.showMessage(text)

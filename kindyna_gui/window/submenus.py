@@ -71,8 +71,8 @@ def fill_layouts(window: MainWindow, menu: QMenu) -> None:
 
 
 def choose_layout(window: MainWindow, letter: str) -> None:
-    """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it, say
-    so: no field holds what was chosen here."""
+    """Another layout of the follower; the pivot goes to its side of the cam. Where the lengths do not allow it,
+    a dialog shows why: no field holds what was chosen here."""
     path, session = "follower.layout", window.session
     reasons: list[str] = []
 

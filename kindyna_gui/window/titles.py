@@ -1,4 +1,4 @@
-"""The words on the frame: of the window its file, of each dock what it shows, of Undo and Redo their steps."""
+"""Titles: of the window its file, of each dock what it shows, of Undo and Redo their steps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def title_of(name: str, design: Design) -> str:
 
 
 class Titles(QObject):
-    """Keeps them right."""
+    """Keeps the titles of window, docks and undo actions up to date."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)

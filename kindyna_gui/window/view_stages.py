@@ -1,7 +1,7 @@
 """Which stages of a study each view reads: one table, by the names of ``docks.VIEWS``.
 
 What no view on screen reads is not computed. The plots and the graph read what the quantities they show need, which
-``core.study.QUANTITIES`` tells; they are derived from it.
+is in ``core.study.QUANTITIES``; their stages are derived from it.
 """
 
 from __future__ import annotations

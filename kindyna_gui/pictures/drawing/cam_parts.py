@@ -71,7 +71,7 @@ def shaft_radius(geometry: Geometry) -> float:
 
 
 def sense_arc(geometry: Geometry) -> tuple[float, float, float]:
-    """The arrow that tells the sense of rotation: radius [mm], start and span [deg]."""
+    """The arrow that shows the sense of rotation: radius [mm], start and span [deg]."""
     radius = max(1.6 * shaft_radius(geometry), 0.5 * geometry.bearing_room)
     start = ARROW_START if geometry.sense > 0 else ARROW_START + ARROW_SPAN
     return radius, start, geometry.sense * ARROW_SPAN

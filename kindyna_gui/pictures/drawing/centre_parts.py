@@ -1,4 +1,4 @@
-"""Instant centres of a linkage, the lines on which Kennedy's theorem finds them, and the ways of its points."""
+"""Instant centres of a linkage, the lines on which Kennedy's theorem finds them, and the paths of its points."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class _Mark:
 
 
 class CentreMarks:
-    """All centres of a table, or those that are asked for, at one sample after the other."""
+    """Marks for all centres of a table, or for the chosen ones (``only``), at one sample after the other."""
 
     def __init__(self, table: CentreTable, theme: Theme, sight: Sight, room: Callable[[], Room]) -> None:
         self._table, self._sight, self._room = table, sight, room
@@ -118,7 +118,7 @@ class CentreMarks:
 
 
 class KennedyLines:
-    """Two lines for each centre that is found, or for those that are asked for."""
+    """The two lines that give each centre, of all centres or of the chosen ones."""
 
     def __init__(self, table: CentreTable, steps: Sequence[KennedyStep], theme: Theme, sight: Sight) -> None:
         self._table, self._sight = table, sight
@@ -161,7 +161,7 @@ class KennedyLines:
 
 
 def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[Part]:
-    """The way of every named point over the turn: of points on links that no pair holds on the frame boldly."""
+    """The path of every named point over the turn: of points on links that no pair holds on the frame boldly."""
     held = {j.pair.body for j in geometry.joints if j.fixed}
     pinned = {name for body in held | {FRAME} for name in geometry.bodies[body].points}
     seen: set[str] = set()

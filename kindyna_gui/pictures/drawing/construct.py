@@ -1,4 +1,4 @@
-"""What is constructed on the drawing of a linkage: centres, the lines that find them, velocity ratios, ways of points.
+"""What is constructed on the drawing of a linkage: centres, the lines that find them, velocity ratios, paths of points.
 
 Each layer is read and drawn when it is first shown.
 """
@@ -40,7 +40,7 @@ class Construct:
         self.ratios: dict[str, RatioDimensions] = {}
 
     def parts(self, layer: str) -> Iterator[Part]:
-        """The parts of a layer, the first time it is asked for."""
+        """The parts of a layer, made the first time it is shown."""
         if layer not in self._made:
             self._made.add(layer)
             yield from _LAYERS[layer](self, layer)

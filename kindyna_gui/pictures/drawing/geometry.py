@@ -178,7 +178,7 @@ class Geometry:
     # -- sizes --------------------------------------------------------------------------------------------
 
     def tracks(self) -> Iterator[np.ndarray]:
-        """The way of every point of every body over the turn (n,) [mm]."""
+        """The path of every point of every body over the turn (n,) [mm]."""
         for body in self.bodies.values():
             for place in body.nodes.values():
                 yield body.track(place)

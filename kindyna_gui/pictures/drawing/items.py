@@ -48,7 +48,7 @@ class Outline(QGraphicsPathItem):
 
 
 class Loop(Outline):
-    """A closed line through many points (n,) [mm], drawn from those that its scale needs; from all until it is told."""
+    """A closed line through many points (n,) [mm], drawn from those that its scale needs; from all until ``look`` is called."""
 
     def __init__(self, points: np.ndarray, line: QPen, fill: QBrush | None = None) -> None:
         super().__init__(outline(points), line, fill)
@@ -87,7 +87,7 @@ class Silhouette(Outline):
 
 
 class Tag(QGraphicsItem):
-    """A text of constant size at a place of the scene, upright at every zoom; ``lean`` says where the place lies in
+    """A text of constant size at a place of the scene, upright at every zoom; ``lean``: where the place lies in
     the text's box: (0, 0) top left, (1, 1) bottom right; ``backing``: paper under the text."""
 
     def __init__(

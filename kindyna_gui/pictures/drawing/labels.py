@@ -22,7 +22,7 @@ from kindyna_gui.pictures.drawing.shapes import BAR, EYE
 from kindyna_gui.pictures.style import Theme
 
 Z_LABEL = 12.0
-SAMPLED = 8  # samples of the turn at which room is looked for
+SAMPLED = 8  # samples of the turn at which free room is searched
 DIRECTIONS = np.exp(2j * np.pi * np.arange(16) / 16)
 GAPS = (4.0, 17.0, 34.0)  # from the part to its text, pixels
 SIDES, SIDE_GAPS = np.tile(DIRECTIONS, len(GAPS)), np.repeat(GAPS, DIRECTIONS.size)  # where a text may stand
@@ -129,7 +129,7 @@ def _of_slide(geometry: Geometry, name: str, slides: dict) -> tuple[np.ndarray, 
 
 
 def spread_samples(geometry: Geometry) -> np.ndarray:
-    """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the ways of
+    """Samples (k,) that show the drawing as different as it gets: spread half over the turn, half over the paths of
     follower and instant centre."""
     n = geometry.samples
     spread = np.full(n, 1.0 / n)

@@ -25,7 +25,7 @@ from kindyna_gui.pictures.style import LIGHT, Theme
 if TYPE_CHECKING:
     from kindyna_gui.pictures.drawing.construct import Construct
 
-USUAL_SIZE = (900.0, 675.0)  # of a picture nobody has asked a size for, pixels
+USUAL_SIZE = (900.0, 675.0)  # of a picture whose size is not given, pixels
 
 
 BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
@@ -43,10 +43,10 @@ FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
 class MechanismScene(QGraphicsScene):
     """A study's mechanism in mm, y upwards: whoever shows it turns y over.
 
-    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``show_region`` must be told what is visible and at which
+    ``set_index``, ``set_fraction`` and ``set_angle`` move it; ``show_region`` must be called with what is visible and at which
     scale, for all that is measured in pixels. Raises NoAnswer where the linkage of the study has no position.
 
-    closest: by how much a reader may enlarge the picture and still find its curves smooth
+    closest: by how much the picture may be enlarged with its curves still smooth
     """
 
     def __init__(self, study: Study | None = None, theme: Theme = LIGHT, closest: float = 1.0) -> None:
@@ -192,11 +192,11 @@ class MechanismScene(QGraphicsScene):
     # -- layers ---------------------------------------------------------------------------------------------
 
     def layer_shown(self, name: str) -> bool:
-        """Whether it was asked for, or a step of the construction needs it."""
+        """Whether a layer is shown: chosen, or needed by a step of the construction."""
         return self._shown[name] or (self._step is not None and name in OF_STEP)
 
     def layer_wanted(self, name: str) -> bool:
-        """Whether it was asked for."""
+        """Whether a layer was chosen."""
         return self._shown[name]
 
     def set_layer(self, name: str, shown: bool) -> None:
@@ -225,7 +225,7 @@ class MechanismScene(QGraphicsScene):
         self._move(index, None)
 
     def _move(self, index: int, angle: float | None) -> None:
-        """To a sample; angle: what is told in place of its own cam angle [deg]."""
+        """To a sample; angle: the text's cam angle in place of the sample's [deg]."""
         if self.geometry is None or self.overlay is None:
             return
         self.index, self._angle = index % self.geometry.samples, angle
@@ -244,7 +244,7 @@ class MechanismScene(QGraphicsScene):
             self.set_index(round(fraction * n) if whole else round((1.0 - abs(1.0 - 2.0 * fraction)) * (n - 1)))
 
     def set_angle(self, theta: float) -> None:
-        """Move to the sample nearest to cam angle theta [rad]; theta itself is told in the corner."""
+        """Move to the sample nearest to cam angle theta [rad]; the text in the corner shows theta itself."""
         if self.geometry is not None:
             self._move(self.geometry.nearest(theta), degrees(theta))
 

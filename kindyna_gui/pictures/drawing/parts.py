@@ -126,7 +126,7 @@ def _block(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
 
 
 def _rails(joint: Joint, geometry: Geometry, theme: Theme, low: float, high: float, half_gap: float) -> Iterator[Part]:
-    """Two lines along the way of a slide, hatched outside where they are ground; lengths in units."""
+    """Two lines along a slide's travel, hatched outside where they are ground; lengths in units."""
     ends = [(complex(low, side), complex(high, side)) for side in (half_gap, -half_gap)]
     lines = scaled(segments(ends), geometry.unit, joint.root, joint.line)
     item = Outline(lines, theme.pen(theme.ink, THIN))

@@ -111,7 +111,7 @@ class PolygonSheet(QWidget):
         self._placing = Placing()
 
     def show_polygon(self, polygon: VelocityPolygon, omega: float, angle: str) -> None:
-        """Show a polygon of one position; angle: what is told of it."""
+        """Show a polygon of one position; angle: the text about it."""
         place = {POLE: 0j, **{key: complex(v[0]) * omega for key, v in polygon.corners.items()}}
         self._corners = {key: v for key, v in place.items() if np.isfinite(v)}
         self._sides = [

@@ -1,4 +1,4 @@
-"""Velocity ratios on the drawing: the two distances on the line of three centres, as dimensions, and what they tell."""
+"""Velocity ratios on the drawing: the two distances on the line of three centres, as dimensions, and the ratio in figures."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ Pairs = Callable[[CentreTable, str], Sequence[tuple[str, str]]]
 
 
 def ratio_text(arms: RatioArms, i: int, base_speed: float, body_speed: float) -> str:
-    """One ratio in figures at a sample; speeds [rad/s] of both links. What does not turn is told by its velocity."""
+    """One ratio in figures at a sample; speeds [rad/s] of both links. Of a body that does not turn, its velocity."""
     body, base = link_number(arms.body), link_number(arms.base)
     names = tuple(f"I{centre_name(key)}" for key in (arms.other, arms.own, arms.common))
     above, below = float(arms.base_arm[i]) * MM, float(arms.body_arm[i]) * MM
@@ -68,7 +68,7 @@ class _Dimension:
         self.tag.setVisible(on)
 
     def lay(self, start: complex, end: complex, off: complex, length: float, sight: Sight, room: Room) -> None:
-        """start, end: the centres [mm]; off: how far beside them [mm]; length: as told, with its sign [mm]."""
+        """start, end: the centres [mm]; off: how far beside them [mm]; length: the number shown, with its sign [mm]."""
         pixel = 1.0 / sight.scale
         part = _seen(start + off, end + off, sight)
         self.show(part is not None and abs(end - start) > 2.0 * HEAD * pixel)
@@ -158,7 +158,7 @@ class RatioDimensions:
 
     @staticmethod
     def _along(places: Sequence[complex | None]) -> complex:
-        """The direction of the line of the centres, the same side up whichever way it is gone along."""
+        """The direction of the line of the centres, the same for both senses along it."""
         there = [p for p in places if p is not None]
         direction = max((b - a for a in there for b in there), key=abs)
         direction = direction / abs(direction)

@@ -19,7 +19,7 @@ from kindyna_gui.pictures.style import Theme, shade
 
 @dataclass(frozen=True)
 class Limit:
-    """A value not to be passed [SI], and the words that say so."""
+    """A value not to be passed [SI], and the text of its line."""
 
     value: float
     words: str
@@ -87,7 +87,7 @@ def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list
 
 
 def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, str, str]]:
-    """Value, in the channels' unit, words and short words of each limit; with the channel's name where there are
+    """Value, in the channels' unit, text and short text of each limit; with the channel's name where there are
     several channels."""
     limits = [(row, limit_of(study, row.quantity)) for row in channels]
     made = []

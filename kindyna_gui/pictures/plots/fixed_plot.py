@@ -1,4 +1,4 @@
-"""What all plots stand on: paper with axes that stay as they are told."""
+"""The base of all plots: paper with axes whose ranges are set, never searched."""
 
 from __future__ import annotations
 

@@ -10,8 +10,8 @@ Z_BANDS, Z_GRID, Z_ZERO, Z_LIMIT, Z_REFERENCE, Z_CURVE, Z_CURSOR = -90.0, -80.0,
 
 @dataclass(frozen=True)
 class Frame:
-    """What a plot shows at which size: values from low to high over first ... last, a turn of the cam [deg] if nothing
-    else is said, on width x height pixels."""
+    """What a plot shows at which size: values from low to high over first ... last, a turn of the cam [deg] by
+    default, on width x height pixels."""
 
     low: float
     high: float

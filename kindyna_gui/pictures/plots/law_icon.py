@@ -23,7 +23,7 @@ _EXAMPLES: Mapping[str, Curve] = MappingProxyType(
         "spline": Spline((Point(22.0, 0.55), Point(48.0, 0.3), Point(70.0, 0.8))),
     }
 )
-"""What stands in a picture for the laws that say little as long as nothing is entered."""
+"""Examples drawn for the laws whose curve follows from their parameters alone."""
 
 
 def _segment(slug: str) -> Segment:

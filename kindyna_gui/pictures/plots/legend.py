@@ -1,4 +1,4 @@
-"""Names of curves above a plot: on as many lines as its width asks for, never wider than it."""
+"""Names of curves above a plot: on as many lines as its width needs, never wider than it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def cut(text: str, room: float, advance: Callable[[str], float]) -> str:
 
 
 class Legend(QGraphicsTextItem):
-    """The entries as they are told, laid out in the room they are given; nothing is done where neither changes."""
+    """The entries laid out in the room they are given; nothing is done where neither changes."""
 
     def __init__(self, parent: QGraphicsWidget, ink: str, centred: bool = False) -> None:
         super().__init__(parent)
@@ -78,7 +78,7 @@ class Legend(QGraphicsTextItem):
 
     @property
     def text(self) -> str:
-        """What can be read."""
+        """The legend as plain text."""
         return self.toPlainText()
 
     def set_entries(self, entries: Sequence[Entry], note: str = "") -> None:

@@ -163,7 +163,7 @@ class CurvePlot(FixedPlot):
         return pool[:count] + [make() for _ in range(count - len(pool))]
 
     def _name_curves(self, reference: bool) -> None:
-        """Names of the curves above the plot, where there is more than one to tell apart."""
+        """Names of the curves above the plot, where there is more than one."""
         rows: list[Entry] = []
         if len(self._curves) > 1 or reference:
             rows = [Entry(c.colour, c.channel.label, "– –" if c.channel.beside else "—") for c in self._curves]
@@ -229,7 +229,7 @@ class CurvePlot(FixedPlot):
         if paper != self._laid:
             self._laid = paper
             self._lay_paper(frame)
-        self.scene().prepareForPaint()  # else the transformation follows in the paint event and asks for another
+        self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
 
     def _lay_paper(self, frame: Frame) -> None:
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []

@@ -1,4 +1,4 @@
-"""The chart of stability: tongues as edges, the machine's point and its way up to speed."""
+"""The chart of stability: tongues as edges, the machine's point and its run-up to speed."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ NAMES = (
 
 @dataclass(frozen=True)
 class Measure:
-    """One way to number an axis. ``of``: value shown for η or Q; ``back``: η or Q of a value shown."""
+    """A quantity that numbers an axis. ``of``: value shown for η or Q; ``back``: η or Q of a value shown."""
 
     label: str
     title: str
@@ -168,7 +168,7 @@ class ChartPlot(FixedPlot):
         return path
 
     def _place_machine(self, machine: Machine | None) -> None:
-        """The operating point, and the way up to it from standstill, η = ∞."""
+        """The operating point, and the run-up to it from standstill, η = ∞."""
         self.own.setVisible(machine is not None)
         self._tag.setVisible(machine is not None)
         path = QPainterPath()
@@ -194,7 +194,7 @@ class ChartPlot(FixedPlot):
         self._tag.setVisible(False)
 
     def look_at(self, eta: float | None, q: float = 0.0) -> None:
-        """Ring the point that is looked at; None: none is."""
+        """Ring the chosen point; None: none is chosen."""
         self.looked.setVisible(eta is not None)
         if eta is not None:
             self.looked.setPos(self.place(eta, q))
