@@ -106,10 +106,10 @@ def _narrowed(coefficients: Coefficients, eta: float, q: float, equation: str) -
 
 def _one_turn(coefficients: Coefficients, eta: np.ndarray, q: np.ndarray, equation: str, damping: float) -> Monodromy:
     panels = coefficients.panels
-    maps, slopes, lost = _each_panel(coefficients, eta, q, equation, damping)
+    maps, slopes, decay = _each_panel(coefficients, eta, q, equation, damping)
     matrix, slope = _product(maps, slopes)
     error = 8.0 * EPS * panels.count**0.5 * size(matrix, eta) + 0.5 * panels.tail * eta * size(slope, eta)
-    return Monodromy(matrix, slope, np.exp(-lost), error)
+    return Monodromy(matrix, slope, np.exp(-decay), error)
 
 
 def _each_panel(
@@ -134,11 +134,11 @@ def liouville(
     """
     rows = np.full(eta.shape, q)
     narrow = _narrowed(coefficients, float(eta.max(initial=0.0)), q, equation)
-    maps, _, lost = _each_panel(narrow, eta, rows, equation, damping)
+    maps, _, decay = _each_panel(narrow, eta, rows, equation, damping)
     m = np.abs(maps)
     products = (m[..., 0, 0] * m[..., 1, 1] + m[..., 0, 1] * m[..., 1, 0]).sum(axis=1)
     whole = determinant(maps.reshape(-1, 2, 2)).reshape(maps.shape[:2]).prod(axis=1)
-    return np.abs(whole * np.exp(lost) - 1.0), 16.0 * EPS * products
+    return np.abs(whole * np.exp(decay) - 1.0), 16.0 * EPS * products
 
 
 def zeros_at_standstill(coefficients: Coefficients, q: float, equation: str = EXACT) -> int:

@@ -65,7 +65,7 @@ def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0)
     rows, count = harmonic.edges.shape[:2]
     q, sign = np.repeat(harmonic.q, count), np.tile(np.where(np.arange(count) % 2 == 0, -1.0, 1.0), rows)
     edges = harmonic.edges.reshape(-1, 2).copy()
-    wrong = np.zeros((edges.shape[0], 2))
+    error = np.zeros((edges.shape[0], 2))
     pencil = partial(_pencil, coefficients, harmonic.equation, damping)
     if damping:
         middle, half = edges.mean(axis=1), 0.5 * (edges[:, 1] - edges[:, 0])
@@ -74,34 +74,34 @@ def refined(coefficients: Coefficients, harmonic: Tongues, damping: float = 0.0)
         edges[at] = np.maximum(_open_roots(pencil, middle[at], q[at], sign[at]), 0.0)  # nan stays
     for side in (0, 1):
         at = np.flatnonzero(edges[:, side] > 0.0)
-        edges[at, side], wrong[at, side] = _newton(pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0)
-    _unproven_zeros(coefficients, harmonic, edges, wrong)
+        edges[at, side], error[at, side] = _newton(pencil, edges[at, side], q[at], sign[at], 2.0 * side - 1.0, damping > 0.0)
+    _unproven_zeros(coefficients, harmonic, edges, error)
     closed = np.isnan(edges).any(axis=1)
-    edges[closed] = wrong[closed] = np.nan
+    edges[closed] = error[closed] = np.nan
     shape = (rows, count, 2)
-    error = wrong.reshape(shape).max(axis=2)
-    return replace(harmonic, edges=edges.reshape(shape), error=error, damping=damping, method=BY_MONODROMY)
+    largest = error.reshape(shape).max(axis=2)
+    return replace(harmonic, edges=edges.reshape(shape), error=largest, damping=damping, method=BY_MONODROMY)
 
 
-def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.ndarray, wrong: np.ndarray) -> None:
+def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.ndarray, error: np.ndarray) -> None:
     """An edge stands at 0 where its η² is negative, as the harmonics say. Where these say nothing (``UNKNOWN``) and zeros of
-    the solution do not prove it either, it is as wrong as they are: into ``wrong`` (rows count, 2)."""
+    the solution do not prove it either, its error is theirs: into ``error`` (rows count, 2)."""
     rows, count = harmonic.error.shape
     numbers = np.tile(np.arange(1, count + 1), rows)
     unsure = (edges == 0.0) & (harmonic.error.reshape(-1, 1) > UNKNOWN)
     for row in np.unique(np.flatnonzero(unsure.any(axis=1)) // count):
         proven = numbers + 2 <= zeros_at_standstill(coefficients, float(harmonic.q[row]), harmonic.equation)
         unsure[row * count : (row + 1) * count] &= ~proven[:count, None]
-    wrong[unsure] = np.repeat(harmonic.error.reshape(-1, 1), 2, axis=1)[unsure]
+    error[unsure] = np.repeat(harmonic.error.reshape(-1, 1), 2, axis=1)[unsure]
 
 
 @dataclass(frozen=True, eq=False)
 class _Pencil:
-    """The two roots δ = middle ± √room (L,) of det(E + δK) = 0, and what rounding makes of them."""
+    """The two roots δ = middle ± √discriminant (L,) of det(E + δK) = 0, and what rounding makes of them."""
 
     middle: np.ndarray
-    room: np.ndarray
-    wrong: np.ndarray
+    discriminant: np.ndarray
+    error: np.ndarray
 
 
 PencilAt = Callable[[np.ndarray, np.ndarray, np.ndarray], _Pencil]
@@ -116,17 +116,17 @@ def _pencil(
     across = e[:, 0, 0] * k[:, 1, 1] - e[:, 0, 1] * k[:, 1, 0] - e[:, 1, 0] * k[:, 0, 1] + e[:, 1, 1] * k[:, 0, 0]
     square = determinant(k)
     middle = -0.5 * across / square
-    room = middle * middle - determinant(e) / square
+    discriminant = middle * middle - determinant(e) / square
     # without damping K is a definite matrix turned by a quarter: it holds both roots as firmly as its smaller eigenvalue
-    wrong = turn.error * size(k, eta) / np.abs(square)
+    error = turn.error * size(k, eta) / np.abs(square)
     # where a turn grows a millionfold, det E is the small difference of large products
     rounding = ROUNDING * EPS * (np.abs(e[:, 0, 0] * e[:, 1, 1]) + np.abs(e[:, 0, 1] * e[:, 1, 0])) / np.abs(square)
-    wrong = wrong + rounding / np.maximum(np.sqrt(np.abs(room) + rounding), 1e-300)
+    error = error + rounding / np.maximum(np.sqrt(np.abs(discriminant) + rounding), 1e-300)
     if damping:  # two roots that meet give way like a square root
-        apart = np.sqrt(np.abs(room))
+        apart = np.sqrt(np.abs(discriminant))
         reach = np.abs(middle) + apart
-        wrong = wrong * np.maximum(1.0, reach / np.maximum(apart, np.sqrt(wrong * reach + wrong**2)))
-    return _Pencil(middle, room, wrong)
+        error = error * np.maximum(1.0, reach / np.maximum(apart, np.sqrt(error * reach + error**2)))
+    return _Pencil(middle, discriminant, error)
 
 
 def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.ndarray) -> np.ndarray:
@@ -137,8 +137,8 @@ def _open_roots(pencil: PencilAt, middle: np.ndarray, q: np.ndarray, sign: np.nd
         if at.size == 0:
             break
         pair = pencil(eta[at], q[at], sign[at])
-        real = pair.room >= 0.0
-        centre, half = eta[at] + pair.middle, np.sqrt(np.abs(pair.room))
+        real = pair.discriminant >= 0.0
+        centre, half = eta[at] + pair.middle, np.sqrt(np.abs(pair.discriminant))
         out[at[real]] = (centre[:, None] + half[:, None] * (-1.0, 1.0))[real]
         clearly = ~real & (np.abs(pair.middle) <= CLEARLY * half + CLOSE)
         eta[at] += np.clip(pair.middle, -FARTHEST, FARTHEST)
@@ -150,23 +150,23 @@ def _newton(
     pencil: PencilAt, start: np.ndarray, q: np.ndarray, sign: np.ndarray, side: float, damped: bool
 ) -> tuple[np.ndarray, np.ndarray]:
     """The lower (side -1) or upper (+1) edge near each η (L,), 0 where η² would be negative, nan where there is none; and
-    what it may be wrong by."""
-    eta, wrong = start.copy(), np.zeros(start.size)
+    its error."""
+    eta, error = start.copy(), np.zeros(start.size)
     last, stuck = np.full(eta.size, np.inf), np.zeros(eta.size, dtype=int)
     at = np.arange(eta.size)
     for _ in range(STEPS):
         if at.size == 0:
             break
         pair = pencil(eta[at], q[at], sign[at])
-        step = pair.middle + side * np.sqrt(np.maximum(pair.room, 0.0))
+        step = pair.middle + side * np.sqrt(np.maximum(pair.discriminant, 0.0))
         eta[at] = np.maximum(eta[at] + np.clip(step, -FARTHEST, FARTHEST), 0.0)
         length = np.abs(step)
         # the next step would be the square of this one; where steps wander, its error is not known
-        wrong[at] = pair.wrong + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
+        error[at] = pair.error + np.where(length <= CLOSE * (1.0 + eta[at]), step * step, length)
         stuck[at] = np.where(length < 0.5 * last[at], 0, stuck[at] + 1)
         last[at] = length
         done = (length <= CLOSE * (1.0 + eta[at])) | (stuck[at] >= ROUNDS) | (eta[at] == 0.0)
         if damped:
-            eta[at[done & (pair.room < -pair.wrong * (np.abs(pair.middle) + np.sqrt(pair.wrong)))]] = np.nan
+            eta[at[done & (pair.discriminant < -pair.error * (np.abs(pair.middle) + np.sqrt(pair.error)))]] = np.nan
         at = at[~done]
-    return eta, wrong
+    return eta, error

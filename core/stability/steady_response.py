@@ -25,9 +25,9 @@ FARTHEST = 0.1  # [wind-up, momentum] a step of Newton's method
 ARC = 0.02  # first step along a branch
 LONGEST_ARC, SHORTEST_ARC = 0.1, 1e-6
 MOST_POINTS = 2000
-MOST_LED = 60  # points from a calm η to the wanted one
-WILD = np.array([0.35, 2.5])  # wind-up [turns] and momentum beyond an even turn's at which a branch is left
-CALM = np.array([0.1, 0.3])  # the same, up to which a response found straight away is no resonance
+MOST_BY_BRANCH = 60  # points of a branch from its origin to the wanted η
+LARGEST = np.array([0.35, 2.5])  # wind-up [turns] and momentum beyond an even turn's at which a branch is left
+SMALL = np.array([0.1, 0.3])  # the same, up to which a response found straight away is no resonance
 SCALE = np.array([4.0, 1.0, 1.0])  # what β, Π and η count along the branch
 
 
@@ -66,40 +66,40 @@ TOLERANCE = 1e-7  # of the growth, below which it is rounding: near a trace of 2
 
 
 def steady_response(coefficients: Coefficients, eta: float, q: float, damping: float = 0.0) -> SteadyResponse | None:
-    """The steady response at a point: the one that the branch through the neighbouring calm η leads to; of two, from
-    either side of a resonance, that of the smaller wind-up. None where neither reaches the point.
+    """The steady response at a point: the one that the branch leads to which passes η = n + 1/2 beside it, between two
+    resonances; of two, from either side of a resonance, that of the smaller wind-up. None where neither reaches the point.
     """
     straight = shoot(coefficients, eta, q, damping, None)
-    if straight is not None and (np.abs(straight.state - (0.0, 1.0)) < CALM).all():
+    if straight is not None and (np.abs(straight.state - (0.0, 1.0)) < SMALL).all():
         return straight
     best = straight
-    for calm in sorted({np.floor(eta) + 0.5, np.ceil(eta) - 0.5}):
-        led = _led(coefficients, max(float(calm), 0.25), eta, q, damping, best)
-        best = led if led is not None else best
+    for origin in sorted({np.floor(eta) + 0.5, np.ceil(eta) - 0.5}):
+        response = _by_branch(coefficients, max(float(origin), 0.25), eta, q, damping, best)
+        best = response if response is not None else best
     return best
 
 
-def _wildness(state: np.ndarray) -> float:
-    return float(np.abs((state - (0.0, 1.0)) / WILD).max())
+def _relative_size(state: np.ndarray) -> float:
+    return float(np.abs((state - (0.0, 1.0)) / LARGEST).max())
 
 
-def _led(
-    coefficients: Coefficients, calm: float, eta: float, q: float, damping: float, known: SteadyResponse | None
+def _by_branch(
+    coefficients: Coefficients, origin: float, eta: float, q: float, damping: float, known: SteadyResponse | None
 ) -> SteadyResponse | None:
-    """From a calm η along the branch until it first comes to the wanted one; None where it does not, or only wilder than
-    the response known already."""
-    most = _wildness(known.state) if known is not None else 1.0
-    start = shoot(coefficients, calm, q, damping, None)
+    """The response at η on the branch that starts at another η, ``origin``; None where the branch does not reach it, or only
+    with a larger response than the one known already."""
+    most = _relative_size(known.state) if known is not None else 1.0
+    start = shoot(coefficients, origin, q, damping, None)
     if start is None:
         return None
     before = start
-    for point in islice(branch(coefficients, start, np.sign(eta - start.eta)), MOST_LED):
+    for point in islice(branch(coefficients, start, np.sign(eta - start.eta)), MOST_BY_BRANCH):
         if (point.eta - eta) * (before.eta - eta) <= 0.0:
             part = (eta - before.eta) / (point.eta - before.eta) if point.eta != before.eta else 0.0
             guess = before.state + part * (point.state - before.state)
-            led = shoot(coefficients, eta, q, damping, guess)
-            return led if led is not None and _wildness(led.state) < most else None
-        if _wildness(point.state) > most:
+            response = shoot(coefficients, eta, q, damping, guess)
+            return response if response is not None and _relative_size(response.state) < most else None
+        if _relative_size(point.state) > most:
             return None
         before = point
     return None
@@ -113,7 +113,7 @@ def shoot(
         guess = Integrator(coefficients, eta, q, damping).resting()[0]
     state, best = np.asarray(guess, dtype=float), None
     for _ in range(NEWTON):
-        if _wildness(state) > 2.0:
+        if _relative_size(state) > 2.0:
             return None
         miss, slopes = _derivatives(coefficients, np.append(state, eta), q, damping)
         if not np.isfinite(miss).all():
@@ -136,7 +136,7 @@ def branch(
     coefficients: Coefficients, start: SteadyResponse, direction: float
 ) -> Iterator[SteadyResponse]:
     """Steady responses along the branch from one of them, at first towards larger (direction +1) or smaller (-1) η, through
-    folds; ends where the branch cannot be followed or becomes wild. The caller stops the iteration."""
+    folds; ends where the branch cannot be followed or its responses exceed ``LARGEST``. The caller stops the iteration."""
     q, damping = start.q, start.damping
     point = np.array([*start.state, start.eta])
     tangent = _tangent(_derivatives(coefficients, point, q, damping)[1])
@@ -156,7 +156,7 @@ def branch(
             arc *= 0.5
             continue
         point, tangent = new, turned
-        if _wildness(point[:2]) > 1.0:
+        if _relative_size(point[:2]) > 1.0:
             return
         yield SteadyResponse(float(point[2]), q, damping, point[:2], slopes[:, :2] + np.eye(2), miss)
         arc = min(LONGEST_ARC, arc * (1.5 if sweeps <= 4 else 0.7))
