@@ -13,8 +13,7 @@ from core.stability.figures import (
     contact_marks,
     history_plot,
 )
-from core.stability.floquet import monodromy
-from core.stability.floquet_edges import refined, tongues
+from core.stability.floquet import monodromy, refined, tongues
 from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients, coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
 from core.stability.hill.matrices import kim_edges, kim_matrix

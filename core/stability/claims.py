@@ -11,7 +11,7 @@ import numpy as np
 
 from core.errors import NoStability
 from core.stability import judgements
-from core.stability.floquet_edges import tongues
+from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.hill.edges import Tongues
 from core.stability.hill.matrices import kim_edges

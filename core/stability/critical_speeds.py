@@ -11,8 +11,7 @@ from core.design import Design, Elastic, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
 from core.mechanism.kinematics import Kinematics
-from core.stability.floquet import monodromy
-from core.stability.floquet_edges import tongues
+from core.stability.floquet import monodromy, tongues
 from core.stability.hill.coefficients import EXACT, LOAD, LOAD_SLOPE, RETUNED, Coefficients
 from core.stability.hill.edges import Tongues
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from core.stability.critical_speeds import Machine
-from core.stability.floquet_edges import tongues
+from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to
 from core.stability.windup import Averages, History

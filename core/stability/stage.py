@@ -17,8 +17,7 @@ from core.findings import ERROR, LEAST_BOUND, NOTE, WARNING, Finding, Residual
 from core.motion import Program
 from core.stability.contact import Contact, KinematicsAndShapeAt, contact
 from core.stability.critical_speeds import CLEAR, NOTICEABLE, RPM, Band, Machine, Stiffness, bands, stiffness_for
-from core.stability.floquet import liouville
-from core.stability.floquet_edges import UNKNOWN, refined, tongues
+from core.stability.floquet import UNKNOWN, liouville, refined, tongues
 from core.stability.hill.coefficients import EXACT, Coefficients
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
 from core.stability.model_comparison import (
