@@ -192,6 +192,15 @@ class Study:
             )  # fmt: skip
         return found
 
+    @property
+    def turn_ranges(self) -> tuple[tuple[float, float], ...]:
+        """Where the angle can go [rad]: () for the whole turn, else the ranges between a crank's dead centres.
+
+        Raises NoPosition where the linkage stands nowhere.
+        """
+        ranges = self.course.ranges if self.by_crank else ()
+        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
+
     @cached_property
     def drive(self) -> MotionState:
         """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
