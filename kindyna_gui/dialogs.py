@@ -9,7 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
-from core.project.recovery import Found
+from core.project.recovery import Recoverable
 
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
@@ -157,7 +157,7 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfin
     return answer
 
 
-def ask_to_recover(parent: QWidget, found: Sequence[Found]) -> tuple[OnRecovery, Found]:
+def ask_to_recover(parent: QWidget, found: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:
     """What to do with unsaved work, and with which."""
     from kindyna_gui.documents.recovery_dialog import RecoveryDialog
 

@@ -149,11 +149,11 @@ def _with_room(segments: list[Segment], turn: _Turn, image: list[Segment]) -> tu
         return segments, image
     giver = _giver(segments, turn, more)
     if giver is not None:
-        return _with_total(segments, [giver], balance(segments[giver].span_deg, (more,))), image
+        return with_total_span(segments, [giver], balance(segments[giver].span_deg, (more,))), image
     room = balance(_total(segments, others), (more,))
     if others and room >= LEAST_SPAN * len(others):
-        return _with_total(segments, others, room), image
-    segments = _with_total(segments, own, balance((360.0 - _total(segments, others)) / 2.0, ()))
+        return with_total_span(segments, others, room), image
+    segments = with_total_span(segments, own, balance((360.0 - _total(segments, others)) / 2.0, ()))
     return segments, [mirrored(segments[i]) for i in reversed(own)]
 
 
@@ -170,7 +170,7 @@ def _total(segments: Sequence[Segment], which: Sequence[int]) -> float:
     return fsum(segments[i].span_deg for i in which)
 
 
-def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float) -> list[Segment]:
+def with_total_span(segments: Sequence[Segment], which: Sequence[int], total: float) -> list[Segment]:
     """The segments, some of them stretched alike so that they take ``total`` degrees together."""
     made, by = list(segments), total / _total(segments, which)
     for i in which:
@@ -180,4 +180,4 @@ def _with_total(segments: Sequence[Segment], which: Sequence[int], total: float)
     return made
 
 
-__all__ = ["MIRRORS", "has_image", "mirrored", "stroke_mirrored"]
+__all__ = ["MIRRORS", "has_image", "mirrored", "stroke_mirrored", "with_total_span"]

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
-from core.design.mirror import MIRRORS
+from core.design.mirror import MIRRORS, with_total_span
 from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
 from core.design.parts import Motion, Named, Segment
 from core.design.rules import CLOSING, faults, part_faults, total_of, whole_faults
@@ -142,22 +142,9 @@ def _turns(motion: Motion, index: int) -> Iterator[Motion]:
     for other in _after(motion, index):
         span = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i != other))
         yield _with_cell(motion, other, "span_deg", span)
-    for kept in ([index], []):
-        yield replace(motion, segments=_in_proportion(segments, kept))
-
-
-def _in_proportion(segments: list[Segment], kept: list[int]) -> tuple[Segment, ...]:
-    """The segments with spans that make one turn, all but those kept in proportion to what they had."""
-    others = [i for i in range(len(segments)) if i not in kept]
-    if not others:
-        return tuple(segments)
-    left = balance(360.0, (segments[i].span_deg for i in kept))
-    now, made = total_of(segments[i].span_deg for i in others), list(segments)
-    for i in others[:-1]:
-        made[i] = replace(made[i], span_deg=balance(made[i].span_deg * left / now, ()))
-    last = balance(left, (made[i].span_deg for i in others[:-1]))
-    made[others[-1]] = replace(made[others[-1]], span_deg=last)
-    return tuple(made)
+    for others in (sorted(_after(motion, index)), range(len(segments))):
+        room = balance(360.0, (s.span_deg for i, s in enumerate(segments) if i not in others))
+        yield replace(motion, segments=tuple(with_total_span(segments, others, room) if others else segments))
 
 
 def _returns(motion: Motion, index: int) -> Iterator[Motion]:

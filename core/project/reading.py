@@ -119,8 +119,8 @@ class Reader:
         self.faults: list[Fault] = []
 
     def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
-        """One table of the file as a part; one of defaults and nothing known where the table is missing or none, None where
-        it need not be there or its class is not known."""
+        """One table of the file as a part. A part of unknown values where the table is missing, but needed, or is no table;
+        None where it need not be there, or where its class is not known."""
         if name not in tables:
             if needed and name != "follower":
                 keys = ", ".join(slot.key for slot in slots(kind, self.unit) if slot.missing) if kind else ""

@@ -105,7 +105,7 @@ class RecoveryFile:
 
 
 @dataclass(frozen=True)
-class Found:
+class Recoverable:
     """Unsaved work of a process that has died. Until ``discard`` or ``release`` no other process finds it."""
 
     file: Path
@@ -123,11 +123,11 @@ class Found:
             os.close(self._lock)
 
 
-def find(folder: Path) -> list[Found]:
+def find(folder: Path) -> list[Recoverable]:
     """Unsaved work of processes that have died, the latest first. Their locks without work, and files half written, are
     removed."""
     sweep(folder)
-    found = []
+    left = []
     for path in sorted({each.with_suffix(".toml") for each in folder.glob("*") if each.suffix in (".toml", ".lock")}):
         try:
             lock = hold(_lock_of(path))
@@ -141,11 +141,11 @@ def find(folder: Path) -> list[Found]:
             _remove_lock(path, lock)
             continue
         try:
-            found.append(Found(path, _parsed(read_text(path)), lock))
+            left.append(Recoverable(path, _parsed(read_text(path)), lock))
         except FileError:  # it stays for another time
             if lock is not None:
                 os.close(lock)
-    return sorted(found, key=lambda each: each.unsaved.time, reverse=True)
+    return sorted(left, key=lambda each: each.unsaved.time, reverse=True)
 
 
 def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None) -> Unsaved:

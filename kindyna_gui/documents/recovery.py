@@ -15,7 +15,7 @@ from PySide6.QtCore import QCoreApplication, QObject, QSocketNotifier, QTimer, S
 from core.design import Design
 from core.errors import KindynaError
 from core.project import dumps, recovery
-from core.project.recovery import Found, Unsaved
+from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui import dialogs
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.recovery_writer import RecoveryWriter
@@ -113,7 +113,7 @@ class Recovery(QObject):
             for each in entries:
                 each.release()
 
-    def _is_saved(self, entry: Found) -> bool:
+    def _is_saved(self, entry: Recoverable) -> bool:
         """Whether the file holds all of it; then it is removed."""
         from kindyna_gui.documents.recovery_dialog import compare
 
@@ -127,7 +127,7 @@ class Recovery(QObject):
         if self._window.documents.may_leave():
             self.offer(from_menu=True)
 
-    def _offer_each(self, entries: list[Found]) -> None:
+    def _offer_each(self, entries: list[Recoverable]) -> None:
         """Until the user has chosen one, or put the rest off; what is done with is taken from the list."""
         while entries:
             choice, chosen = dialogs.ask_to_recover(self._window, entries)
@@ -141,7 +141,7 @@ class Recovery(QObject):
                 entries.remove(chosen)
             return
 
-    def _recover(self, chosen: Found) -> bool:
+    def _recover(self, chosen: Recoverable) -> bool:
         """Put recovered work in place; True where it is in this window's own recovery file, and the other is removed."""
         unsaved = chosen.unsaved
         path = None if unsaved.path is None else str(unsaved.path)

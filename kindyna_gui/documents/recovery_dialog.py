@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from core.design import Design
 from core.errors import KindynaError
 from core.project import differences, load, loads
-from core.project.recovery import Found, Unsaved
+from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui.dialogs import OnRecovery
 from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.texts import difference_text
@@ -87,7 +87,7 @@ def _later(path: Path, time: float) -> str:
 class RecoveryDialog(QDialog):
     """A list of work, and below it what differs in the chosen one."""
 
-    def __init__(self, parent: QWidget, found: Sequence[Found]) -> None:
+    def __init__(self, parent: QWidget, found: Sequence[Recoverable]) -> None:
         super().__init__(parent)
         self.setWindowTitle("Unsaved work")
         self.found, self.choice = list(found), OnRecovery.LATER
@@ -126,7 +126,7 @@ class RecoveryDialog(QDialog):
         self.list.setCurrentRow(0)
 
     @property
-    def chosen(self) -> Found:
+    def chosen(self) -> Recoverable:
         return self.found[self.list.currentRow()]
 
     def _button(self, text: str, choice: OnRecovery) -> QPushButton:
