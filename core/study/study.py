@@ -469,15 +469,6 @@ class Study:
         return certificate(self, stages or self.stages)
 
     @property
-    def turn_ranges(self) -> tuple[tuple[float, float], ...]:
-        """Where the angle can go [rad]: () for the whole turn, else the ranges between a crank's dead centres.
-
-        Raises NoAnswer where the linkage stands nowhere.
-        """
-        ranges = self.course.ranges if self.by_crank else ()
-        return () if len(ranges) == 1 and ranges[0].free else tuple((r.low, r.high) for r in ranges)
-
-    @property
     def reach(self) -> float:
         """Distance of the follower's reference point from the cam centre on the base circle [m]; where the linkage gives the
         cam its size, the largest."""
