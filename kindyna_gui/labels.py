@@ -24,7 +24,6 @@ _CHOICES: Mapping[str, str] = MappingProxyType(
 )
 """Words of the file that read better otherwise."""
 
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)", re.ASCII)
 _PLAIN_FROM, _PLAIN_TO = 1e-7, 1e15
 DIGITS = 17
 """No number has more that count."""
@@ -52,15 +51,6 @@ def rounded_to(value: float, fits: Callable[[str], bool]) -> str:
         if fits(text):
             break
     return text
-
-
-def parsed(text: str, unit: Unit) -> float | None:
-    """The number in a text, with or without its unit; None where it is none."""
-    match = _NUMBER.fullmatch(text.strip().replace("\u2212", "-"))
-    if match is None or match[2] not in ("", unit.symbol):
-        return None
-    value = float(match[1])
-    return value + 0.0 if math.isfinite(value) else None
 
 
 def no_number(text: str) -> str:

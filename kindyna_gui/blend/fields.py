@@ -13,7 +13,7 @@ from core.design import UNITS, Info, Unit
 from kindyna_gui.blend.request import POINT, Setting
 from kindyna_gui.blend.texts import UNASKED, begin_of, range_text
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import parsed
+from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
 from kindyna_gui.note import MessageLabel
 

@@ -87,7 +87,7 @@ class Field(QObject):
         box.unreadable.connect(lambda: self.session.refuse(self.spec.path, no_number(box.text())))
         box.withdrawn.connect(lambda: self.session.take_back(self.spec.path))
         box.finished.connect(self.session.end_gesture)
-        self.label.dragged.connect(box.stepBy)
+        self.label.dragged.connect(box.drag_by)
         self.label.released.connect(self._label_released)
         return box
 

@@ -26,7 +26,8 @@ from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QLineEdit, QStyle, QS
 
 from core.design import NO_UNIT, Info, Unit
 from kindyna_gui.forms.text_keys import TextKeys
-from kindyna_gui.labels import parsed, rounded_to, shortest, value_text
+from kindyna_gui.forms.typed_number import parsed
+from kindyna_gui.labels import rounded_to, shortest, value_text
 from kindyna_gui.look import WRONG
 
 UNDO_KEYS = (QKeySequence.StandardKey.Undo, QKeySequence.StandardKey.Redo)
@@ -37,6 +38,16 @@ _ELSEWHERE = (
 )
 _PADDING = 2  # of a line's text from its sides, pixels
 _BUTTONS = 28  # pixels for the arrows and the frame
+
+
+NOTCH = 120  # of a wheel's angle, in eighths of a degree
+_ROUND_STEPS = (("1", 1.5), ("2", 3.5), ("5", 7.5), ("10", math.inf))  # the step, and below which share of its power
+
+
+def scale_of(modifiers: Qt.KeyboardModifier) -> float:
+    """What the keys held make of a step: Ctrl a tenth, Shift ten times."""
+    tenth = 0.1 if modifiers & Qt.KeyboardModifier.ControlModifier else 1.0
+    return tenth * (10.0 if modifiers & Qt.KeyboardModifier.ShiftModifier else 1.0)
 
 
 def row_height(widget: QWidget) -> int:
@@ -123,7 +134,8 @@ class _Line(QLineEdit):
 class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     """A number of one field.
 
-    Arrows, wheel (only when chosen) and arrow keys step it; typed text counts on Enter or when the focus leaves.
+    Arrows, wheel (only when chosen) and arrow keys step it, with Ctrl by a tenth, with Shift by ten times as much; typed text,
+    a calculation or another unit too, counts on Enter or when the focus leaves.
     Escape, or undo while typing, takes back what was typed. A wrong text stays until it is right or taken back.
 
     entered      (float): a step was made, or a typed number confirmed
@@ -143,6 +155,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         self._info, self._unit = info, unit
         self._value = 0.0
         self._tried = ""  # the text that was last confirmed or shown
+        self._finer = 1.0  # what the keys held while an arrow is pressed make of a step
+        self._wheeled = 0  # parts of a notch
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         self.setAccelerated(True)
@@ -215,27 +229,40 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     # -- steps --------------------------------------------------------------------------------------------
 
     def step_of(self, value: float) -> float:
-        """The field's own step, else about a hundredth of the value, rounded to a power of ten."""
+        """The field's own step, else about a hundredth of the value: the nearest of 1, 2, 5 times a power of ten."""
         if self._info.step:
             return self._info.step
-        return 10.0 ** (math.floor(math.log10(abs(value))) - 2) if value else 1.0
+        if not value:
+            return 1.0
+        power = math.floor(math.log10(abs(value))) - 2
+        share = abs(value) / 10.0 ** (power + 2)  # 1 ... 10
+        return float(f"{next(step for step, most in _ROUND_STEPS if share < most)}e{power}")
 
-    def stepped(self, value: float, steps: int) -> float:
+    def stepped(self, value: float, steps: int, scale: float = 1.0) -> float:
         """The value so many steps on, in decimals as a reader would add them, within the range."""
-        moved = float(Decimal(shortest(value)) + steps * Decimal(shortest(self.step_of(value))))
+        step = Decimal(shortest(self.step_of(value))) * Decimal(shortest(scale))
+        moved = float(Decimal(shortest(value)) + steps * step)
         moved = min(max(moved, self._info.low), self._info.high) + 0.0
         return value if self._info.open_low and moved <= self._info.low else moved
 
     def stepBy(self, steps: int) -> None:
+        self.step_by(steps, self._finer)
+
+    def step_by(self, steps: int, scale: float = 1.0) -> None:
+        """So many steps of ``scale`` times the usual size."""
         number = parsed(self.text(), self._unit)
         start = self._value if number is None else number
-        moved = self.stepped(start, steps)
+        moved = self.stepped(start, steps, scale)
         if moved == start:
             return
         self.lineEdit().setText(shortest(moved))
         self.lineEdit().selectAll()
         self._tried = self.text()
         self.entered.emit(moved)
+
+    def drag_by(self, steps: int) -> None:
+        """What a pull at the field's name makes of it: finer steps, for there are many."""
+        self.step_by(steps, 1.0 if self._info.step else 0.1)
 
     def stepEnabled(self) -> QAbstractSpinBox.StepEnabledFlag:
         both = QAbstractSpinBox.StepEnabledFlag.StepUpEnabled | QAbstractSpinBox.StepEnabledFlag.StepDownEnabled
@@ -256,6 +283,8 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             event.matches(QKeySequence.StandardKey.Undo) and self.typing
         ):
             self.withdraw()
+        elif event.key() in (Qt.Key.Key_Up, Qt.Key.Key_Down) and not self.isReadOnly():
+            self.step_by(1 if event.key() == Qt.Key.Key_Up else -1, scale_of(event.modifiers()))
         else:
             super().keyPressEvent(event)
 
@@ -267,15 +296,29 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             self.confirm()
         self.finished.emit()
 
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """On an arrow; Qt itself would make ten steps of one with Ctrl."""
+        self._finer = scale_of(event.modifiers())
+        plain = QMouseEvent(
+            event.type(), event.position(), event.globalPosition(), event.button(), event.buttons(), Qt.KeyboardModifier.NoModifier
+        )
+        super().mousePressEvent(plain)
+
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:
         super().mouseReleaseEvent(event)
+        self._finer = 1.0
         self.finished.emit()
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        if self.hasFocus():
-            super().wheelEvent(event)
-        else:
+        if not self.hasFocus() or self.isReadOnly():
             event.ignore()
+            return
+        self._wheeled += event.angleDelta().y() or event.angleDelta().x()
+        steps = int(self._wheeled / NOTCH)
+        self._wheeled -= steps * NOTCH
+        if steps:
+            self.step_by(steps, scale_of(event.modifiers()))
+        event.accept()
 
     def event(self, event: QEvent) -> bool:
         """The line inside claims the keys of undo; that is right only while something is being typed. The tip of a

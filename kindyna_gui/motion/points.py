@@ -23,7 +23,8 @@ from core.motion.split import add_point
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.cell_editor import CellDelegate
 from kindyna_gui.forms.number_box import NumberBox
-from kindyna_gui.labels import no_number, parsed, sentence, value_text
+from kindyna_gui.forms.typed_number import parsed
+from kindyna_gui.labels import no_number, sentence, value_text
 from kindyna_gui.look import WRONG, icon
 from kindyna_gui.motion.fields import OptionalBox, described, point_columns
 from kindyna_gui.motion.grips import snapped_angle

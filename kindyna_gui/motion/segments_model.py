@@ -28,7 +28,8 @@ from core.design.edits import balance
 from core.laws import LAWS, find_law
 from core.motion import Join
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.labels import law_label, no_number, parsed, sentence, shortest, value_text
+from kindyna_gui.forms.typed_number import parsed
+from kindyna_gui.labels import law_label, no_number, sentence, shortest, value_text
 from kindyna_gui.look import ASSUMED, QUIET, WRONG
 from kindyna_gui.motion.law_list import law_tip, short_label
 from kindyna_gui.motion.marks import Parts, join_help, join_text, marks, variants

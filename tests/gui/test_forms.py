@@ -174,10 +174,10 @@ def test_keys_step_live_and_are_one_step_back(user: User) -> None:
     user.session.design_changed.connect(lambda: rods.append(follower(user).rod_mm))
     for _ in range(3):
         QTest.keyClick(box, Qt.Key.Key_Up)
-    assert rods == [846.0, 847.0, 848.0]
-    assert user.steps == ["Change rod L2 to 848 mm"]
+    assert rods == [855.0, 865.0, 875.0]
+    assert user.steps == ["Change rod L2 to 875 mm"]
     user.press(Qt.Key.Key_Return, Qt.Key.Key_Up)
-    assert user.steps == ["Change rod L2 to 848 mm", "Change rod L2 to 849 mm"]
+    assert user.steps == ["Change rod L2 to 875 mm", "Change rod L2 to 885 mm"]
 
 
 def test_dragging_the_name_is_one_step(user: User) -> None:

@@ -1,6 +1,6 @@
 """kindyna_gui.forms.number_box: every digit is shown, none that was not touched is changed."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -53,11 +53,11 @@ def bench(app: QApplication) -> Iterator[Bench]:
     made.window.deleteLater()
 
 
-def wheel(box: NumberBox, clicks: int) -> None:
+def wheel(box: NumberBox, clicks: float, held: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
     where = QPointF(5.0, 5.0)
     event = QWheelEvent(
-        where, box.mapToGlobal(where), QPoint(), QPoint(0, 120 * clicks), Qt.MouseButton.NoButton,
-        Qt.KeyboardModifier.NoModifier, Qt.ScrollPhase.NoScrollPhase, False,
+        where, box.mapToGlobal(where), QPoint(), QPoint(0, round(120 * clicks)), Qt.MouseButton.NoButton,
+        held, Qt.ScrollPhase.NoScrollPhase, False,
     )  # fmt: skip
     QApplication.sendEvent(box, event)
 
@@ -117,8 +117,8 @@ def test_undo_while_typing_takes_back_what_was_typed(bench: Bench) -> None:
 
 @pytest.mark.parametrize(
     ("start", "steps", "end"),
-    [(845.0, 1, 846.0), (1302.162, 1, 1312.162), (1302.162, -1, 1292.162), (0.1, 3, 0.103), (0.3, -1, 0.299),
-     (-65.0, 1, -64.9), (-20000.0, 1, -19900.0), (0.0, 1, 1.0), (7.44, 10, 7.54)],
+    [(845.0, 1, 855.0), (86.0, 1, 87.0), (1302.162, 1, 1312.162), (1302.162, -1, 1292.162), (0.1, 3, 0.103), (0.3, -1, 0.298),
+     (-65.0, 1, -64.5), (-20000.0, 1, -19800.0), (0.0, 1, 1.0), (7.44, 10, 7.94)],
 )  # fmt: skip
 def test_steps_are_as_large_as_the_number_asks(app: QApplication, start: float, steps: int, end: float) -> None:
     box = NumberBox(Info("Any"))
@@ -126,6 +126,54 @@ def test_steps_are_as_large_as_the_number_asks(app: QApplication, start: float, 
     box.stepBy(steps)
     assert box.text() == f"{end:g}" or float(box.text()) == end
     box.deleteLater()
+
+
+@pytest.mark.parametrize(
+    ("modifier", "end"),
+    [("NoModifier", 87.0), ("ControlModifier", 86.1), ("ShiftModifier", 96.0)],
+)
+def test_wheel_arrow_keys_and_arrows_step_by_a_tenth_with_ctrl_and_tenfold_with_shift(
+    bench: Bench, modifier: str, end: float
+) -> None:
+    held = Qt.KeyboardModifier[modifier]
+    option = QStyleOptionSpinBox()
+    bench.length.initStyleOption(option)
+    part = QStyle.SubControl.SC_SpinBoxUp
+    arrow = bench.length.style().subControlRect(QStyle.ComplexControl.CC_SpinBox, option, part, bench.length).center()
+    gestures: tuple[Callable[[], object], ...] = (
+        lambda: wheel(bench.length, 1, held),
+        lambda: QTest.keyClick(bench.length, Qt.Key.Key_Up, held),
+        lambda: QTest.mouseClick(bench.length, Qt.MouseButton.LeftButton, held, arrow),
+    )
+    for gesture in gestures:
+        bench.length.show_value(86.0)
+        bench.said.clear()
+        gesture()
+        assert bench.said[0] == end
+
+
+def test_half_a_notch_of_the_wheel_waits_for_the_other_half(bench: Bench) -> None:
+    bench.length.show_value(86.0)
+    wheel(bench.length, 0.5)
+    assert bench.said == []
+    wheel(bench.length, 0.5)
+    assert bench.said == [87.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("3*12", 36.0), ("1 in", 25.4), ("25.4 mm", 25.4), ("(86+2)/4 cm", 220.0), ("0.1+0.2", 0.3), ("1/8 in", 3.175), ("12 ft", 3657.6)],
+)
+def test_a_calculation_and_other_units_count_as_what_they_come_to(bench: Bench, text: str, value: float) -> None:
+    bench.type(text, Qt.Key.Key_Return)
+    assert bench.said[0] == value
+
+
+@pytest.mark.parametrize("text", ["1/0", "2**3", "3 rpm", "import os", "3*", "1_000", "9" * 101 + "+1"])
+def test_what_comes_to_nothing_stays_as_it_was_typed(bench: Bench, text: str) -> None:
+    bench.type(text, Qt.Key.Key_Return)
+    assert bench.said[0] == "unreadable"
+    assert bench.length.text() == text
 
 
 def test_steps_of_the_field_stay_in_its_range(bench: Bench) -> None:

@@ -11,7 +11,8 @@ from core.design import NO_UNIT, UNITS
 from core.errors import KindynaError, NoAnswer
 from core.project import load
 from core.study import Study
-from kindyna_gui.labels import name_of, parsed, reason, sentence, shortest, step_text, value_text
+from kindyna_gui.forms.typed_number import parsed
+from kindyna_gui.labels import name_of, reason, sentence, shortest, step_text, value_text
 from kindyna_gui.places import example
 
 LIFT = load(example("transfer_lift"))

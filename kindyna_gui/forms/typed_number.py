@@ -1,0 +1,100 @@
+"""The number that a typed text means: digits, simple arithmetic, and other units of the same kind."""
+
+from __future__ import annotations
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Mapping
+from fractions import Fraction
+from types import MappingProxyType
+
+from core.design import Unit
+
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d{1,3})?", re.ASCII)
+_SIGNS = str.maketrans({"\u2212": "-", "×": "*", "÷": "/", "\u00a0": " "})
+_LONGEST = 100  # characters of a calculation
+_INCH, _POUND, _STANDARD_GRAVITY = Fraction(254, 10), Fraction(45359237, 100000000), Fraction(980665, 100000)
+
+_OTHERS: Mapping[str, Mapping[str, Fraction | float]] = MappingProxyType(
+    {
+        "mm": {"um": Fraction(1, 1000), "µm": Fraction(1, 1000), "cm": Fraction(10), "m": Fraction(1000), "in": _INCH, '"': _INCH,
+               "ft": 12 * _INCH},
+        "°": {"deg": Fraction(1), "rad": 180.0 / math.pi, "turns": Fraction(360), "turn": Fraction(360)},
+        "rpm": {"/min": Fraction(1), "1/min": Fraction(1), "Hz": Fraction(60), "1/s": Fraction(60), "rad/s": 30.0 / math.pi},
+        "kg": {"g": Fraction(1, 1000), "t": Fraction(1000), "lb": _POUND},
+        "kg·m²": {"kg m2": Fraction(1), "kg m^2": Fraction(1), "kg cm2": Fraction(1, 10**4), "kg·cm²": Fraction(1, 10**4),
+                  "kg mm2": Fraction(1, 10**6), "kg·mm²": Fraction(1, 10**6), "g cm2": Fraction(1, 10**7)},
+        "N": {"kN": Fraction(1000), "lbf": _POUND * _STANDARD_GRAVITY},
+        "N·m": {"Nm": Fraction(1), "N m": Fraction(1), "kNm": Fraction(1000), "kN·m": Fraction(1000), "Nmm": Fraction(1, 1000)},
+        "N/mm": {"N/m": Fraction(1, 1000), "kN/m": Fraction(1), "kN/mm": Fraction(1000)},
+        "m/s²": {"m/s2": Fraction(1), "m/s^2": Fraction(1)},
+        "N·m/rad": {"Nm/rad": Fraction(1), "N m/rad": Fraction(1), "Nm/deg": 180.0 / math.pi, "N·m/°": 180.0 / math.pi},
+        "N·m·s/rad": {"Nms/rad": Fraction(1), "N m s/rad": Fraction(1)},
+    }
+)  # fmt: skip
+"""Unit of a field as printed -> what else may be typed there, and how many of the field's own it is."""
+
+_OPERATIONS: Mapping[type, Callable[[Fraction, Fraction], Fraction]] = MappingProxyType(
+    {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+)
+
+
+def parsed(text: str, unit: Unit) -> float | None:
+    """The number that a text means in the field's own unit; None where it is none.
+
+    ``12.5``, ``12.5 mm``, ``3*12``, ``(86 + 2)/4``, ``1 in``, ``0.5 rad``: + - * / and parentheses are calculated exactly, as
+    a reader would, and rounded once; a unit of the same kind may stand behind all.
+    """
+    rest, factor = _without_unit(text.translate(_SIGNS).strip(), unit)
+    if _NUMBER.fullmatch(rest) and factor == 1:
+        value = float(rest)
+    else:
+        exact = _calculated(rest)
+        if exact is None:
+            return None
+        try:
+            value = float(exact * factor)
+        except OverflowError:
+            return None
+    return value + 0.0 if math.isfinite(value) else None
+
+
+def _without_unit(text: str, unit: Unit) -> tuple[str, Fraction | float]:
+    """The text before a unit, and how many of the field's own it is."""
+    own: dict[str, Fraction | float] = {unit.symbol: Fraction(1)} if unit.symbol else {}
+    for symbol, factor in sorted((own | dict(_OTHERS.get(unit.symbol, {}))).items(), key=lambda row: -len(row[0])):
+        rest = text.removesuffix(symbol)
+        if rest != text and rest.strip() and not (rest[-1].isalpha() or rest[-1] in "/·^"):
+            return rest.strip(), factor
+    return text, Fraction(1)
+
+
+def _calculated(text: str) -> Fraction | None:
+    """The exact value of a calculation; None where it is none, or has none."""
+    if len(text) > _LONGEST or re.search(r"[^-+*/().0-9eE\s]|\*\*|//", text):
+        return None
+    try:
+        return _value(ast.parse(text.strip(), mode="eval").body, text.strip())
+    except (SyntaxError, ValueError, ZeroDivisionError, RecursionError, MemoryError):
+        return None
+
+
+def _value(node: ast.AST, text: str) -> Fraction:
+    match node:
+        case ast.Constant(value=int() | float()):
+            digits = ast.get_source_segment(text, node) or ""
+            if not _NUMBER.fullmatch(digits):
+                raise ValueError(digits)
+            return Fraction(digits)
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_value(operand, text)
+        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+            return _value(operand, text)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATIONS:
+            return _OPERATIONS[type(op)](_value(left, text), _value(right, text))
+    raise ValueError(text)
+
+
+__all__ = ["parsed"]
