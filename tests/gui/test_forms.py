@@ -38,9 +38,12 @@ def follower(user: User) -> CamSlider:
 
 
 @pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
-def test_every_entry_has_its_row(user: User, name: str) -> None:
+def test_every_entry_has_its_row_in_the_order_of_the_file(user: User, name: str) -> None:
     user.window.documents.open_example(example(name))
-    shown = user.parameters()
+    shown, text = user.parameters(), dumps(user.design)
+    for form in shown.forms.values():
+        places = [text.index(f"\n{path.partition('.')[2]} = ") for path in form.fields]
+        assert places == sorted(places)
     for section in SECTIONS:
         rows = {entry.path: entry for entry in entries(user.design, section)}
         assert set(shown.forms[section].fields) == set(rows)
@@ -56,13 +59,6 @@ def test_every_entry_has_its_row(user: User, name: str) -> None:
                 assert field.editor.currentData() == entry.value
             assert field.mark is not None
             assert field.mark.isChecked() == (path in user.design.assumed)
-
-
-def test_rows_stand_in_the_order_of_the_file(user: User) -> None:
-    text = dumps(user.design)
-    for form in user.parameters().forms.values():
-        places = [text.index(f"\n{path.partition('.')[2]} = ") for path in form.fields]
-        assert places == sorted(places)
 
 
 def test_fields_follow_undo_and_other_files(user: User) -> None:

@@ -61,16 +61,14 @@ def choose_law(user: User, row: int, slug: str) -> None:
 # -- what is shown ----------------------------------------------------------------------------------------
 
 
-def test_the_table_shows_the_motion(user: User) -> None:
+def test_the_table_shows_the_motion_and_what_of_it_can_be_edited(user: User) -> None:
     assert column(user, LAW) == ["Dwell", "Modified sine", "Dwell", "Modified sine", "Dwell"]
     assert column(user, FROM) == ["0", "35", "76.5", "283.5", "325"]
     assert column(user, TO) == ["35", "76.5", "283.5", "325", "360"]
     assert column(user, SPAN) == ["35", "41.5", "207", "41.5", "35"]
     assert column(user, RISE) == ["0", "-150", "0", "150", "0"]
     assert column(user, JOIN) == ["s v a Δj", "s v a Δj", "s v a Δj", "s v a Δj", "s v a j"]
-
-
-def test_numbers_are_flush_right(user: User) -> None:
+    # numbers are flush right
     model = user.motion().model
     for number in (FROM, TO, SPAN, RISE):
         for place in (model.index(0, number), None):
@@ -80,10 +78,7 @@ def test_numbers_are_flush_right(user: User) -> None:
                 else model.headerData(number, Qt.Orientation.Horizontal, Qt.ItemDataRole.TextAlignmentRole)
             )
             assert align & Qt.AlignmentFlag.AlignRight
-
-
-def test_what_cannot_change_cannot_be_edited(user: User) -> None:
-    model = user.motion().model
+    # what cannot change cannot be edited
     fixed = {
         (row, number)
         for row in range(5)
