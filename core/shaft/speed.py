@@ -106,26 +106,25 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
 
     Collocation at Radau's nodes of each panel, all panels at once; Newton's method on the equation itself (each step a
     linear one, closed over the turn). The equation being convex, the steps rise to the solution from the second one on,
-    wherever they begin. Panels whose last coefficients still count are cut, and the rest begins from what was found.
+    wherever they begin. Panels whose last coefficients still count are cut, and the solution so far is the first guess on
+    the new ones.
     """
     count = load.start.size
     panels = _parts(load, np.arange(count), np.zeros(count), np.ones(count), flywheel)
     energy = np.zeros_like(panels.torque)
     for attempt in range(ROUNDS):
-        energy, rates, begins = _solved(panels, energy, slope, mean)
+        energy, power = _solved(panels, energy, slope, mean)
         deviation, gain = _above_mean(energy, panels.inertia, mean)
         rough = _unresolved(slope * deviation)
         more = bool(rough.any()) and panels.width.size < MOST_PANELS * count
         stalls = float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) <= STANDSTILL
-        if not more or (stalls and attempt):  # a second look, finer where it matters
+        if not more or (stalls and attempt):  # a second solution, finer where it matters
             break
-        panels, energy = _cut(load, panels, rough, slope * gain, (rates, begins), flywheel)
+        panels, energy = _cut(load, panels, rough, slope * gain, power, flywheel)
     if stalls:
         return None
-    _, _, _, integral = _collocation()
-    power = panels.width * (integral @ rates.T)
-    power[0] += begins
-    return SpeedCurve(load.start[panels.parent] + panels.low * load.width[panels.parent], panels.width, power, load, flywheel, mean)
+    start = load.start[panels.parent] + panels.low * load.width[panels.parent]
+    return SpeedCurve(start, panels.width, power, load, flywheel, mean)
 
 
 def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float) -> _Panels:
@@ -138,14 +137,14 @@ def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarr
     return _Panels(parent, low, share, share * load.width[parent], torque.reshape(shape), inertia.reshape(shape))
 
 
-def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """e at the nodes (m, NODES), e' there, and e where each panel begins (m,), from a first guess at the nodes.
+def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> tuple[np.ndarray, np.ndarray]:
+    """e at the nodes (m, NODES), and the coefficients of its powers (NODES + 1, m), from a first guess at the nodes.
 
     One step: with c = k dω/de, e' = -(T_c - T̄) - k(ω - ω̄)(e₀) - c(e - e₀), which is linear; over a panel that begins
     with b it gives e = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at the end is
     taken from the integral of c p, so that no digit is lost where hardly anything decays.
     """
-    _, integrals, _, _ = _collocation()
+    _, integrals, _, integral = _collocation()
     scaled = panels.width[:, None, None] * integrals
     for _ in range(ITERATIONS):
         deviation, gain = _above_mean(energy, panels.inertia, mean)
@@ -160,7 +159,9 @@ def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> t
         change = energy - before
         if float(np.abs(gain * change).max()) <= CLOSE * mean:
             break
-    return energy, free - rate * energy, begins
+    power = panels.width * (integral @ (free - rate * energy).T)
+    power[0] += begins
+    return energy, power
 
 
 def _closed(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
@@ -188,16 +189,14 @@ def _cut(
     panels: _Panels,
     rough: np.ndarray,
     rate: np.ndarray,
-    solution: tuple[np.ndarray, np.ndarray],
+    power: np.ndarray,
     flywheel: float,
 ) -> tuple[_Panels, np.ndarray]:
-    """The panels with the rough ones cut, and e at their nodes by the solution, e' at the old nodes and e where each panel
-    begins.
+    """The panels with the rough ones cut, and e at their nodes by the coefficients of its powers on the old ones.
 
     A rough panel is halved; one in which much decays is halved towards its start as often as that takes, for there, past
     a jump of the torque, the motor comes after it.
     """
-    rates, begins = solution
     depth = np.ceil(np.log2(np.maximum(rate.max(axis=1) * panels.width, 1.0))).astype(int) + 1
     depth = np.where(rough, np.clip(depth, 1, FINEST_HALVING), 0)
     old = np.repeat(np.arange(depth.size), depth + 1)
@@ -207,8 +206,6 @@ def _cut(
     made = _parts(
         load, panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old], flywheel
     )
-    x, _, _, integral = _collocation()
-    power = panels.width * (integral @ rates.T)
-    power[0] += begins
+    x, _, _, _ = _collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel(), NODES + 1)
     return made, (power[:, np.repeat(old, NODES)] * r).sum(axis=0).reshape(-1, NODES)

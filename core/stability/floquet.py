@@ -40,7 +40,7 @@ ROUNDS = 3  # of steps no smaller than the one before: then rounding is all that
 NARROW = 0.2  # half width over ζη, below which damping has surely closed a tongue; at 1 it closes it for small Q
 ROUNDING = 4.0  # times eps
 UNKNOWN = 0.05  # a tenth of what tongues stand apart: an edge that harmonics leave less certain is unknown to them
-ASTRAY = 1e-6  # an edge that is off by more has not been found
+ASTRAY = 1e-6  # an edge of a larger error belongs to another tongue
 ONWARDS, FARTHEST_ORDER = 2, 160
 BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
 

@@ -26,7 +26,7 @@ class Verdict:
     """What one model says.
 
     model    row of ``LABELS``
-    stable   None where it cannot say: no steady response was found, or the history is too short
+    stable   None where it cannot say: there is no steady response, or the history is too short
     growth   ln of the growth per turn, nan where the model has none
     trace    of its monodromy matrix, nan where it has none
     largest  largest |β| of the response [turns], nan where the model has none

@@ -108,7 +108,7 @@ def tongues_of_order(
     reach = 3 * order
     # a harmonic of the outer block times one of the inner
     both = fourier(panels, np.stack((w, p)), reach + order)
-    lost = truncation(panels, np.stack((w, p)))
+    truncated = truncation(panels, np.stack((w, p)))
     squares = np.empty((q.size, count, 2))
     errors = np.empty((q.size, count))
     bottom = np.zeros(q.size)
@@ -121,7 +121,7 @@ def tongues_of_order(
         if wanted == 0:
             continue
         try:
-            square, wrong = _lowest(both, lost, inner, outer, wanted, skip)
+            square, wrong = _lowest(both, truncated, inner, outer, wanted, skip)
         except np.linalg.LinAlgError:
             raise NoStability(
                 f"at Q = {q.max():.6g} the load is stiffer than the shaft: it does not hold the cam",
@@ -142,7 +142,7 @@ def tongues_of_order(
 
 
 def _lowest(
-    fourier_of: np.ndarray, lost: np.ndarray, inner: Basis, outer: Basis, wanted: int, skip: int
+    fourier_of: np.ndarray, truncated: np.ndarray, inner: Basis, outer: Basis, wanted: int, skip: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """The lowest η² (rows, wanted) in rising order, and what they may be wrong by; Fourier coefficients of w and p (2,
     rows, order + 1) and what is wrong with these (2, rows)."""
@@ -153,7 +153,7 @@ def _lowest(
     mu, vectors = mu[:, : -wanted - 1 : -1], vectors[:, :, : -wanted - 1 : -1]
     square = 1.0 / mu - shift
     wrong = ROUNDING * EPS * (square + shift) ** 2 * np.abs(mu[:, :1])
-    wrong += lost[1][:, None] + np.abs(square) * lost[0][:, None]
+    wrong += truncated[1][:, None] + np.abs(square) * truncated[0][:, None]
     square, left_out = _beyond(fourier_of, inner, outer, square, vectors / np.sqrt(mu)[:, None, :], skip)
     return square, wrong + left_out
 
