@@ -107,7 +107,7 @@ class Basis:
 @lru_cache(maxsize=8)
 def basis(table: Table, most: int, left_out: tuple[int, ...] = ()) -> Basis:
     """Of the rows of a table but those left out, with at most so many knots. Values by u = angle/360."""
-    used = np.setdiff1d(np.arange(table.angles.size), left_out)
+    used = table.used(left_out)
     angles, order = table.angles[used], table.layout.order
     y = table.values[used] * 360.0**order
     knots = choose_knots(angles, most)

@@ -79,7 +79,7 @@ class Fit:
     def waves(self) -> float:
         """How much the residuals of rows beside each other differ: 2 where they are at random, near 0 where they go in
         waves (Durbin, Watson 1950)."""
-        used = np.setdiff1d(np.arange(self.residuals.size), self.left_out)
+        used = self.table.used(self.left_out)
         left = self.residuals[used[np.argsort(self.table.angles[used], kind="stable")]]
         square = float(left @ left)
         return float(np.sum(np.diff(left) ** 2)) / square if square else 2.0
@@ -121,8 +121,7 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
     missed = table.values - _measured(motion, table.layout.order, table.angles)
-    residuals = (missed - (solved.offset if table.layout.order else 0.0)) / table.size
-    used = np.setdiff1d(np.arange(residuals.size), out)
+    residuals = (missed - solved.offset) / table.size
     return Fit(
         table=table,
         motion=moved,
@@ -131,10 +130,10 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
         residuals=residuals,
         outliers=result,
         left_out=out,
-        offset=solved.offset / table.size if table.layout.order else 0.0,
+        offset=solved.offset / table.size,
         smoothing=solved.smoothing,
         freedom=solved.freedom,
-        rms=sqrt(float(np.mean(residuals[used] ** 2))),
+        rms=sqrt(float(np.mean(residuals[table.used(out)] ** 2))),
         stroke=high - low,
         lowest=wanted,
     )
@@ -182,7 +181,8 @@ def into_design(design: Design, fit: Fit) -> Design:
 
 @dataclass(frozen=True, eq=False)
 class _Solved:
-    """knots [deg] and the states s, s', s'' there by u (m, 3); offset: what the table adds, by degrees."""
+    """knots [deg] and the states s, s', s'' there by u (m, 3); offset: what the table adds, by degrees, 0 for a
+    displacement."""
 
     knots: np.ndarray
     at: np.ndarray
@@ -192,7 +192,7 @@ class _Solved:
 
 
 def _solved(table: Table, error: float, out: tuple[int, ...]) -> _Solved:
-    used = np.setdiff1d(np.arange(table.angles.size), out)
+    used = table.used(out)
     x, place = distinct(table.angles[used])
     mean = np.bincount(place, table.values[used]) / np.bincount(place)
     if not np.ptp(mean):  # nothing moves

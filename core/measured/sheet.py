@@ -127,16 +127,8 @@ def decoded(data: bytes, name: str = "table") -> tuple[str, str]:
 def _is_korean(text: str) -> bool:
     """Whether text read as CP949 is that: syllables beyond the standard KS X 1001 are rare in Korean, and usual where
     Latin letters with accents are misread."""
-    beyond = sum(1 for c in text if ord(c) > 127 and not _standard(c))
-    return 2 * beyond <= sum(1 for c in text if ord(c) > 127)
-
-
-def _standard(letter: str) -> bool:
-    try:
-        letter.encode("euc_kr")
-    except UnicodeEncodeError:
-        return False
-    return True
+    standard = text.encode("euc_kr", "ignore").decode("euc_kr")
+    return 2 * (len(text) - len(standard)) <= sum(ord(c) > 127 for c in text)
 
 
 # -- numbers ----------------------------------------------------------------------------------------------

@@ -48,6 +48,10 @@ class Table:
         """The unit of the values as the file has them."""
         return self.layout.unit.name
 
+    def used(self, left_out: Sequence[int]) -> np.ndarray:
+        """The rows but those left out, by their place in the table."""
+        return np.setdiff1d(np.arange(self.angles.size), left_out)
+
     def named(self, rows: Sequence[int]) -> str:
         """The lines of these rows, ``lines 4-9, 12``."""
         return line_ranges(self.lines[list(rows)].tolist())
