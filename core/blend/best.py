@@ -105,7 +105,7 @@ def _searched(problem: Problem, goal: Goal, length: float) -> Solution | None:
     goals = [partial(_log_peak, evaluator, goal, row) for row in evaluator.curves if _coefficient(row[0], goal[0])]
     if length:
         share = Constraint("length", length / problem.task.span)
-        limits = [lambda forms: evaluator.setting(share, forms) / share.value - constant(1.0, forms)]
+        limits = [partial(evaluator.missed, share)]
     result = least(evaluator, problem.constraints, goals, limits)
     if result is None:
         return None

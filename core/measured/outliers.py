@@ -2,8 +2,8 @@
 
 Every run of 1 ... 15 rows is tested by what all others predict of it (``deletion``). The run of the largest score
 T - COST m is left out where that exceeds START, and all is computed anew, a too; where none is left, runs whose rows are
-all off by the same are tried, with the score T - 2 COST. Rows inside a run that agree with all others come back. With a
-known, all this is done once more from the beginning, and a run is divided in two where these explain more.
+all off by the same are tried, with the score T - 2 COST. Rows inside a run that agree with all others come back. At last
+a run is divided in two where these explain more.
 
 Last, each place is judged with the others left out: the weights exp(score/2) of all runs, and that of none, exp(START/2),
 sum to the probability of each row to be wrong. From CERTAIN on it is named. A place without such a row is not decided,
@@ -66,8 +66,6 @@ def outliers(table: Table, error: float) -> Outliers:
     rounding = 10.0**-table.decimals / sqrt(12.0) * abs(table.size)
     search = _Search(rows, max(error, rounding, rows.scatter()))
     left_out = search.largest_first()
-    if left_out is not None and left_out.any():  # again, now that a is known
-        left_out = search.largest_first(search.change(left_out))
     if left_out is None:
         return Outliers(undecided=(tuple(order.tolist()),))
     search.divide(left_out)
@@ -109,14 +107,12 @@ class _Search:
             parts.append(self._blocks[key])
         return np.concatenate(parts, axis=1)
 
-    def largest_first(self, change: float | None = None) -> np.ndarray | None:
-        """Which rows (n,) to leave out; None where there are too many, or no end. change: a; None: of the rows left.
-
-        Runs whose rows are wrong by the same are tried where no others are left.
-        """
+    def largest_first(self) -> np.ndarray | None:
+        """Which rows (n,) to leave out; None where there are too many, or no end. Runs whose rows are wrong by the same are
+        tried where no others are left."""
         left_out, moved = np.zeros((2, self.rows.x.size), dtype=bool)
         for _ in range(PASSES):
-            kept, now = np.flatnonzero(~left_out), change or self.change(left_out)
+            kept, now = np.flatnonzero(~left_out), self.change(left_out)
             single, shifted = self.scores(kept, now)
             scores = single if single.max() >= START else shifted
             best = scores.max(axis=1)
