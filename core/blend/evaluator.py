@@ -34,11 +34,11 @@ def law_of(curve: str) -> Law:
 
 
 class Evaluator:
-    """A family, its equations and what lies below its foot."""
+    """The quantities of a family for the strokes of a task: settings, heights and spans at points (t, x1, ...)."""
 
     def __init__(self, family: Family, task: Task) -> None:
         self.family, self.equations = family, family.equations(task)
-        self._foot = max(0.0, task.back / task.rise - 1.0) if family.sequence.back else 0.0
+        self._start_level = max(0.0, task.back / task.rise - 1.0) if family.sequence.back else 0.0
 
     @cached_property
     def curves(self) -> list[tuple[str, str, str]]:
@@ -114,7 +114,7 @@ class Evaluator:
     def _level(self, at: float, forms: np.ndarray) -> np.ndarray:
         """Displacement above the lowest level at a share of the span: on the first curve that reaches there."""
         start, level, result = (np.zeros_like(forms[0]) for _ in range(3))
-        level[0] = self._foot
+        level[0] = self._start_level
         waiting = np.ones(forms.shape[2], dtype=bool)
         for curve in self.curves:
             height, span = self.height_and_span(curve, forms)
