@@ -473,8 +473,9 @@ def test_a_curve_through_all_rows_keeps_to_them_between_too() -> None:
 
 def test_our_own_table_reads_back_to_the_motion() -> None:
     for design in (LIFT, PUSHER):
-        text = exported(Study(design, 360), KINEMATICS, ("motion",))
-        assert text is not None
+        blocks = exported(Study(design, 360), KINEMATICS, ("motion",))
+        assert blocks is not None
+        text = b"".join(blocks)
         motion = design.drive.motion
         fine = np.arange(0.0, 360.0, 0.125)
         jerk = moved(fine, 3, motion)
