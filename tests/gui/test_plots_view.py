@@ -16,7 +16,7 @@ from window_user import Alone, User, settle
 
 from core.design import Design
 from core.output.channels import channel
-from core.output.export import table
+from core.output.export import files
 from core.study import Study, evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.documents.exports import numbers
@@ -229,8 +229,7 @@ def test_the_numbers_are_those_of_the_core(show: Show, tmp_path: Path, picks: Ca
     text = (tmp_path / "p.csv").read_text()
     assert suggested[0].name == "pressure_angle.csv"
     assert told == [f"Wrote {tmp_path / 'p.csv'}"]
-    whole = table(Study(LIFT), "profile.csv", ("cam",))
-    assert whole is not None
+    whole = files(Study(LIFT), ("cam",))["profile.csv"]
     names, *rows = [line.split(",") for line in whole.splitlines()]
     at = [names.index(name) for name in ("cam_angle_deg", "pressure_angle_deg")]
     assert text == "\n".join(",".join(row[i] for i in at) for row in [names, *rows]) + "\n"
