@@ -314,7 +314,7 @@ def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> Non
 
 def test_a_driver_that_takes_long_can_be_given_up(open_user: Open) -> None:
     """The last link of Stephenson's chain leads a group of four: each way to put it together is followed all round."""
-    user = open_user(example("stephenson_six_bar"), plots=False)
+    user = open_user(example("stephenson_six_bar"))
     user.turn(50.0)
     before = user.design
 
