@@ -16,7 +16,7 @@ from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag
 from kindyna_gui.pictures.drawing.shapes import at, polyline
-from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
 
 Z_LINES, Z_WAYS, Z_CENTRES = 7.0, 0.5, 13.0

@@ -18,7 +18,7 @@ from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.labels import ink
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
-from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import Theme
 
 

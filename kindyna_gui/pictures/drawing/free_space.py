@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, QRectF
 
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.labels import Ink
-from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.viewport import Sight
 
 GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels
 EDGE, PAD = 6.0, 1.5  # kept free along the picture's edge, and about a text, pixels

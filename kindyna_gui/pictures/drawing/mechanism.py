@@ -19,7 +19,7 @@ from kindyna_gui.pictures.drawing.items import Loop, Part
 from kindyna_gui.pictures.drawing.labels import Labels
 from kindyna_gui.pictures.drawing.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
-from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.drawing.overlay import MARGIN
-from kindyna_gui.pictures.sight import Sight
+from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits
 
