@@ -157,11 +157,11 @@ def ask_unfinished(parent: QWidget, lines: Sequence[str], closing: str) -> Unfin
     return answer
 
 
-def ask_to_recover(parent: QWidget, found: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:
+def ask_to_recover(parent: QWidget, entries: Sequence[Recoverable]) -> tuple[OnRecovery, Recoverable]:
     """What to do with unsaved work, and with which."""
     from kindyna_gui.documents.recovery_dialog import RecoveryDialog
 
-    dialog = RecoveryDialog(parent, found)
+    dialog = RecoveryDialog(parent, entries)
     dialog.exec()
     answer = dialog.choice, dialog.chosen
     dialog.deleteLater()

@@ -136,8 +136,8 @@ def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
 
     failed = False
     with quiet():
-        for name, trouble, told in verdicts():
-            print(f"FAILED {name}: {trouble}" if trouble else f"ok {name}: {told}", flush=True)
+        for name, trouble, summary in verdicts():
+            print(f"FAILED {name}: {trouble}" if trouble else f"ok {name}: {summary}", flush=True)
             failed = failed or bool(trouble)
     return DONE_WITH_ERRORS if failed else DONE
 

@@ -105,8 +105,8 @@ class WizardRequest:
 def constants(motion_type: str) -> tuple[str, ...]:
     """The strokes of a motion that may have a constant velocity."""
     row = MOTION_TYPES[motion_type]
-    lacking = {*(("rise", "both") if row.rise is None else ()), *(("return", "both") if row.back is None else ())}
-    return tuple(word for word in CONSTANT_VELOCITY if word not in lacking)
+    absent = {*(("rise", "both") if row.rise is None else ()), *(("return", "both") if row.back is None else ())}
+    return tuple(word for word in CONSTANT_VELOCITY if word not in absent)
 
 
 def has_both(motion_type: str) -> bool:

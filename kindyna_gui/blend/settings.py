@@ -145,10 +145,10 @@ class SettingsArea(QScrollArea):
 
     def find_faults(self) -> bool:
         """Show beside each field why its number is not allowed; True where one is not."""
-        told = [next((text for box in row.boxes() if (text := box.fault())), "") for row in self.used_rows()]
-        for row, text in zip(self.used_rows(), told, strict=True):
+        texts = [next((text for box in row.boxes() if (text := box.fault())), "") for row in self.used_rows()]
+        for row, text in zip(self.used_rows(), texts, strict=True):
             row.show_fault(text)
-        return any(told)
+        return any(texts)
 
     def blame(self, error: BlendError) -> bool:
         """Show why there is no such motion beside the setting at fault; False where no row is at fault."""

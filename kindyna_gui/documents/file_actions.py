@@ -16,7 +16,7 @@ from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
 from kindyna_gui.documents.session import Session
-from kindyna_gui.documents.texts import closing_words, difference_text, misses
+from kindyna_gui.documents.texts import closing_text, difference_text, misses
 from kindyna_gui.places import examples
 from kindyna_gui.settings import Settings
 
@@ -140,8 +140,8 @@ class Documents(QObject):
         if session.draft is None:
             return True
         closing = session.closing
-        words = "" if closing is None else closing_words(session.draft, closing)
-        answer = dialogs.ask_unfinished(self._window, misses(session.draft, session.typed), words)
+        text = "" if closing is None else closing_text(session.draft, closing)
+        answer = dialogs.ask_unfinished(self._window, misses(session.draft, session.typed), text)
         return session.close_draft() if answer is Unfinished.CLOSE else answer is Unfinished.LAST_WHOLE
 
     def _save_as(self) -> bool:
@@ -179,11 +179,11 @@ class Documents(QObject):
         """What differs between a file and the design, a line each."""
         design = self._session.design
         try:
-            found = load(path)
+            on_disk = load(path)
         except KindynaError as error:
             return ["What it holds now is no design:", *str(error).splitlines()]
-        lines = (difference_text(found, design, each) for each in differences(found, design))
-        return [f"{name}: file {there}, here {here}" for name, there, here in lines]
+        lines = (difference_text(on_disk, design, each) for each in differences(on_disk, design))
+        return [f"{name}: file {in_file}, here {in_window}" for name, in_file, in_window in lines]
 
     def _save(self, path: Path) -> bool:
         try:

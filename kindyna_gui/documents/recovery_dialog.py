@@ -87,16 +87,16 @@ def _later(path: Path, time: float) -> str:
 class RecoveryDialog(QDialog):
     """A list of work, and below it what differs in the chosen one."""
 
-    def __init__(self, parent: QWidget, found: Sequence[Recoverable]) -> None:
+    def __init__(self, parent: QWidget, entries: Sequence[Recoverable]) -> None:
         super().__init__(parent)
         self.setWindowTitle("Unsaved work")
-        self.found, self.choice = list(found), OnRecovery.LATER
-        self._comparisons = [compare(each.unsaved) for each in found]
-        many = len(found) > 1
+        self.entries, self.choice = list(entries), OnRecovery.LATER
+        self._comparisons = [compare(each.unsaved) for each in entries]
+        many = len(entries) > 1
         head = QLabel("KINDYNA has ended without saving this design:" if not many else "KINDYNA has ended without saving:")
         self.list = QListWidget()
         self.list.addItems([each.title for each in self._comparisons])
-        self.list.setFixedHeight(self.list.sizeHintForRow(0) * min(len(found), LINES) + 2 * self.list.frameWidth() + 4)
+        self.list.setFixedHeight(self.list.sizeHintForRow(0) * min(len(entries), LINES) + 2 * self.list.frameWidth() + 4)
         self.note = MessageLabel(QUIET)
         self.table = QTableWidget(0, 3)
         self.table.setHorizontalHeaderLabels(["What differs", "In the file", "Recovered"])
@@ -127,7 +127,7 @@ class RecoveryDialog(QDialog):
 
     @property
     def chosen(self) -> Recoverable:
-        return self.found[self.list.currentRow()]
+        return self.entries[self.list.currentRow()]
 
     def _button(self, text: str, choice: OnRecovery) -> QPushButton:
         button = QPushButton(text)
@@ -153,7 +153,7 @@ class RecoveryDialog(QDialog):
         self.table.resizeColumnsToContents()
         for column in (1, 2):
             self.table.setColumnWidth(column, min(max(self.table.columnWidth(column), 90), SIZE[0] // 3))
-        self.open_file.setEnabled(self.found[row].unsaved.path is not None)
+        self.open_file.setEnabled(self.entries[row].unsaved.path is not None)
 
 
 __all__ = ["Comparison", "RecoveryDialog", "compare"]

@@ -62,7 +62,7 @@ def joins_of(draft: Draft) -> tuple[Join, ...]:
         return ()
 
 
-def closing_words(draft: Draft, closing: Design) -> str:
+def closing_text(draft: Draft, closing: Design) -> str:
     """What would close it: ``segment 4: Modified sine, -40 mm``."""
     before, after = list(draft.motion.segments), list(require_motion(closing).segments)
     new = -1
@@ -112,4 +112,4 @@ def _any_text(value: Any, unit: Unit) -> str:
     return choice_text(value) if isinstance(value, str) else str(value)
 
 
-__all__ = ["closing_words", "difference_text", "faulty_paths", "joins_of", "misses"]
+__all__ = ["closing_text", "difference_text", "faulty_paths", "joins_of", "misses"]

@@ -118,9 +118,9 @@ class Field(QObject):
         """Show the design's value, unless something wrong, or unfinished, stands there."""
         if self.mark is not None:
             assumed = is_assumed(design, self.spec.path)
-            told = "assumed, not taken from a source" if assumed else "taken from a source"
+            meaning = "assumed, not taken from a source" if assumed else "taken from a source"
             self.mark.setChecked(assumed)
-            self.mark.setToolTip(f"{self.spec.info.label} is {told}; click to change")
+            self.mark.setToolTip(f"{self.spec.info.label} is {meaning}; click to change")
         if not self._untaken():
             self._show(design)
 

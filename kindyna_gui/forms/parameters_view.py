@@ -165,10 +165,10 @@ class ParametersView(View):
         self.name.refresh(design)
         self.kind.setText(kind_label(study))
         for section, form in self.forms.items():
-            there, tab = _part(design, section) is not None, self.tabs.indexOf(form)
-            if there != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
-                self.tabs.setTabVisible(tab, there)
-            if not there:
+            present, tab = _part(design, section) is not None, self.tabs.indexOf(form)
+            if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
+                self.tabs.setTabVisible(tab, present)
+            if not present:
                 continue
             before = form.fields
             form.refresh(design)

@@ -124,18 +124,18 @@ class GraphView(View):
         self.tree.show_rows(rows, self._reasons)
         self._rebuild()
         for panel, names in zip(self.panels, self.choice.plots, strict=True):
-            there = [self._rows[name] for name in names if name not in self._reasons]
+            drawable = [self._rows[name] for name in names if name not in self._reasons]
             panel.name_angle(study)
-            if there:
-                panel.plot.set_curves(study, there)
+            if drawable:
+                panel.plot.set_curves(study, drawable)
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
 
     def follow(self, theta: float) -> None:
         if self.drawn:
-            there = self.session.at(theta)
+            at_angle = self.session.at(theta)
             for panel in self.panels:
-                panel.plot.set_angle(theta, there)
+                panel.plot.set_angle(theta, at_angle)
 
     @property
     def drawn(self) -> list[Channel]:

@@ -74,9 +74,9 @@ def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
     possible = names_of(study.design)
     if usual[0] in possible:
         return tuple(n for n in usual if n in possible)
-    there = _names(study)
+    available = _names(study)
     pick = _PLOTS.get(usual[0])
-    chosen = pick(there) if pick is not None else [n for n in usual if n in there]
+    chosen = pick(available) if pick is not None else [n for n in usual if n in available]
     return tuple([n for n in chosen if n][:MOST])
 
 
@@ -138,8 +138,8 @@ def why_empty(study: Study, usual: Sequence[str]) -> str:
 
 def rows_of(study: Study, quantities: Iterable[str]) -> list[Channel]:
     """The channels of these quantities that this kind of design can have, in the given order."""
-    there = {row.quantity: row for row in channels(study.design)}
-    return [there[name] for name in quantities if name in there]
+    available = {row.quantity: row for row in channels(study.design)}
+    return [available[name] for name in quantities if name in available]
 
 
 def stages_of(quantities: Iterable[str]) -> tuple[str, ...]:
@@ -154,10 +154,10 @@ def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[st
 
     Raises NoAnswer where a stage that all of them need has none.
     """
-    there = existing(study, rows)
-    drawn = different(study, there)
-    reasons = [why_missing(study, row) for row in rows if row not in there and not row.beside]
-    reasons += [f"{row.label} is the same curve" for row in there if row not in drawn and not row.beside]
+    available = existing(study, rows)
+    drawn = different(study, available)
+    reasons = [why_missing(study, row) for row in rows if row not in available and not row.beside]
+    reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.beside]
     return drawn, reasons
 
 

@@ -103,7 +103,7 @@ def step_text(plan: Construction, step: int) -> str:
     """A sentence that describes a step."""
     if step == 0:
         names = ", ".join(centre_name(key) for key in plan.known)
-        return f"Known at sight, by pins and guides: {names}. KennedyStep: {len(plan.steps)} more."
+        return f"Known at sight, by pins and guides: {names}. Wanted: {len(plan.steps)} more."
     wanted = plan.steps[step - 1]
     lines = [
         f"{centre_name(t.first)}\u2013{centre_name(t.second)} (links {_three(wanted, t.third)})" for t in wanted.triangles[:2]

@@ -38,8 +38,8 @@ class PolygonView(View):
         if not lists_links(study.design):
             return
         try:
-            there = self.session.at(theta)
-            polygon = velocity_polygon(there.linkage)
+            at_angle = self.session.at(theta)
+            polygon = velocity_polygon(at_angle.linkage)
         except KindynaError as error:
             self.note.show_message(sentence(str(error)))
             return

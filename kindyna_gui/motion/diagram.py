@@ -80,7 +80,7 @@ class MotionDiagram(CurvePlot):
         values = channel.values(study)
         motion = require_motion(study.design)
         self._angles = np.append(np.rad2deg(study.theta), 360.0)
-        self._curves, self._there = [Curve(channel, values, self._theme.family(channel.family))], None
+        self._curves, self._exact_values = [Curve(channel, values, self._theme.family(channel.family))], None
         shown = [values] if before is None else [values, before]
         low, high = shown_range(shown, (channel.family,), ())
         if all(row.min() == row.max() for row in shown):  # room to lay out a motion in
@@ -143,36 +143,36 @@ class MotionDiagram(CurvePlot):
         painter.save()
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         scale = self.scale_now()
-        there = list(places(self.motion, scale))
-        self._paint_chosen(painter, scale, there)
-        self._paint_lines(painter, scale, there)
+        joins_at = list(places(self.motion, scale))
+        self._paint_chosen(painter, scale, joins_at)
+        self._paint_lines(painter, scale, joins_at)
         self._paint_spline_points(painter, scale)
-        self._paint_marks(painter, scale, there)
-        self._paint_points(painter, there)
-        self._paint_label(painter, scale, there)
+        self._paint_marks(painter, scale, joins_at)
+        self._paint_points(painter, joins_at)
+        self._paint_label(painter, scale, joins_at)
         painter.restore()
 
-    def _paint_chosen(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_chosen(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
         """A bar above the chosen segment; the level line of a dwell that is pointed at."""
-        if self.chosen < len(there) - 1:
-            left, right = there[self.chosen][1], there[self.chosen + 1][1]
+        if self.chosen < len(joins_at) - 1:
+            left, right = joins_at[self.chosen][1], joins_at[self.chosen + 1][1]
             painter.fillRect(QRectF(left, scale.top - 1.0, right - left, 3.0), QColor(CHOSEN))
         if self.over is not None and self.over.kind == LEVEL:
-            _, left, y = there[self.over.segment]
+            _, left, y = joins_at[self.over.segment]
             painter.setPen(self._theme.pen(CHOSEN, 3.0))
-            painter.drawLine(QPointF(left, y), QPointF(there[self.over.segment + 1][1], y))
+            painter.drawLine(QPointF(left, y), QPointF(joins_at[self.over.segment + 1][1], y))
 
-    def _paint_lines(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_lines(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)  # upright, and much faster
-        for join, x, _ in there[1:-1]:
+        for join, x, _ in joins_at[1:-1]:
             pointed = self.over is not None and self.over.join == join and self.over.kind != LEVEL
             painter.setPen(self._theme.pen(CHOSEN, 2.0) if pointed else self._theme.pen(FAINT))
             painter.drawLine(QPointF(x, scale.top), QPointF(x, scale.bottom))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
 
-    def _paint_points(self, painter: QPainter, there: Sequence[tuple[int, float, float]]) -> None:
-        own = (self.chosen + 1) % max(len(there) - 1, 1)
-        for join, x, y in there:
+    def _paint_points(self, painter: QPainter, joins_at: Sequence[tuple[int, float, float]]) -> None:
+        own = (self.chosen + 1) % max(len(joins_at) - 1, 1)
+        for join, x, y in joins_at:
             pointed = self.over is not None and self.over.join == join and self.over.kind != LINE
             colour = CHOSEN if pointed or join == own else self._curves[0].colour
             painter.setPen(self._theme.pen(colour, 1.5))
@@ -192,14 +192,14 @@ class MotionDiagram(CurvePlot):
                     x, y = scale.x(begin + point.at_deg), scale.y(level + point.value)
                     painter.drawRect(QRectF(x - 2.5, y - 2.5, 5.0, 5.0))
 
-    def _paint_marks(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_marks(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
         """s v a j beside each line, in that half of the height where its point is not."""
         height = ROW * 4.0
         if scale.bottom - scale.top < height + 12.0:
             return
         painter.setFont(font(LETTER))
-        rooms = rooms_beside([x for _, x, _ in there])
-        for k, ((_, x, y), (left, room)) in enumerate(zip(there[1:], rooms, strict=True)):
+        rooms = rooms_beside([x for _, x, _ in joins_at])
+        for k, ((_, x, y), (left, room)) in enumerate(zip(joins_at[1:], rooms, strict=True)):
             top = scale.bottom - height - 3.0 if y < (scale.top + scale.bottom) / 2.0 else scale.top + 5.0
             self._paint_stack(painter, self._marks[k], x, top, left, room - 2.0 * BESIDE)
 
@@ -218,10 +218,10 @@ class MotionDiagram(CurvePlot):
             painter.setPen(QColor(mark.colour))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
-    def _paint_label(self, painter: QPainter, scale: Scale, there: Sequence[tuple[int, float, float]]) -> None:
+    def _paint_label(self, painter: QPainter, scale: Scale, joins_at: Sequence[tuple[int, float, float]]) -> None:
         if self.label is None or self.over is None:
             return
-        _, x, y = there[-1 if self.label.right else self.over.join]
+        _, x, y = joins_at[-1 if self.label.right else self.over.join]
         width, height = text_size(self.label.text)
         left = x + 9.0 if x + 14.0 + width <= scale.right else x - 9.0 - width
         up = y - 8.0 - height if y - 12.0 - height >= scale.top else y + 8.0

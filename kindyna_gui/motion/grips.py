@@ -86,19 +86,19 @@ def places(motion: Motion, scale: Scale) -> Iterator[tuple[int, float, float]]:
 
 def grip_at(motion: Motion, scale: Scale, x: float, y: float) -> Grip | None:
     """What the mouse would take hold of: the nearest point, else the nearest line, else the level line of a dwell."""
-    there, last = list(places(motion, scale)), len(motion.segments) - 1
-    away, join = min((hypot(x - px, y - py), join) for join, px, py in there)
+    joins_at, last = list(places(motion, scale)), len(motion.segments) - 1
+    away, join = min((hypot(x - px, y - py), join) for join, px, py in joins_at)
     if away <= REACH:
         return Grip(POINT, join, join - 1 if join else last)
     if not scale.top <= y <= scale.bottom:
         return None
-    lines = [(abs(x - px), join) for join, px, _ in there if join > 0]
+    lines = [(abs(x - px), join) for join, px, _ in joins_at if join > 0]
     away, join = min(lines, default=(math.inf, 0))
     if away <= LINE_REACH:
         return Grip(LINE, join, join - 1)
     for i, segment in enumerate(motion.segments):
-        _, begin, level = there[i]
-        if is_dwell(segment) and begin + AWAY < x < there[i + 1][1] - AWAY and abs(y - level) <= LINE_REACH:
+        _, begin, level = joins_at[i]
+        if is_dwell(segment) and begin + AWAY < x < joins_at[i + 1][1] - AWAY and abs(y - level) <= LINE_REACH:
             return Grip(LEVEL, i, i)
     return None
 

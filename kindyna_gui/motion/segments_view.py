@@ -16,7 +16,7 @@ from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.draft_bar import DraftBar
 from kindyna_gui.documents.session import SAMPLES, Refusal, Session
-from kindyna_gui.documents.texts import closing_words, faulty_paths, joins_of, misses
+from kindyna_gui.documents.texts import closing_text, faulty_paths, joins_of, misses
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
 from kindyna_gui.graph.quantities import rows_of
@@ -153,9 +153,9 @@ class SegmentsView(View):
         """Show what is missing of an unfinished motion; meanwhile the diagram shows the last whole one, and cannot be drawn at."""
         draft, closing = self.session.draft, self.session.closing
         self.diagram.locked = draft is not None
-        words = "" if draft is None or closing is None else closing_words(draft, closing)
+        text = "" if draft is None or closing is None else closing_text(draft, closing)
         hidden = self.draft.isHidden()
-        self.draft.show_draft([] if draft is None else misses(draft, typed), words)
+        self.draft.show_draft([] if draft is None else misses(draft, typed), text)
         if self.draft.isHidden() != hidden:
             self._sharing.start()  # the rows of the table keep their room
 
@@ -266,10 +266,10 @@ class SegmentsView(View):
         action, row, design = ACTIONS[name], self.chosen, self.session.typed
         if not action.makes_sense(design, row):
             return
-        there = snapped_angle(degrees(self.player.theta)) if angle is None else angle
+        at = snapped_angle(degrees(self.player.theta)) if angle is None else angle
         self.session.end_gesture()
         try:
-            changed = action.change(design, row, there)
+            changed = action.change(design, row, at)
         except KindynaError as error:
             self.session.refuse(_ACTS, str(error))
             return

@@ -18,9 +18,9 @@ def ensure_app(offscreen: bool = False) -> QApplication:
     offscreen: draw without any display, so that pictures are the same on every machine. Without a display on Linux
     this is so anyway.
     """
-    there = QApplication.instance()
-    if isinstance(there, QApplication):
-        return there
+    existing = QApplication.instance()
+    if isinstance(existing, QApplication):
+        return existing
     displays = ("DISPLAY", "WAYLAND_DISPLAY")
     if offscreen or (sys.platform.startswith("linux") and not any(os.environ.get(name) for name in displays)):
         os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")

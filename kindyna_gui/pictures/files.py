@@ -156,9 +156,9 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
     """Plots of these quantities, one row below the other; what a design does not have is left out."""
 
     def picture(study: Study) -> bytes:
-        there = {row.quantity: row for row in existing(study, channels(study.design))}
+        available = {row.quantity: row for row in existing(study, channels(study.design))}
         rows_here = [quantities_for(study, names) for names in rows]
-        shown = [different(study, [there[name] for name in names if name in there]) for names in rows_here]
+        shown = [different(study, [available[name] for name in names if name in available]) for names in rows_here]
         return curves_file(study, [row for row in shown if row], ".png")
 
     return picture

@@ -37,9 +37,9 @@ def _polygon_file(snapshot: Snapshot, ending: str) -> bytes:
     sheet = PolygonSheet()
     sheet.resize(*SHEET_OF_POLYGON)
     sheet.frame_for(velocity_polygon(study.linkage), study.omega)
-    there = study.at_theta(np.array([radians(snapshot.angle_deg)]))
+    at_angle = study.at_theta(np.array([radians(snapshot.angle_deg)]))
     name = study.angle_name.capitalize()
-    sheet.show_polygon(velocity_polygon(there.linkage), study.omega, f"{name} {snapshot.angle_deg:.1f}°")
+    sheet.show_polygon(velocity_polygon(at_angle.linkage), study.omega, f"{name} {snapshot.angle_deg:.1f}°")
     return svg(sheet, study.design.name) if ending == ".svg" else png(sheet)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from PySide6.QtCore import QRectF
 
 
-class Sight:
+class Viewport:
     """visible: rectangle [mm], y upwards; scale: pixels per mm. The scene keeps it up to date."""
 
     def __init__(self) -> None:

@@ -176,12 +176,12 @@ def plan(room: QSize, counts: tuple[int, ...]) -> Plan:
     best = Plan(SMALL_THUMB, 1, counts)
     for thumb in (THUMB, SMALL_THUMB):
         for columns in range(2, MOST_COLUMNS + 1):
-            tried = Plan(thumb, columns, tuple(ceil(count / columns) for count in counts))
-            if tried.size.width() > room.width():
+            candidate = Plan(thumb, columns, tuple(ceil(count / columns) for count in counts))
+            if candidate.size.width() > room.width():
                 break
-            best = tried
-            if tried.size.height() <= room.height():
-                return tried
+            best = candidate
+            if candidate.size.height() <= room.height():
+                return candidate
     return best
 
 

@@ -85,8 +85,8 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
-            found = self._session.study.findings(stages) if stages else ()
-            text, severity = counted(found) if stages else ("limits not checked", NOTE)
+            findings = self._session.study.findings(stages) if stages else ()
+            text, severity = counted(findings) if stages else ("limits not checked", NOTE)
             tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
         except KindynaError as error:
             text, severity, tip = "no answer", ERROR, reason(self._session.design, error)

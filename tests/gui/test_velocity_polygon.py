@@ -183,7 +183,7 @@ def test_dimensions_run_beside_their_centres(name: str, open_user: Open) -> None
                 ends = [complex(table.centres[key].finite[view.scene.index]) * 1e3 for key in (line.start, line.end)]
                 along = (ends[1] - ends[0]) / abs(ends[1] - ends[0])
                 assert ((other - one) / along).imag == pytest.approx(0.0, abs=1e-6 * abs(ends[1] - ends[0]))
-                if all(view.scene.sight.holds(e, 60.0) for e in ends):
+                if all(view.scene.viewport.holds(e, 60.0) for e in ends):
                     tried += 1
                     assert abs(other - one) == pytest.approx(abs(ends[1] - ends[0]), rel=1e-9)
                     off = abs(((one - ends[0]) / along).imag) * view.canvas.scale_now

@@ -16,8 +16,8 @@ from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag
 from kindyna_gui.pictures.drawing.shapes import at, polyline
-from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
+from kindyna_gui.pictures.viewport import Viewport
 
 Z_LINES, Z_WAYS, Z_CENTRES = 7.0, 0.5, 13.0
 DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance of an arrow from the edge, its length, pixels
@@ -69,15 +69,15 @@ class _Mark:
         for item in (self.dot, self.arrow, self.tag):
             item.setVisible(on)
 
-    def place(self, place: complex, infinite: bool, sight: Sight, room: Room) -> complex:
+    def place(self, place: complex, infinite: bool, viewport: Viewport, room: Room) -> complex:
         """place [mm], or where ``infinite`` a direction; returns where its number belongs [mm]."""
-        seen = not infinite and sight.holds(place)
+        seen = not infinite and viewport.holds(place)
         self.dot.setVisible(seen)
         self.arrow.setVisible(not seen)
         here = place
         if not seen:
-            towards = place if infinite else place - sight.centre
-            here = room.inwards(sight.edge(towards, EDGE))
+            towards = place if infinite else place - viewport.centre
+            here = room.inwards(viewport.edge(towards, EDGE))
             self.arrow.setPos(at(here))
             self.arrow.setRotation(float(-np.degrees(np.angle(towards))))
         else:
@@ -90,8 +90,8 @@ class _Mark:
 class CentreMarks:
     """Marks for all centres of a table, or for the chosen ones (``only``), at one sample after the other."""
 
-    def __init__(self, table: CentreTable, theme: Theme, sight: Sight, room: Callable[[], Room]) -> None:
-        self._table, self._sight, self._room = table, sight, room
+    def __init__(self, table: CentreTable, theme: Theme, viewport: Viewport, room: Callable[[], Room]) -> None:
+        self._table, self._viewport, self._room = table, viewport, room
         self.marks = [_Mark(key, key in table.primary, theme) for key in table.centres]
         self._far = {key: centres.far(table.size) for key, centres in table.centres.items()}
         self.only: frozenset[Key] | None = None
@@ -108,7 +108,7 @@ class CentreMarks:
             mark.show(shown)
             if shown:
                 far = bool(self._far[mark.key][i])
-                here = mark.place(point if far else point / weight * MM, far, self._sight, room)
+                here = mark.place(point if far else point / weight * MM, far, self._viewport, room)
                 self._placed.append((mark, here))
 
     def move(self, i: int) -> None:
@@ -120,8 +120,8 @@ class CentreMarks:
 class KennedyLines:
     """The two lines that give each centre, of all centres or of the chosen ones."""
 
-    def __init__(self, table: CentreTable, steps: Sequence[KennedyStep], theme: Theme, sight: Sight) -> None:
-        self._table, self._sight = table, sight
+    def __init__(self, table: CentreTable, steps: Sequence[KennedyStep], theme: Theme, viewport: Viewport) -> None:
+        self._table, self._viewport = table, viewport
         self.rows: list[tuple[KennedyStep, Triangle, QGraphicsLineItem]] = []
         for step in steps:
             for triangle in step.triangles[:2]:
@@ -150,7 +150,7 @@ class KennedyLines:
 
     def _ends(self, triangle: Triangle, i: int) -> tuple[complex, complex] | None:
         line = self._line(triangle)[:, i]
-        return self._sight.across(line * np.array([1.0, 1.0, MM]))
+        return self._viewport.across(line * np.array([1.0, 1.0, MM]))
 
     def _line(self, triangle: Triangle) -> np.ndarray:
         kept = self.__dict__.setdefault("_lines", {})

@@ -18,8 +18,8 @@ from kindyna_gui.pictures.drawing.geometry import Geometry
 from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.labels import ink
 from kindyna_gui.pictures.drawing.ratio_parts import Z_RATIOS, RatioDimensions
-from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import Theme
+from kindyna_gui.pictures.viewport import Viewport
 
 
 class Construct:
@@ -29,9 +29,9 @@ class Construct:
     """
 
     def __init__(
-        self, geometry: Geometry, theme: Theme, sight: Sight, texts: Callable[[], list[QRectF]], step: int | None
+        self, geometry: Geometry, theme: Theme, viewport: Viewport, texts: Callable[[], list[QRectF]], step: int | None
     ) -> None:
-        self._geometry, self._theme, self._sight, self._texts = geometry, theme, sight, texts
+        self._geometry, self._theme, self._viewport, self._texts = geometry, theme, viewport, texts
         self._step, self._made = step, set[str]()
         self._index = 0
         self._room: Room | None = None
@@ -54,7 +54,7 @@ class Construct:
         """What is taken at the sample at hand."""
         if self._room is None:
             drawn = ink(self._geometry, np.array([self._index]), ())
-            self._room = Room(self._sight, drawn, self._texts())
+            self._room = Room(self._viewport, drawn, self._texts())
             down = 0.0
             for ratios in self._listed():
                 ratios.list(self._index, self._room, down)
@@ -88,16 +88,16 @@ class Construct:
     # -- layers ---------------------------------------------------------------------------------------------
 
     def _centres(self, layer: str) -> Iterator[Part]:
-        self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._sight, self.room)
+        self.marks = CentreMarks(self._geometry.study.centres, self._theme, self._viewport, self.room)
         yield Part(f"{layer}.all", self.marks.item, (layer,), Z_CENTRES, self.marks.move)
 
     def _kennedy(self, layer: str) -> Iterator[Part]:
         table = self._geometry.study.centres
-        self.kennedy = KennedyLines(table, table.construction.steps, self._theme, self._sight)
+        self.kennedy = KennedyLines(table, table.construction.steps, self._theme, self._viewport)
         yield Part(f"{layer}.all", self.kennedy.item, (layer,), Z_LINES, self.kennedy.move)
 
     def _ratios(self, layer: str) -> Iterator[Part]:
-        drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._sight, self.room)
+        drawn = RatioDimensions(self._geometry, CHAINS[layer], self._theme, self._viewport, self.room)
         self.ratios[layer] = drawn
         yield Part(f"{layer}.all", drawn.item, (layer,), Z_RATIOS, drawn.move)
 

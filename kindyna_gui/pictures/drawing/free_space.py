@@ -9,7 +9,7 @@ from PySide6.QtCore import QPointF, QRectF
 
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.labels import Ink
-from kindyna_gui.pictures.viewport import Sight
+from kindyna_gui.pictures.viewport import Viewport
 
 GAPS = (9.0, 20.0, 34.0, 52.0)  # from a place to its text, pixels
 EDGE, PAD = 6.0, 1.5  # kept free along the picture's edge, and about a text, pixels
@@ -21,14 +21,14 @@ _DIRECTIONS = np.array([1 + 1j, 1 - 1j, -1 + 1j, -1 - 1j, 1, -1, 1j, -1j])
 class Room:
     """What is taken at one sample: dots of the drawing and boxes of texts, in pixels of the whole scene, y downwards."""
 
-    def __init__(self, sight: Sight, ink: Ink, texts: Iterable[QRectF]) -> None:
-        self._sight = sight
-        self._x, self._y = ink.place[0].real * sight.scale, -ink.place[0].imag * sight.scale
-        self._radius, self._weight = ink.radius * sight.scale, ink.weight
+    def __init__(self, viewport: Viewport, ink: Ink, texts: Iterable[QRectF]) -> None:
+        self._viewport = viewport
+        self._x, self._y = ink.place[0].real * viewport.scale, -ink.place[0].imag * viewport.scale
+        self._radius, self._weight = ink.radius * viewport.scale, ink.weight
         self._boxes: list[tuple[float, float, float, float]] = []  # middles and halves
         for box in texts:
             self.take(box)
-        seen, scale = sight.visible, sight.scale
+        seen, scale = viewport.visible, viewport.scale
         left, right, top, low = (v * scale for v in (seen.left(), seen.right(), -seen.bottom(), -seen.top()))
         self._sheet = (left + EDGE, top + EDGE, right - EDGE, low - EDGE)
 
@@ -39,7 +39,7 @@ class Room:
 
     def inwards(self, place: complex) -> complex:
         """A place [mm] moved towards the middle of the picture until no text stands there."""
-        scale, middle = self._sight.scale, self._sight.centre
+        scale, middle = self._viewport.scale, self._viewport.centre
         for _ in range(MOST_STEPS):
             x, y = place.real * scale, -place.imag * scale
             if not any(abs(x - left) < wide + CLEAR and abs(y - top) < high + CLEAR for left, top, wide, high in self._boxes):
@@ -50,7 +50,7 @@ class Room:
 
     def dot(self, place: complex, radius: float) -> None:
         """No text shall cover a mark at a place [mm]; radius in pixels."""
-        pixel = place.conjugate() * self._sight.scale
+        pixel = place.conjugate() * self._viewport.scale
         self.take(QRectF(pixel.real - radius, pixel.imag - radius, 2.0 * radius, 2.0 * radius))
 
     def cost(self, centres: np.ndarray, width: float, height: float) -> np.ndarray:
@@ -81,7 +81,7 @@ class Room:
         further = FURTHER * np.repeat(np.arange(len(gaps)), _DIRECTIONS.size)
         best, least = (places[0], 0), np.inf
         for number, place in enumerate(places):
-            cost = self.cost(place.conjugate() * self._sight.scale + shifts, width + 4.0, height) + further + FURTHER * number
+            cost = self.cost(place.conjugate() * self._viewport.scale + shifts, width + 4.0, height) + further + FURTHER * number
             side = int(np.argmin(cost))
             if cost[side] < least:
                 best, least = (place, side), float(cost[side])
@@ -92,5 +92,5 @@ class Room:
         tag.setPos(QPointF(place.real, place.imag))
         tag.shift(shift.real, shift.imag)
         tag.lead(side >= _DIRECTIONS.size)
-        middle = place.conjugate() * self._sight.scale + shift
+        middle = place.conjugate() * self._viewport.scale + shift
         self._boxes.append((middle.real, middle.imag, width / 2.0 + 2.0, height / 2.0))

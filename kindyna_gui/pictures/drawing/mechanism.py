@@ -19,8 +19,8 @@ from kindyna_gui.pictures.drawing.items import Loop, Part
 from kindyna_gui.pictures.drawing.labels import Labels
 from kindyna_gui.pictures.drawing.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
-from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.pictures.viewport import Viewport
 
 if TYPE_CHECKING:
     from kindyna_gui.pictures.drawing.construct import Construct
@@ -65,7 +65,7 @@ class MechanismScene(QGraphicsScene):
         self._region: tuple[QRectF, float] | None = None
         self._labels: Labels | None = None
         self._fields: dict[str, vectors.Field] = {}
-        self.sight = Sight()
+        self.viewport = Viewport()
         self.construct: Construct | None = None
         self._step: int | None = None
         self.overlay: Overlay | None = None
@@ -94,7 +94,7 @@ class MechanismScene(QGraphicsScene):
         if geometry.numbered:
             from kindyna_gui.pictures.drawing.construct import Construct
 
-            self.construct = Construct(geometry, self.theme, self.sight, self._texts, self._step)
+            self.construct = Construct(geometry, self.theme, self.viewport, self._texts, self._step)
         for layer in FIELDS:
             self._need(layer)
         for layer in LINKAGE_LAYERS:
@@ -164,7 +164,7 @@ class MechanismScene(QGraphicsScene):
     def _texts(self) -> list[QRectF]:
         if self._labels is None or self.overlay is None:
             return []
-        return self._labels.boxes(self.sight.scale) + self.overlay.boxes(self.sight.visible, self.sight.scale)
+        return self._labels.boxes(self.viewport.scale) + self.overlay.boxes(self.viewport.visible, self.viewport.scale)
 
     def show_step(self, step: int | None, draw: bool = True) -> None:
         """Show one step of the circle diagram: the centres known by then, and the two lines that give the next one.
@@ -279,7 +279,7 @@ class MechanismScene(QGraphicsScene):
 
     def _show_region(self, visible: QRectF, scale: float, sides: Mapping[str, int]) -> None:
         self._region = (visible, scale)
-        self.sight.visible, self.sight.scale = QRectF(visible), scale
+        self.viewport.visible, self.viewport.scale = QRectF(visible), scale
         for line in self._lines:
             line.look(scale * self.theme.ratio * self._closest)
         if self._labels is not None and self.overlay is not None:

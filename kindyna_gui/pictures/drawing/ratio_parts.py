@@ -16,9 +16,9 @@ from kindyna_gui.pictures.drawing.free_space import Room
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.drawing.overlay import MARGIN
-from kindyna_gui.pictures.viewport import Sight
 from kindyna_gui.pictures.style import BLUE, OUTLINE, PURPLE, SMALL, VERMILION, Theme, brush
 from kindyna_gui.pictures.units import digits
+from kindyna_gui.pictures.viewport import Viewport
 
 Z_RATIOS = 9.0
 COLOURS = (BLUE, VERMILION, PURPLE, "#8C6D1F", "#00796B")  # of one ratio after the other
@@ -67,10 +67,10 @@ class _Dimension:
         self.line.setVisible(on)
         self.tag.setVisible(on)
 
-    def lay(self, start: complex, end: complex, off: complex, length: float, sight: Sight, room: Room) -> None:
+    def lay(self, start: complex, end: complex, off: complex, length: float, viewport: Viewport, room: Room) -> None:
         """start, end: the centres [mm]; off: how far beside them [mm]; length: the number shown, with its sign [mm]."""
-        pixel = 1.0 / sight.scale
-        part = _seen(start + off, end + off, sight)
+        pixel = 1.0 / viewport.scale
+        part = _seen(start + off, end + off, viewport)
         self.show(part is not None and abs(end - start) > 2.0 * HEAD * pixel)
         if part is None or not self.line.isVisible():
             return
@@ -94,13 +94,13 @@ def _stroke(path: QPainterPath, start: complex, end: complex) -> None:
     path.lineTo(end.real, end.imag)
 
 
-def _seen(start: complex, end: complex, sight: Sight) -> tuple[float, float] | None:
+def _seen(start: complex, end: complex, viewport: Viewport) -> tuple[float, float] | None:
     """The visible part of a stretch, from 0 at its start to 1 at its end; None where nothing of it is."""
     direction = end - start
     if direction == 0.0:
         return None
     normal = 1j * direction
-    ends = sight.across(np.array([normal.real, normal.imag, -(normal.conjugate() * start).real]))
+    ends = viewport.across(np.array([normal.real, normal.imag, -(normal.conjugate() * start).real]))
     if ends is None:
         return None
     low, high = sorted(((e - start) * direction.conjugate()).real / abs(direction) ** 2 for e in ends)
@@ -112,9 +112,9 @@ class RatioDimensions:
     """Every ratio of a chain at one sample after the other: two dimensions each, and a line of the list under the angle."""
 
     def __init__(
-        self, geometry: Geometry, pairs: Pairs, theme: Theme, sight: Sight, room: Callable[[], Room]
+        self, geometry: Geometry, pairs: Pairs, theme: Theme, viewport: Viewport, room: Callable[[], Room]
     ) -> None:
-        self._geometry, self._sight, self._room = geometry, sight, room
+        self._geometry, self._viewport, self._room = geometry, viewport, room
         self._table = geometry.study.centres
         driver = body_name(geometry.study.design.drive.mechanism.driver.link)
         self.rows: list[tuple[RatioArms, tuple[_Dimension, _Dimension], Tag]] = []
@@ -140,8 +140,8 @@ class RatioDimensions:
                 line.show(False)
                 if place is None or end is None or place == end or not math.isfinite(length):
                     continue
-                across = 1j * self._along(places) * side * (OFF + STEP * number) / self._sight.scale
-                line.lay(place, end, across, float(length) * MM, self._sight, self._room())
+                across = 1j * self._along(places) * side * (OFF + STEP * number) / self._viewport.scale
+                line.lay(place, end, across, float(length) * MM, self._viewport, self._room())
 
     def _at(self, key: Key, i: int) -> complex | None:
         """Where a centre is [mm]; None at infinity."""
@@ -159,8 +159,8 @@ class RatioDimensions:
     @staticmethod
     def _along(places: Sequence[complex | None]) -> complex:
         """The direction of the line of the centres, the same for both senses along it."""
-        there = [p for p in places if p is not None]
-        direction = max((b - a for a in there for b in there), key=abs)
+        finite = [p for p in places if p is not None]
+        direction = max((b - a for a in finite for b in finite), key=abs)
         direction = direction / abs(direction)
         return direction if direction.real > 0.0 or (direction.real == 0.0 and direction.imag > 0.0) else -direction
 
@@ -174,7 +174,7 @@ class RatioDimensions:
     def list(self, i: int, room: Room, down: float) -> None:
         """All ratios in figures, one below the other under the angle; down: so many pixels further."""
         omega, bodies = self._geometry.study.omega, self._geometry.kinematics.bodies
-        seen, scale = self._sight.visible, self._sight.scale
+        seen, scale = self._viewport.visible, self._viewport.scale
         x, y = seen.left() * scale + MARGIN, -seen.bottom() * scale + UNDER_ANGLE + down
         for number, (arms, _, tag) in enumerate(self.rows):
             tag.set_text(ratio_text(arms, i, *(float(bodies[name].turn[1][i]) * omega for name in (arms.base, arms.body))))

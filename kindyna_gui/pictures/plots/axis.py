@@ -60,15 +60,15 @@ class Axis(pg.AxisItem):
         side, bounds, whole = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
         low, high = self.range
         pixels = side.length(bounds) / ((high - low) or 1.0)
-        there = [(side.at(bounds, (value - low) * pixels), text) for value, text in self._rows if low <= value <= high]
+        ticks_shown = [(side.at(bounds, (value - low) * pixels), text) for value, text in self._rows if low <= value <= high]
         pen, reach = self.tickPen(), side.outwards * self.style["tickLength"]
-        ticks = [(pen, place, place + reach) for place, _ in there]
+        ticks = [(pen, place, place + reach) for place, _ in ticks_shown]
         texts: list[Text] = []
         if self.style["showValues"]:
             painter.setFont(self.style["tickFont"])
-            self._sizes = {text: self._sizes.get(text) or _size(painter, text) for _, text in there}
+            self._sizes = {text: self._sizes.get(text) or _size(painter, text) for _, text in ticks_shown}
             away = side.outwards * (max(0.0, self.style["tickLength"]) + self.style["tickTextOffset"][side.across])
-            boxes = ((side.box(place + away, *self._sizes[text]), text) for place, text in there)
+            boxes = ((side.box(place + away, *self._sizes[text]), text) for place, text in ticks_shown)
             texts = [(box, side.flags, text) for box, text in boxes if whole & box == box]
         return (self.pen(), *side.line(bounds)), ticks, texts
 

@@ -22,7 +22,7 @@ class Limit:
     """A value not to be passed [SI], and the text of its line."""
 
     value: float
-    words: str
+    text: str
 
 
 def _pressure_angle(study: Study) -> float:
@@ -94,8 +94,8 @@ def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, st
     for row, limit in limits:
         if limit is not None:
             name = "" if len(channels) == 1 else f"{row.label}: "
-            short = limit.words.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
-            made.append((limit.value / row.unit.factor, name + limit.words, name + short))
+            short = limit.text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
+            made.append((limit.value / row.unit.factor, name + limit.text, name + short))
     return made
 
 

@@ -63,7 +63,7 @@ class CurvePlot(FixedPlot):
         self._line: Line | None = None
         self._theta = np.zeros(0)
         self._curves: list[Curve] = []
-        self._there: list[float] | None = None
+        self._exact_values: list[float] | None = None
         self._readings: list[Readout] = []
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
@@ -97,7 +97,7 @@ class CurvePlot(FixedPlot):
         if not others and marks == self._drawn_marks and line.alike(self._line) and drawn_alike(curves, self._curves):
             return
         self._drawn_marks = marks if not others else ()
-        self._curves, self._spans, self._message_text, self._there = curves, segments, "", None
+        self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
         self._line, self._theta = line, study.theta
         sides = [usual_range(curve.values) for curve in curves + others]
         self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
@@ -137,7 +137,7 @@ class CurvePlot(FixedPlot):
         for pool in (self._drawn, self._readings, self._limits):
             self._grown(pool, 0, _nothing)
         self._drawn, self._readings, self._limits = [], [], []
-        self._curves, self._spans, self._drawn_marks, self._there = [], [], (), None
+        self._curves, self._spans, self._drawn_marks, self._exact_values = [], [], (), None
         self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
         self._message_text = text
@@ -177,13 +177,13 @@ class CurvePlot(FixedPlot):
         """Cam angle of the cursor [rad]."""
         return self._angle
 
-    def set_angle(self, theta: float, there: Study | None = None) -> None:
+    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
         """Move the cursor to cam angle theta [rad].
 
-        there: the same study at this one angle, for exact readings; else they are those of the nearest sample.
+        at_angle: the same study at this one angle, for exact readings; else they are those of the nearest sample.
         """
         self._angle = theta
-        self._there = None if there is None else [float(curve.channel.values(there)[0]) for curve in self._curves]
+        self._exact_values = None if at_angle is None else [float(curve.channel.values(at_angle)[0]) for curve in self._curves]
         self._cursor.setPos(degrees(theta), 0.0)
         self._write()
 
@@ -203,7 +203,7 @@ class CurvePlot(FixedPlot):
                 reading.hide()
         elif self._readings:
             at = nearest(self._theta, self._angle)
-            known = self._there or [float(curve.values[at]) for curve in self._curves]
+            known = self._exact_values or [float(curve.values[at]) for curve in self._curves]
             values = [
                 0.0 if abs(value) <= curve.floor else value / self.rung.size
                 for value, curve in zip(known, self._curves, strict=True)

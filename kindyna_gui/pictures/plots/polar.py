@@ -111,10 +111,10 @@ class PolarPlot(QWidget):
 
     # -- cursor -------------------------------------------------------------------------------------------
 
-    def set_angle(self, theta: float, there: Study | None = None) -> None:
-        """Turn the ray to cam angle theta [rad]; there: the same study at this very angle, for exact readings."""
+    def set_angle(self, theta: float, at_angle: Study | None = None) -> None:
+        """Turn the ray to cam angle theta [rad]; at_angle: the same study at this very angle, for exact readings."""
         self._angle = theta
-        self._read(there)
+        self._read(at_angle)
         self.update()
 
     def show_cursor(self, shown: bool) -> None:
@@ -126,12 +126,12 @@ class PolarPlot(QWidget):
         """The values at the cursor, in the order of the curves."""
         return [measure(value, self.rung.symbol) for value in self._values] if self._rows else []
 
-    def _read(self, there: Study | None = None) -> None:
+    def _read(self, at_angle: Study | None = None) -> None:
         if not self._rows:
             return
         at = nearest(self._theta, self._angle)
         known = [
-            float(values[at]) if there is None else float(row.values(there)[0]) / self.rung.size
+            float(values[at]) if at_angle is None else float(row.values(at_angle)[0]) / self.rung.size
             for row, values, _ in self._rows
         ]
         self._values = [
