@@ -108,7 +108,7 @@ def test_a_function_that_is_steep_gets_short_panels() -> None:
     theta = np.linspace(0.0, 6.28, 999)
     exact = 1.0 / (1.01 - np.cos(theta))
     assert np.abs(panels.at(theta, 1)[0] - exact).max() < 1e-11 * exact.max()
-    finer = panels.split(np.deg2rad(3.0), np.ones(panels.count, dtype=bool))
+    finer = panels.split(np.full(panels.count, np.deg2rad(3.0)))
     assert finer.width.max() <= np.deg2rad(3.0) * (1.0 + 1e-9)
     assert np.abs(finer.at(theta, 1)[0] - exact).max() < 1e-11 * exact.max()
 
