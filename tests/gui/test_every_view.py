@@ -9,7 +9,7 @@ from kindyna_gui.places import example
 from kindyna_gui.window.docks import VIEWS
 
 KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
-AREAS = {area: [name for name, row in VIEWS.items() if row.area == area] for area in {row.area for row in VIEWS.values()}}
+AREAS = sorted({row.area for row in VIEWS.values()}, key=lambda area: area.name)
 
 
 @pytest.mark.parametrize("area", AREAS, ids=lambda area: area.name)
