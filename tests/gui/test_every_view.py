@@ -9,7 +9,8 @@ from kindyna_gui.places import example
 from kindyna_gui.window.docks import VIEWS
 
 KINDS = ("transfer_lift", "lecture_six_bar", "four_bar_coupler_cam")
-AREAS = sorted({row.area for row in VIEWS.values()}, key=lambda area: area.name)
+SIDES = sorted({row.area for row in VIEWS.values()}, key=lambda area: area.name)
+AREAS = {area: [name for name, row in VIEWS.items() if row.area == area] for area in SIDES}
 
 
 @pytest.mark.parametrize("area", AREAS, ids=lambda area: area.name)
