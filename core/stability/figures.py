@@ -10,7 +10,7 @@ import numpy as np
 from core.stability.critical_speeds import Machine
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
-from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to
+from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues
 from core.stability.windup import Averages, History
 
 DEGREES = np.linspace(0.0, 360.0, 721)
@@ -104,6 +104,7 @@ def contact_marks(run: History) -> tuple[tuple[float, str], ...]:
 # -- the chart ---------------------------------------------------------------------------------------------
 
 ROWS = 64
+COARSE_ORDER = 32  # harmonics of a first picture
 MOST_Q = 0.12  # of the chart of a machine of small Q (Kim1990 Fig. 8 goes to 0.1)
 ROOM = 1.6  # above the machine's own Q
 
@@ -165,12 +166,16 @@ def chart(
     damping: float = 0.0,
     marked: Sequence[float] = (),
     error: float = EDGE_ERROR,
+    coarse: bool = False,
 ) -> Chart:
     """The chart of a machine: ``rows`` of Q from 0 to well above the machine's own.
 
-    A coarse one (few rows, a large ``error`` of the edges η) comes at once.
+    coarse: without damping and with few harmonics, however far from ``error`` that is: a first picture, at once.
     """
     q = _top(coefficients, machine, marked) * np.arange(1, rows + 1) / rows
     count = count_up_to(eta_max)
-    by_equation = {e: tongues(coefficients, q, count, e, damping, error) for e in (EXACT, APPROXIMATE)}
+    if coarse:
+        by_equation = {e: harmonic_tongues(coefficients, q, count, e, error, COARSE_ORDER) for e in (EXACT, APPROXIMATE)}
+    else:
+        by_equation = {e: tongues(coefficients, q, count, e, damping, error) for e in (EXACT, APPROXIMATE)}
     return Chart(name, q, by_equation, eta_max, machine, tuple(marked))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QAbstractItemModel
+from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex
 from PySide6.QtWidgets import QStyledItemDelegate, QTableView, QWidget
 
 from kindyna_gui.documents.session import Session
@@ -15,18 +15,28 @@ class CellDelegate(QStyledItemDelegate):
     def __init__(self, session: Session, model: QAbstractItemModel, table: QTableView) -> None:
         super().__init__(table)
         self._session = session
+        self._table = table
         self._open: QWidget | None = None
+        self._index = QPersistentModelIndex()
         self.closeEditor.connect(self._closed)
         model.modelAboutToBeReset.connect(self._closed)
 
-    def opened(self, editor: QWidget) -> None:
-        """This is the editor now."""
-        self._open = editor
+    def opened(self, editor: QWidget, index: QModelIndex | QPersistentModelIndex) -> None:
+        """This is the editor now, of the cell at ``index``."""
+        self._open, self._index = editor, QPersistentModelIndex(index)
 
     def commit(self, editor: QWidget) -> None:
         """Give what stands in an editor to the model, if it is the one that is open."""
-        if editor is self._open:
+        if self._is_open(editor):
             self.commitData.emit(editor)
+
+    def eventFilter(self, editor: QObject, event: QEvent) -> bool:
+        """Qt commits an editor that the focus leaves, one too that the table has given up already."""
+        return super().eventFilter(editor, event) if self._is_open(editor) else False
+
+    def _is_open(self, editor: QObject) -> bool:
+        """A row that is removed takes its editor from the table without a word."""
+        return editor is self._open and self._table.indexWidget(QModelIndex(self._index)) is editor
 
     def _closed(self) -> None:  # without the editor, which may have gone by now
         self._open = None

@@ -175,7 +175,7 @@ class _Delegate(CellDelegate):
             box.emptied.connect(lambda: self.commit(box))
         box.withdrawn.connect(self._model.withdraw)
         box.finished.connect(self._session.end_gesture)
-        self.opened(box)
+        self.opened(box, index)
         return box
 
     def setEditorData(self, editor: QWidget, index: Index) -> None:

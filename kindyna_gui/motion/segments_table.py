@@ -56,14 +56,14 @@ class SegmentDelegate(CellDelegate):
             laws.activated.connect(lambda _: self._choose(laws))
             laws.cancelled.connect(lambda: self.closeEditor.emit(laws, QAbstractItemDelegate.EndEditHint.NoHint))
             QTimer.singleShot(0, laws, laws.showPopup)
-            self.opened(laws)
+            self.opened(laws, index)
             return laws
         box = NumberBox(COLUMNS[index.column()].info, self._model.unit_of(index.column()), parent)
         box.entered.connect(lambda _: self.commit(box))
         box.unreadable.connect(lambda: self.commit(box))
         box.withdrawn.connect(self._model.withdraw)
         box.finished.connect(self._session.end_gesture)
-        self.opened(box)
+        self.opened(box, index)
         return box
 
     def _choose(self, laws: LawBox) -> None:

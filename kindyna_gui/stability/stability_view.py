@@ -143,17 +143,17 @@ class StabilityView(View):
         self.found = found = study.flexible_shaft()
         self.head.setText(machine_text(found))
         self.reading.show_text("")
-        self.drawn = self._chart(found, study.design.name, COARSE, UNSEEN)()
+        self.drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
         self.chosen = self._unknown(found)
         self._draw_chart()
         self._pause.start()
         self.pages.show_shaft(found, self.chosen)
 
     @staticmethod
-    def _chart(found: Stability, name: str, rows: int, error: float) -> Callable[[], Chart]:
+    def _chart(found: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:
         m = found.machine
         return partial(
-            chart, found.coefficients, m, name, rows=rows, damping=m.damping, eta_max=found.eta_max, error=error
+            chart, found.coefficients, m, name, rows=rows, damping=m.damping, eta_max=found.eta_max, error=error, coarse=coarse
         )
 
     def _another_design(self) -> None:
