@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex
+from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer
+from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QStyledItemDelegate, QTableView, QWidget
 
 from kindyna_gui.documents.session import Session
+
+ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class CellDelegate(QStyledItemDelegate):
@@ -31,8 +34,19 @@ class CellDelegate(QStyledItemDelegate):
             self.commitData.emit(editor)
 
     def eventFilter(self, editor: QObject, event: QEvent) -> bool:
-        """Qt commits an editor that the focus leaves, one too that the table has given up already."""
-        return super().eventFilter(editor, event) if self._is_open(editor) else False
+        """Qt commits an editor that the focus leaves, or a moment after Enter: one too that the table has given up by then."""
+        if not self._is_open(editor):
+            return False
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and event.key() in ENTER:
+            QTimer.singleShot(0, editor, lambda: self._commit_and_close(editor))
+            return False  # the editor has the key first
+        return super().eventFilter(editor, event)
+
+    def _commit_and_close(self, editor: QWidget) -> None:
+        if self._is_open(editor):
+            self.commitData.emit(editor)
+        if self._is_open(editor):
+            self.closeEditor.emit(editor, QStyledItemDelegate.EndEditHint.SubmitModelCache)
 
     def _is_open(self, editor: QObject) -> bool:
         """A row that is removed takes its editor from the table without a word."""
