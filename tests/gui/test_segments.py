@@ -1,6 +1,7 @@
 """kindyna_gui.motion.segments_view, segments_model: the motion as a table that keeps itself whole."""
 
 import pytest
+from mechanisms import levels, with_drive
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QMenu
@@ -390,3 +391,18 @@ def test_a_wrong_number_that_the_focus_leaves_is_entered_once(user: User) -> Non
     assert view.table.state() != EDITING
     assert view.model.refused(1, SPAN)
     assert user.cell(1, SPAN).strip() == "4000"
+
+
+def test_enter_in_a_cell_that_the_table_gives_up_before_it_counts_is_quiet(user: User) -> None:
+    """Enter counts a moment later; an undo, or another file, may come first and take the cell away."""
+    view = user.motion()
+    view.choose(4, SPAN)
+    view.table.setFocus()
+    user.press(Qt.Key.Key_Return)
+    wait_for(lambda: view.table.state() == QAbstractItemView.State.EditingState)
+    QTest.keyClick(QApplication.focusWidget(), Qt.Key.Key_Return)
+    other = levels(150.0, (180.0, 0.0, "cycloidal"), (180.0, 150.0, "cycloidal"))
+    user.session.put(with_drive(user.design, motion=other), "Another motion")
+    settle()
+    assert view.table.model().rowCount() == 2
+    assert view.table.state() != QAbstractItemView.State.EditingState
