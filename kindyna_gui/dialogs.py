@@ -61,42 +61,55 @@ def design_to_open(parent: QWidget, folder: Path) -> Path | None:
 def design_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save the design to, ending in .toml."""
     name, _ = QFileDialog.getSaveFileName(parent, "Save design as", str(suggestion), DESIGNS)
-    return with_suffix(name, ".toml")
+    return with_suffix(parent, name, ".toml")
 
 
 def picture_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a picture to, ending in .png or .svg."""
     name, chosen = QFileDialog.getSaveFileName(parent, "Export picture", str(suggestion), PICTURES)
-    return with_suffix(name, ".svg" if "svg" in chosen else ".png", (".png", ".svg"))
+    return with_suffix(parent, name, ".svg" if "svg" in chosen else ".png", (".png", ".svg"))
 
 
 def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a table of numbers to, ending in .csv."""
     name, _ = QFileDialog.getSaveFileName(parent, "Export numbers", str(suggestion), TABLES)
-    return with_suffix(name, ".csv")
+    return with_suffix(parent, name, ".csv")
 
 
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a report to, ending in .txt."""
     name, _ = QFileDialog.getSaveFileName(parent, "Export report", str(suggestion), REPORTS)
-    return with_suffix(name, ".txt")
+    return with_suffix(parent, name, ".txt")
 
 
-def with_suffix(name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:
-    """The file's path with an ending, where it has none that is allowed."""
+def with_suffix(parent: QWidget, name: str, suffix: str, allowed: Sequence[str] = ()) -> Path | None:
+    """The file's path with an ending, where it has none that is allowed. The dialog has asked about the name as it was typed
+    only: a file that has it with the ending is asked about here; None where it shall stay."""
     if not name:
         return None
     path = Path(name)
-    return path if path.suffix.lower() in (allowed or (suffix,)) else path.with_name(path.name + suffix)
+    if path.suffix.lower() in (allowed or (suffix,)):
+        return path
+    path = path.with_name(path.name + suffix)
+    return path if not path.exists() or ask_to_replace(parent, path.name) else None
 
 
-def ask_to_save(parent: QWidget, name: str) -> Answer:
-    """Whether the changes of a design shall be saved before it is left."""
+def ask_to_replace(parent: QWidget, name: str) -> bool:
+    """Whether a file that is there already may be replaced."""
+    text, answers = f"{name} already exists.\nDo you want to replace it?", QMessageBox.StandardButton
+    return QMessageBox.warning(parent, "KINDYNA", text, answers.Yes | answers.No, answers.No) == answers.Yes
+
+
+UNSAVED = "has unsaved changes"
+
+
+def ask_to_save(parent: QWidget, name: str, state: str = UNSAVED) -> Answer:
+    """Whether a design shall be saved before it is left; ``state`` says what its file lacks."""
     box = QMessageBox(parent)
     box.setIcon(QMessageBox.Icon.Question)
     box.setWindowTitle("KINDYNA")
-    box.setText(f"{name} has unsaved changes.")
-    box.setInformativeText("Save them?")
+    box.setText(f"{name} {state}.")
+    box.setInformativeText("Save them?" if state == UNSAVED else "Save it?")
     buttons = {
         QMessageBox.StandardButton.Save: Answer.SAVE,
         QMessageBox.StandardButton.Discard: Answer.DISCARD,

@@ -226,7 +226,7 @@ class User:
         """What the user will say about unsaved changes; the names asked about are noted in the list."""
         asked: list[str] = []
 
-        def ask(_: QWidget, name: str) -> Answer:
+        def ask(_: QWidget, name: str, *__: str) -> Answer:
             asked.append(name)
             return answer
 

@@ -17,6 +17,7 @@ from core.measured.units import (
     Meaning,
     ValueUnit,
     meaning,
+    unknown_unit,
     value_unit,
     value_units,
 )
@@ -195,6 +196,9 @@ class _Detection:
             if any(value_unit(name, other) is not None for other in BASES if other != motion_unit):
                 kind = "slides: lengths are wanted" if motion_unit == "mm" else "swings: angles are wanted"
                 self._refuse(f"{self._name(column)} is measured in {name}, but the follower {kind}")
+            if unknown := unknown_unit(self.sheet.names[column]):
+                units = ", ".join(allowed)
+                self._refuse(f"{self._name(column)}: the unit {unknown!r} is not known; say which it is, allowed: {units}")
             per = "deg" if self.speed_rpm is None else "s"
             name = motion_unit + ("", f"/{per}", f"/{per}2")[QUANTITIES.index(quantity)]
             self.guesses.append(f"the {quantity} is taken for {name}")

@@ -18,7 +18,7 @@ ANGLE_UNITS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / 
 """Degrees of cam angle in one."""
 TIME_UNITS: Mapping[str, float] = MappingProxyType({"s": 1.0, "ms": 1e-3})
 """Seconds in one; a cam angle by the shaft's speed."""
-LENGTHS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4})
+LENGTHS: Mapping[str, float] = MappingProxyType({"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 1e-3, "in": 25.4, "thou": 0.0254, "ft": 304.8})
 SWINGS: Mapping[str, float] = MappingProxyType({"deg": 1.0, "rad": 180.0 / pi})
 BASES: Mapping[str, Mapping[str, float]] = MappingProxyType({"mm": LENGTHS, "deg": SWINGS})
 """Unit of a motion -> the units that it can be measured in, and how many of it they are."""
@@ -79,7 +79,10 @@ _SPELLINGS = (
     (r"millimet(?:er|re)s?", "mm"),
     (r"centimet(?:er|re)s?", "cm"),
     (r"met(?:er|re)s?", "m"),
+    (r"\.$", ""),
     (r"inch(?:es)?|zoll|''", "in"),
+    (r"\b(?:thous?|mils?)\b", "thou"),
+    (r"\b(?:feet|foot)\b", "ft"),
     (r"degrees?|degs?|grad|°|도", "deg"),
     (r"radians?|rads", "rad"),
     (r"seconds?|secs?|sek|초", "s"),
@@ -105,6 +108,12 @@ def unit_of(text: str) -> str:
         plain = re.sub(spelled, meant, plain)
     known = plain in ANGLE_UNITS or plain in TIME_UNITS or any(value_unit(plain, motion) for motion in BASES)
     return plain if known else ""
+
+
+def unknown_unit(name: str) -> str:
+    """What stands in square brackets in a column's name, as a unit does, and is none that is known; empty where nothing does."""
+    inside = re.findall(r"\[([^\[\]]*)\]", name)
+    return "" if not inside or unit_of(inside[-1]) else inside[-1].strip()
 
 
 def unit_in(text: str) -> str:

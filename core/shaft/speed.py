@@ -100,6 +100,7 @@ def _above_mean(energy: np.ndarray, inertia: np.ndarray, mean: float) -> tuple[n
     return mean * (rise / (1.0 + root) + 0.5 * beyond / root), 1.0 / (inertia * mean * root)
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")  # with a flywheel that is next to nothing
 def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) -> SpeedCurve | None:
     """The speed that repeats each turn, about ω̄ = mean [rad/s], with a flywheel I [kg m²] > 0 and a motor that gives
     slope k [N m s/rad] more per rad/s of lost speed; None where there is none: the motor stalls.
@@ -117,7 +118,7 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
         deviation, gain = _above_mean(energy, panels.inertia, mean)
         rough = _unresolved(slope * deviation)
         more = bool(rough.any()) and panels.width.size < MOST_PANELS * count
-        stalls = float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) <= STANDSTILL
+        stalls = not float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) > STANDSTILL  # nan is no speed
         if not more or (stalls and attempt):  # a second solution, finer where it matters
             break
         panels, energy = _cut(load, panels, rough, slope * gain, power, flywheel)

@@ -170,7 +170,7 @@ def film_wanted(parent: QWidget, folder: Path, name: str, seconds: float) -> tup
     chosen, _ = QFileDialog.getSaveFileName(
         parent, "Export animation", str(folder / f"{name}{film.ending}"), f"{FORMATS[film.ending]} (*{film.ending})"
     )
-    path = with_suffix(chosen, film.ending)
+    path = with_suffix(parent, chosen, film.ending)
     return None if path is None else (path, film)
 
 

@@ -24,6 +24,10 @@ NEW_LAW = "modified-sine"
 """Of the rise and the return that a new design begins with."""
 
 
+NOT_ON_DISK = {OnDisk.CHANGED: "has been changed on the disk by another program", OnDisk.GONE: "is no longer on the disk"}
+"""What is said of a design whose file is not as it was read or written last."""
+
+
 class Documents(QObject):
     """What the menu File does. Unsaved work is never dropped without a question; what fails is shown with all faults.
 
@@ -55,9 +59,12 @@ class Documents(QObject):
     def may_leave(self) -> bool:
         """Ask what to do with unsaved changes; False where the user cancels."""
         self.settle()
-        if not self._session.modified:
+        if self._session.modified:
+            answer = dialogs.ask_to_save(self._window, self.name)
+        elif (state := self._session.on_disk()) is not OnDisk.SAME:  # then it is nowhere but here
+            answer = dialogs.ask_to_save(self._window, self.name, NOT_ON_DISK[state])
+        else:
             return True
-        answer = dialogs.ask_to_save(self._window, self.name)
         return self.save() if answer is Answer.SAVE else answer is Answer.DISCARD
 
     # -- opening ------------------------------------------------------------------------------------------
@@ -148,7 +155,12 @@ class Documents(QObject):
         stem = self._session.design.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
-        return path is not None and self._save(path)
+        if path is None:
+            return False
+        own = self._session.path
+        if own is not None and path.resolve() == own.resolve() and self._session.on_disk() is OnDisk.CHANGED:
+            return self._save_over_change(own)
+        return self._save(path)
 
     def reload(self) -> None:
         """Read the design's file again; what it replaces comes back with Undo."""

@@ -55,6 +55,7 @@ class FlywheelView(View):
         self.set_column(self.table, row, grows=self.table)
 
     def refresh(self, study: Study) -> None:
+        self.use_button.setEnabled(False)
         design = with_shaft(study.design, NO_WHEEL)
         wheel, shaft = study.flywheel, design.shaft
         floor = ROUNDING * torque_size(study)

@@ -219,7 +219,7 @@ def test_a_delimiter_that_is_said_is_used() -> None:
 @pytest.mark.parametrize("motion_unit", ["mm", "deg"])
 def test_every_unit_is_worth_what_its_name_says(motion_unit: str) -> None:
     base = (
-        {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "in": 25.4}
+        {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "in": 25.4, "thou": 0.0254, "ft": 304.8}
         if motion_unit == "mm"
         else {"deg": 1.0, "rad": 180 / math.pi}
     )
@@ -777,6 +777,15 @@ def test_times_that_repeat_few_angles_over_many_turns_are_fitted(
     told = capsys.readouterr()
     assert "turns, which are laid over one another" in told.out
     assert told.err == ""
+
+
+@pytest.mark.parametrize("unit", ["furlong", "kN", "mm²", "1/100mm"])
+def test_a_unit_in_brackets_that_is_not_known_is_asked_about(unit: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"angle [deg];lift [{unit}]\n" + rows(";"), encoding="utf-8")
+    assert main(["measured", str(path)]) == 2
+    assert f"column 2 (lift [{unit}]): the unit '{unit}' is not known" in capsys.readouterr().err
+    assert main(["measured", str(path), "--value-unit", "mm"]) == 0
 
 
 CONTROL = "\x9b31m\x1b[2J\x07\u202e"

@@ -14,7 +14,9 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
 
+from kindyna_gui import dialogs
 from kindyna_gui.background import Worker
+from kindyna_gui.dialogs import Answer
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import example
@@ -88,6 +90,7 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
         return users[-1]
 
     yield open
+    monkeypatch.setattr(dialogs, "ask_to_save", lambda *_: Answer.DISCARD)  # of a file that the test has changed or removed
     for user in users:
         user.session.drop_draft()
         user.session.stack.setClean()

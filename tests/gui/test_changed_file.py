@@ -181,3 +181,26 @@ def test_a_file_that_is_no_design_any_more(open_user: Open, mine: Path) -> None:
     user.clicks("Overwrite", before=lambda box: isinstance(box, QMessageBox))
     user.choose("File", "Save")
     assert load(mine) == before
+
+
+@pytest.mark.parametrize(("change", "says"), [(Path.unlink, "is no longer on the disk"), (in_place, "has been changed on the disk")])
+def test_a_design_that_is_nowhere_but_in_the_window_is_not_left_unasked(
+    open_user: Open, mine: Path, change: Change, says: str
+) -> None:
+    user: User = open_user(mine)
+    change(mine)
+    asked = user.clicks("Cancel")
+    assert not user.window.close()
+    assert says in asked[0]
+    user.clicks("Discard")
+    assert user.window.close()
+
+
+def test_save_as_onto_its_own_file_asks_as_save_does(open_user: Open, mine: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    user: User = open_user(mine)
+    theirs = by_another(mine)
+    monkeypatch.setattr("kindyna_gui.dialogs.design_to_save", lambda *_: mine)
+    asked = user.clicks("Cancel")
+    user.choose("File", "Save as...")
+    assert asked == ["mine.toml has been changed by another program since it was read."]
+    assert mine.read_text() == theirs

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
 from core.design import Motion, Named, Segment, with_drive
+from core.project import load
 from core.study import Study
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.tables import RowsTable
@@ -259,6 +260,17 @@ def test_the_certificate_can_be_read_in_a_small_window(open_user: Open) -> None:
         index = table.model().index(row, 4)
         assert table.sizeHintForIndex(index).width() <= table.columnWidth(4), index.data()
         assert table.rowHeight(row) < 2 * table.fontMetrics().height() + 6
+
+
+def test_where_there_is_no_shaft_no_flywheel_can_be_fitted(user: User) -> None:
+    user.choose("Dyna", "Flywheel")
+    view = user.window.view("flywheel")
+    assert isinstance(view, FlywheelView)
+    user.enter("shaft.speed_fluctuation", "0.05")
+    wait_for(lambda: view.up_to_date and view.use_button.isEnabled())
+    user.session.start(load(example("four_bar")))
+    wait_for(lambda: view.up_to_date)
+    assert not view.use_button.isEnabled()
 
 
 def test_a_torque_that_is_only_rounding_has_no_figures(user: User) -> None:

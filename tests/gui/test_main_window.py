@@ -4,11 +4,12 @@ import gc
 import shutil
 import weakref
 from pathlib import Path
+from typing import Any
 
 import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QMimeData, QPoint, QPointF, QSettings, Qt, QTimer, QUrl
 from PySide6.QtGui import QColor, QDragEnterEvent, QDropEvent, QPalette
-from PySide6.QtWidgets import QApplication, QMessageBox, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
 from window_user import Open, User, settle, wait_for
 
 from core.project import load
@@ -22,6 +23,8 @@ from kindyna_gui.window.main_window import MainWindow, open_window
 
 LIFT, PICKER = example("transfer_lift"), example("card_picker")
 ROD = "follower.rod_mm"
+
+DESIGN_TO_SAVE = dialogs.design_to_save
 
 
 @pytest.fixture
@@ -213,12 +216,32 @@ def test_the_box_about_unsaved_changes(user: User) -> None:
         assert ask_to_save(user.window, "mine.toml") is answer
 
 
-def test_names_of_files_get_their_ending() -> None:
-    assert dialogs.with_suffix("", ".toml") is None
-    assert dialogs.with_suffix("a/b", ".toml") == Path("a/b.toml")
-    assert dialogs.with_suffix("a/b.toml", ".toml") == Path("a/b.toml")
-    assert dialogs.with_suffix("b.v2", ".toml") == Path("b.v2.toml")
-    assert dialogs.with_suffix("b.SVG", ".png", (".png", ".svg")) == Path("b.SVG")
+def test_names_of_files_get_their_ending(user: User) -> None:
+    def named(*words: Any) -> Path | None:
+        return dialogs.with_suffix(user.window, *words)
+
+    assert named("", ".toml") is None
+    assert named("a/b", ".toml") == Path("a/b.toml")
+    assert named("a/b.toml", ".toml") == Path("a/b.toml")
+    assert named("b.v2", ".toml") == Path("b.v2.toml")
+    assert named("b.SVG", ".png", (".png", ".svg")) == Path("b.SVG")
+
+
+def test_a_file_that_is_there_with_its_ending_is_not_replaced_unasked(
+    user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file dialog looks for the name as it was typed, without the ending."""
+    theirs = tmp_path / "lift.toml"
+    theirs.write_text("theirs")
+    monkeypatch.setattr(dialogs, "design_to_save", DESIGN_TO_SAVE)
+    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(tmp_path / "lift"), ""))
+    asked = user.clicks("No")
+    user.choose("File", "Save as...")
+    assert "lift.toml already exists" in asked[0]
+    assert theirs.read_text() == "theirs"
+    user.clicks("Yes")
+    user.choose("File", "Save as...")
+    assert load(theirs) == user.design
 
 
 def test_a_design_is_dropped_on_the_window(user: User, mine: Path) -> None:
@@ -333,7 +356,9 @@ def test_recent_files_are_offered_the_latest_first(open_user: Open, user: User, 
 def test_a_recent_file_that_has_gone_is_told_and_dropped(user: User, mine: Path) -> None:
     user.window.documents.open_path(mine)
     mine.unlink()
+    asked = user.answers(Answer.DISCARD)
     user.choose("File", "Open recent", "1  mine.toml")
+    assert asked == ["mine.toml"], "it is nowhere but in the window"
     assert user.faults[0][0] == "mine.toml cannot be opened."
     assert not user.action("File", "Open recent").isEnabled()
 
