@@ -55,6 +55,7 @@ class FlywheelView(View):
         self.set_column(self.table, row, grows=self.table)
 
     def refresh(self, study: Study) -> None:
+        self._needed = 0.0
         self.use_button.setEnabled(False)
         design = with_shaft(study.design, NO_WHEEL)
         wheel, shaft = study.flywheel, design.shaft
@@ -102,7 +103,8 @@ class FlywheelView(View):
         return rows
 
     def _use(self) -> None:
-        """One step of the undo stack."""
-        if self._needed:
+        """One step of the undo stack; of the design in place, whatever was shown of the one before."""
+        self.pull()
+        if self._needed and self.use_button.isEnabled():
             self.session.edit(FIELD, self._needed, step_text("Flywheel inertia", self._needed, UNITS["kg_m2"]))
             self.session.end_gesture()
