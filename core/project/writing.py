@@ -52,7 +52,9 @@ def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
     values = [getattr(holder, name) for name in slot.names]
     if isinstance(part, Segment) and holder is part:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
-    return values in ([None], [()]) or (slot.brief and values == [slot.default])
+    value = values[0] if len(values) == 1 else values
+    empty = value is None or (isinstance(value, tuple) and not value)  # a number of numpy is comparable with no tuple
+    return empty or (slot.brief and value == slot.default)
 
 
 def _entry(part: Any, slot: Slot, unit: str) -> Any:

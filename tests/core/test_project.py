@@ -6,6 +6,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import strategies
 import tomli_w
@@ -14,7 +15,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core import project
-from core.design import FOLLOWER_KINDS, Design, Elastic, Named, Segment, faults, info_of, put
+from core.design import (
+    FOLLOWER_KINDS,
+    Design,
+    Elastic,
+    Named,
+    Point,
+    Segment,
+    Spline,
+    faults,
+    info_of,
+    put,
+    require_motion,
+    with_motion,
+)
 from core.errors import DesignError, FileError
 from core.laws import LAWS
 
@@ -661,3 +675,15 @@ def test_every_law_has_a_slug_that_is_read() -> None:
         if LAWS[law].is_dwell:
             edits |= {f"motion.segments[{i}].rise_mm": 0.0 for i in (1, 3)}
         project.from_table(edited(edits))
+
+
+def test_numbers_of_numpy_are_written_as_numbers() -> None:
+    """What fits and blends put into a design may be of numpy's kind."""
+    lift = project.load(LIFT)
+    motion = require_motion(lift)
+    segments = tuple(replace(s, rise=np.float64(s.rise), span_deg=np.float64(s.span_deg)) for s in motion.segments)
+    points = Spline((Point(np.float64(10.0), np.float64(-50.0), np.float64(0.0)),))
+    bent = (segments[0], replace(segments[1], curve=points), *segments[2:])
+    for each in (segments, bent):
+        design = with_motion(lift, replace(motion, start=np.float64(motion.start), segments=each))
+        assert project.loads(project.dumps(design)) == design
