@@ -193,6 +193,10 @@ class SettingsArea(QScrollArea):
             row.at.selectAll()
             self.changed.emit()
 
+    def has(self, row: Ranged) -> bool:
+        """Whether a row is still there: points come and go."""
+        return row in self.points or self.rows.get(row.name) is row
+
     def _remove_point(self, row: PointRow, quietly: bool = False) -> None:
         self.points.remove(row)
         take_away(row.paper)

@@ -163,11 +163,12 @@ class BlendDialog(PutDialog):
     def _ranged(self, number: int, result: object) -> None:
         row = self._requested_rows[number]
         self._waiting.remove(row)
-        row.show_ranges(result if isinstance(result, list) else ())
+        if self.questions.settings.has(row):
+            row.show_ranges(result if isinstance(result, list) else ())
 
     def _is_slow(self) -> None:
         """The ranges and the answer shown hold no longer, and the new ones are not computed yet."""
-        for row in self._waiting:
+        for row in filter(self.questions.settings.has, self._waiting):
             row.show_ranges(None)
         if self.answers.busy:
             self._veil("Looking for it")

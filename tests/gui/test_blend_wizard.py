@@ -9,7 +9,7 @@ from math import fsum
 import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_drive
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
 from window_user import PATIENCE_MS, Open, User, settle
@@ -699,7 +699,7 @@ def test_precision_points(ask: Ask) -> None:
     assert row.message.text().startswith("point at 120 deg = 19.9 mm is not feasible beside h1 = 1; feasible: ")
     assert row.level.refused
     wizard.click(row.close)
-    wizard.answered()
+    wait_until(lambda: not wizard.dialog.ranges.busy)
     assert settings.points == []
     assert wizard.veiled == "1 more to set"
 
@@ -867,3 +867,16 @@ def test_no_heading_is_cut_off_at_the_least_size(ask: Ask) -> None:
     for column, title in enumerate(wizard.titles):
         assert head.fontMetrics().horizontalAdvance(title) + 8 <= head.sectionSize(column), title
     assert sum(head.sectionSize(i) for i in range(head.count())) <= wizard.dialog.panel.table.viewport().width()
+
+
+def test_a_point_that_is_taken_away_while_its_range_is_computed_is_forgotten(ask: Ask) -> None:
+    wizard = ask(PICKER, ranges=True)
+    settings = wizard.questions.settings
+    wizard.give(h1="1", h3="1")
+    wizard.click(settings.add_point)
+    wizard.type(settings.points[0].at, "90")
+    wait_until(lambda: wizard.dialog.ranges.busy)
+    settings.answer(replace(wizard.questions.request(), points=()))
+    QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    wait_until(lambda: not wizard.dialog.ranges.busy)
+    assert settings.points == []
