@@ -64,8 +64,9 @@ def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
 
 def table(study: Study, name: str, stages: Sequence[str]) -> Iterator[bytes] | None:
     """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist."""
-    rows = existing(bounded(study), (row for row in channels(study.design, stages) if row.table == name))
-    if not rows or (name == DYNAMICS and bounded(study).jam is not None):
+    judged = bounded(study)
+    rows = existing(judged, (row for row in channels(study.design, stages) if row.table == name))
+    if not rows or (name == DYNAMICS and judged.jam is not None):
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
 

@@ -1,14 +1,37 @@
-"""What the delegates of tables share whose editors commit on their own, at every step of a number."""
+"""Tables with cells that are edited: their keys, and delegates whose editors commit on their own, at every step of a number."""
 
 from __future__ import annotations
 
-from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer
+from PySide6.QtCore import QAbstractItemModel, QEvent, QModelIndex, QObject, QPersistentModelIndex, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QStyledItemDelegate, QTableView, QWidget
+from PySide6.QtWidgets import QAbstractItemView, QStyledItemDelegate, QTableView, QWidget
 
 from kindyna_gui.documents.session import Session
 
 ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+
+
+class CellTable(QTableView):
+    """Enter edits a cell; Insert and Delete ask for a row more or less.
+
+    insert_requested, delete_requested   of the chosen row
+    """
+
+    insert_requested = Signal()
+    delete_requested = Signal()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        key = event.key()
+        if self.state() == QAbstractItemView.State.EditingState:
+            super().keyPressEvent(event)
+        elif key in ENTER:  # does nothing where a cell cannot be edited
+            self.edit(self.currentIndex(), QAbstractItemView.EditTrigger.EditKeyPressed, event)
+        elif key == Qt.Key.Key_Insert:
+            self.insert_requested.emit()
+        elif key == Qt.Key.Key_Delete:
+            self.delete_requested.emit()
+        else:
+            super().keyPressEvent(event)
 
 
 class CellDelegate(QStyledItemDelegate):
@@ -57,4 +80,4 @@ class CellDelegate(QStyledItemDelegate):
         self._session.end_gesture()
 
 
-__all__ = ["CellDelegate"]
+__all__ = ["CellDelegate", "CellTable"]

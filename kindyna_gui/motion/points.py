@@ -6,7 +6,7 @@ from math import degrees
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QModelIndex, QObject, QPersistentModelIndex, Qt, Signal
-from PySide6.QtGui import QColor, QKeyEvent
+from PySide6.QtGui import QColor
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -21,7 +21,7 @@ from PySide6.QtWidgets import (
 from core.design import Design, Point, Spline, put, require_motion
 from core.motion.split import add_point
 from kindyna_gui.documents.session import Refusal, Session
-from kindyna_gui.forms.cell_editor import CellDelegate
+from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.forms.typed_number import parsed
 from kindyna_gui.labels import no_number, sentence, value_text
@@ -194,30 +194,6 @@ class _Delegate(CellDelegate):
             model.setData(index, editor.text())
 
 
-_ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where there is no point
-
-
-class _Table(QTableView):
-    """Enter edits, Insert and Delete add and take points."""
-
-    insert_requested = Signal()
-    delete_requested = Signal()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        editing = self.state() == QAbstractItemView.State.EditingState
-        keys = {
-            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Insert: self.insert_requested.emit,
-            Qt.Key.Key_Delete: self.delete_requested.emit,
-        }
-        action = None if editing else keys.get(Qt.Key(event.key()))
-        if action is None:
-            super().keyPressEvent(event)
-        else:
-            action()
-
-
 class PointsTable(QWidget):
     """The table with its two buttons."""
 
@@ -225,7 +201,7 @@ class PointsTable(QWidget):
         super().__init__()
         self._session, self._player = session, player
         self.model = PointsModel(session, self)
-        self.table = _Table()
+        self.table = CellTable()
         self.table.setModel(self.model)
         self.table.setItemDelegate(_Delegate(session, self.model, self.table))
         self.table.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)

@@ -17,7 +17,7 @@ from PySide6.QtWidgets import (
 )
 
 from kindyna_gui.documents.session import Session
-from kindyna_gui.forms.cell_editor import CellDelegate
+from kindyna_gui.forms.cell_editor import CellDelegate, CellTable
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import INK, PAPER, WRONG
 from kindyna_gui.motion.editor import DIRECTIONS
@@ -161,17 +161,14 @@ def parts_width(parts: Parts, metrics: QFontMetrics) -> int:
     return sum(metrics.horizontalAdvance(text) for text, _ in parts) + GAP * (len(parts) - 1)
 
 
-class SegmentsTable(QTableView):
+class SegmentsTable(CellTable):
     """The table; keys: Enter or F2 edits, Insert and Delete add and take segments, Alt and the arrows move the join at
     the end of the chosen segment, Escape drops what was refused.
 
-    insert_requested, delete_requested   Insert or Delete was pressed
     nudge_requested   (direction in angle and level, finely): Alt and an arrow
     dropped   Escape, and nothing had been refused
     """
 
-    insert_requested = Signal()
-    delete_requested = Signal()
     nudge_requested = Signal(tuple, bool)
     dropped = Signal()
 
@@ -266,27 +263,18 @@ class SegmentsTable(QTableView):
             self.dropped.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        editing = self.state() == QAbstractItemView.State.EditingState
-        keys = {
-            Qt.Key.Key_Return: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Enter: lambda: self.edit(self.currentIndex(), _ENTER, event),
-            Qt.Key.Key_Insert: self.insert_requested.emit,
-            Qt.Key.Key_Delete: self.delete_requested.emit,
-            Qt.Key.Key_Escape: self._drop,
-        }
         held = event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier
         fine = bool(held & Qt.KeyboardModifier.ShiftModifier)
-        if not editing and event.key() in DIRECTIONS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
-            self.nudge_requested.emit(DIRECTIONS[event.key()], fine)
-            return
-        action = None if editing else keys.get(Qt.Key(event.key()))
-        if action is None:
+        if self.state() == QAbstractItemView.State.EditingState:
             super().keyPressEvent(event)
+        elif event.key() in DIRECTIONS and held & ~Qt.KeyboardModifier.ShiftModifier == _ALT:
+            self.nudge_requested.emit(DIRECTIONS[event.key()], fine)
+        elif event.key() == Qt.Key.Key_Escape:
+            self._drop()
         else:
-            action()
+            super().keyPressEvent(event)
 
 
 _ALT = Qt.KeyboardModifier.AltModifier
-_ENTER = QAbstractItemView.EditTrigger.EditKeyPressed  # does nothing where a cell cannot be edited
 
 __all__ = ["SegmentDelegate", "SegmentsTable", "parts_width"]
