@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from mechanisms import LIFT, PUSHER
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QColor, QImage, QPainter, QPainterPathStroker, QTransform
+from PySide6.QtGui import QColor, QImage, QPainter, QPainterPath, QPainterPathStroker, QTransform
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design, edited
@@ -164,7 +164,6 @@ def test_a_curve_is_thinned_once_for_a_size_and_a_design(monkeypatch: pytest.Mon
     plot.set_angle(1.0)
     plot.resize(300, 178)
     plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "jerk"])
-    plot._lay()
     plot.grab()
     assert thinned == []
 
@@ -197,8 +196,7 @@ def test_a_polar_curve_of_few_points_looks_like_the_whole() -> None:
             plot.set_curves(study, [row])
             pictures.append(dots(plot))
         assert np.abs(pictures[0] - pictures[1]).max() <= HAIR, row.slug
-        assert thin._path is not None
-        assert thin._path[0].elementCount() <= SAMPLES // 2
+        assert thin.paths[0].elementCount() <= SAMPLES // 2
 
 
 def test_paper_has_every_point() -> None:
@@ -207,8 +205,7 @@ def test_paper_has_every_point() -> None:
     plot.set_curves(Study(LIFT, SAMPLES), [row for row in channels(LIFT) if row.quantity == "radius"])
     plot.show_cursor(False)
     plot.grab()
-    assert plot._path is not None
-    assert plot._path[0].elementCount() >= SAMPLES
+    assert plot.paths[0].elementCount() >= SAMPLES
 
 
 # -- the mechanism ----------------------------------------------------------------------------------------
@@ -223,6 +220,11 @@ def scenes(request: pytest.FixtureRequest) -> tuple[MechanismScene, MechanismSce
         scene.set_layer("labels", False)
         scene.set_index(271)
     return made
+
+
+def corners(path: QPainterPath) -> np.ndarray:
+    """The points that a path goes through, as complex numbers."""
+    return np.array([complex(e.x, e.y) for e in map(path.elementAt, range(path.elementCount()))])
 
 
 def loops(scene: MechanismScene) -> int:
@@ -248,14 +250,14 @@ def test_the_cam_of_few_points_looks_like_the_whole(scenes: tuple[MechanismScene
 
 @pytest.mark.parametrize("zoom", [1.0, 7.0, 60.0])
 def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[MechanismScene, MechanismScene], zoom: float) -> None:
-    scene = scenes[0]
+    scene, full = scenes
     visible, scale = scene.fit(600, 500)
     scene.show_region(visible, scale * zoom)
-    for part in scene.parts.values():
+    for key, part in scene.parts.items():
         if isinstance(part.item, Loop):
-            path, whole = part.item.path(), part.item._points
-            drawn = {complex(e.x, e.y) for e in map(path.elementAt, range(path.elementCount()))}
-            kept = np.flatnonzero([complex(point) in drawn for point in whole])
+            whole = corners(full.item(key).path())
+            kept = np.flatnonzero(np.isin(whole, corners(part.item.path())))
+            assert kept[[0, -1]].tolist() == [0, SAMPLES]
             assert off(whole, kept) * scale * zoom <= UNSEEN * 2.0**0.5
 
 

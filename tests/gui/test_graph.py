@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_follower, with_loads
 from PIL import Image
+from plot_reading import message
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
@@ -139,7 +140,7 @@ def test_what_the_design_lacks_is_told_in_place_of_its_curve(graph: GraphView) -
     assert graph.panels[-1].plot.readings() == []
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePlot)
-    assert "jam" in plot._message.text
+    assert "jam" in message(plot)
     assert "jam" in graph.tree.item_of("motor_torque").toolTip(0)
     assert "motor_torque" not in [row.quantity for row in graph.drawn]
     tick(graph, "motor_torque")
@@ -152,12 +153,12 @@ def test_where_every_plot_has_gone_one_says_what_would_fill_it(graph: GraphView)
     """By another kind of follower, which has none of the channels; and by the mouse."""
     for name in ("displacement", "velocity", "acceleration"):
         tick(graph, name)
-    assert [panel.plot._message.text.replace("\n", " ") for panel in graph.panels] == [EMPTY]
+    assert [message(panel.plot) for panel in graph.panels] == [EMPTY]
     tick(graph, "phi", "beta")
     assert graph.choice.plots == [["phi", "beta"]]
     graph.session.put(PUSHER, "a")
     settle()
-    assert [panel.plot._message.text.replace("\n", " ") for panel in graph.panels] == [EMPTY]
+    assert [message(panel.plot) for panel in graph.panels] == [EMPTY]
     tick(graph, "displacement")
     assert graph.panels[0].plot.readings() == ["0 mm"]
 
@@ -170,7 +171,7 @@ def test_plots_are_added_and_taken_away(graph: GraphView) -> None:
     assert [len(names) for names in graph.choice.plots] == [1, 1, 1, 0]
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePlot)
-    assert plot._message.text.replace("\n", " ") == EMPTY
+    assert message(plot) == EMPTY
     tick(graph, "slider_position")
     assert graph.choice.plots[-1] == ["slider_position"], "though another plot has its unit"
     for _ in range(3):
@@ -192,8 +193,8 @@ def test_a_click_makes_a_plot_the_active_one(graph: GraphView) -> None:
 
 def test_only_the_first_plot_names_segments_and_only_the_last_angles(graph: GraphView) -> None:
     plots = [panel.plot for panel in graph.panels]
-    assert [plot._axes["top"].height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [True, False, False]
-    assert [plot._axes["bottom"].height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [False, False, True]
+    assert [plot.getAxis("top").height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [True, False, False]
+    assert [plot.getAxis("bottom").height() > 10 for plot in plots if isinstance(plot, LivePlot)] == [False, False, True]
 
 
 def test_an_edit_is_drawn_and_the_cursor_follows(graph: GraphView) -> None:
@@ -247,7 +248,7 @@ def test_a_value_stands_at_its_distance(app: QApplication) -> None:
     study = Study(LIFT, 720)
     radius = np.abs(study.cam.flank.profile) * 1e3
     assert plot.distance(0.0) == 0.0
-    bounds = plot._curve(radius).boundingRect()
+    bounds = plot.paths[0].boundingRect()
     theta = study.theta
     x, y = radius * np.cos(theta), radius * np.sin(theta)
     scale = plot.distance(100.0) / 100.0
@@ -262,7 +263,7 @@ def test_a_value_stands_at_its_distance(app: QApplication) -> None:
 def test_circles_are_round_values_that_hold_the_curve(quantity: str, size: int, app: QApplication) -> None:
     plot = polar_of(quantity, size=size)
     values = {row.quantity: row for row in channels(LIFT)}[quantity].values(Study(LIFT, 720)) / plot.rung.size
-    circles = plot._circles
+    circles = plot.circles
     assert circles[0] <= values.min()
     assert values.max() <= circles[-1]
     assert 0.0 in circles
@@ -282,8 +283,7 @@ def test_the_values_of_the_cursor_cover_neither_scale_nor_each_other(
     plot = polar_of(*quantities, size=size)
     for angle in range(0, 360, 5):
         plot.set_angle(radians(angle))
-        plot.grab()
-        boxes = plot._read_at
+        boxes = [box for _, box in plot.readouts()]
         assert len(boxes) == len(quantities)
         for i, box in enumerate(boxes):
             assert plot.rect().toRectF().contains(box)
@@ -298,7 +298,7 @@ def test_infinite_values_are_gaps(app: QApplication) -> None:
     plot.set_curves(Study(JAMMED, 720), [rows["contact_force"]])
     values = rows["contact_force"].values(Study(JAMMED, 720))
     assert np.isinf(values).any()
-    path = plot._curve(values / plot.rung.size)
+    (path,) = plot.paths
     starts = sum(path.elementAt(i).type == path.elementAt(i).type.MoveToElement for i in range(path.elementCount()))
     assert starts >= 1
     assert path.elementCount() == np.isfinite(values).sum()
@@ -331,7 +331,7 @@ def test_an_empty_polar_plot_says_what_would_fill_it(graph: GraphView) -> None:
     graph.add_plot()
     plot = graph.panels[-1].plot
     assert isinstance(plot, LivePolar)
-    assert plot._message == EMPTY
+    assert plot.message == EMPTY
     QTest.mouseClick(plot, Qt.MouseButton.LeftButton)
     assert graph.player.theta == 0.0
 

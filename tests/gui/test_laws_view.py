@@ -210,11 +210,17 @@ def test_all_laws_can_be_drawn_at_once_and_none(laws: LawsView) -> None:
     assert laws.empty.text() == EMPTY
 
 
+def left_above(laws: LawsView) -> tuple[int, int]:
+    """What is left of, and above, the plots within the page."""
+    corner = laws.plots[0].mapTo(laws, QPoint(0, 0)) - laws.table.mapTo(laws, QPoint(0, 0))
+    return corner.x(), corner.y()
+
+
 def test_table_and_plots_share_the_page(laws: LawsView) -> None:
-    assert laws._parted.orientation() == Qt.Orientation.Horizontal
+    assert left_above(laws)[0] >= laws.table.width(), "beside the table"
     laws.resize(600, 640)
     settle()
-    assert laws._parted.orientation() == Qt.Orientation.Vertical
+    assert left_above(laws)[1] >= laws.table.height(), "below the table"
     places = [(plot.x() > 100, plot.y() > laws.plots[0].y() + 20) for plot in laws.plots]
     assert places == [(False, False), (True, False), (False, True), (True, True)], "two by two"
     assert all(plot.height() > 60 for plot in laws.plots)

@@ -9,14 +9,15 @@ import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_cam, with_drive, with_follower, with_loads, with_shaft
 from PIL import Image
-from PySide6.QtCore import QPointF, Qt
+from plot_reading import box_of, cursor, curves, limits, readouts
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
 
 from core.design import Design, Motion, Named, Segment
 from core.output.channels import channel, channels
 from core.study import Study
-from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.files import paint, png, svg
 from kindyna_gui.pictures.plots.background import angle_ticks, name_ticks, spans, value_ticks
 from kindyna_gui.pictures.plots.lines import CurveLine
@@ -40,19 +41,14 @@ def plot_of(design: Design, *slugs: str, size: tuple[int, int] = (700, 240), sam
     return plot
 
 
-def curves(plot: CurvePlot) -> list[CurveLine]:
-    return sorted(
-        (item for item in plot.items() if isinstance(item, CurveLine)),
-        key=lambda item: (item.zValue(), id(item)),
-    )
-
-
 def title(plot: CurvePlot) -> str:
     return plot.getAxis("left").labelText
 
 
-def limits(plot: CurvePlot) -> list[str]:
-    return [limit.text for limit in plot._limits]
+def enters(curve: CurveLine, text: Tag, plot: CurvePlot) -> bool:
+    """Whether a curve runs under a text."""
+    box, view = box_of(text), plot.getViewBox().sceneBoundingRect()
+    return curve.enters(QRectF(box.left() - view.left(), view.bottom() - box.bottom(), box.width(), box.height()), plot.frame())
 
 
 # -- units ------------------------------------------------------------------------------------------------
@@ -166,8 +162,7 @@ def test_large_values_take_a_readable_unit(slug: str, unit: str, factor: float) 
     assert plot.rung.symbol == unit
     y = curves(plot)[0].y
     assert y[:-1] == pytest.approx(channel(LIFT, slug).values(Study(LIFT, SAMPLES)) * factor)
-    for level in plot.getAxis("left")._tickLevels:
-        assert not [text for _, text in level if "e" in text]
+    assert not [text for _, text in plot.getAxis("left").shown if "e" in text]
 
 
 def test_curves_of_one_family_are_told_apart_and_named() -> None:
@@ -270,9 +265,9 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
 )
 def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, texts: list[str]) -> None:
     plot = plot_of(design, slug)
-    assert limits(plot) == texts
+    assert [limit.text for limit in limits(plot)] == texts
     low, high = plot.getViewBox().viewRange()[1]
-    assert all(low < limit.value < high for limit in plot._limits)
+    assert all(low < limit.y() < high for limit in limits(plot))
 
 
 QUIET = with_drive(with_cam(LIFT, base_radius_mm=401.7), motion=Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),)))
@@ -313,13 +308,13 @@ def test_the_limits_text_covers_no_curve_where_it_can_be_helped() -> None:
     ):
         plot = plot_of(design, slug, size=size)
         plot.grab()
-        (line,), (curve,) = plot._limits, curves(plot)
-        assert not curve.enters(line.box(plot.frame()), plot.frame()), slug
+        (limit,), (curve,) = limits(plot), curves(plot)
+        assert not enters(curve, limit, plot), slug
     plot = plot_of(LIFT, "pitch_curvature_per_mm", "profile_curvature_per_mm", size=(384, 182))
     plot.grab()
-    (line,) = plot._limits
-    assert line._tag.text == "Pitch curvature: undercut", "the axis tells the value"
-    assert not any(curve.enters(line.box(plot.frame()), plot.frame()) for curve in curves(plot))
+    (limit,) = limits(plot)
+    assert limit.text == "Pitch curvature: undercut", "the axis tells the value"
+    assert not any(enters(curve, limit, plot) for curve in curves(plot))
 
 
 @pytest.mark.parametrize("size", [(700, 240), (320, 150), (250, 150)])
@@ -331,10 +326,8 @@ def test_the_cursors_value_stands_clear_of_the_limits_text(size: tuple[int, int]
         plot.grab()
         for degrees in range(0, 361, 4):
             plot.set_angle(radians(degrees))
-            (reading,), (line,) = plot._readings, plot._limits
-            box = reading.tag.pixel_box().translated(reading.tag.scenePos())
-            text = line._tag.pixel_box().translated(line._tag.scenePos())
-            assert not box.adjusted(0.5, 0.5, -0.5, -0.5).intersects(text), f"{degrees} deg"
+            (readout,), (limit,) = readouts(plot), limits(plot)
+            assert not box_of(readout).adjusted(0.5, 0.5, -0.5, -0.5).intersects(box_of(limit)), f"{degrees} deg"
 
 
 def test_texts_find_the_gaps_that_are_left() -> None:
@@ -375,7 +368,11 @@ def test_segments_are_named_where_they_are_wide_enough() -> None:
 
 def test_the_grid_is_one_static_item() -> None:
     plot = plot_of(LIFT, "velocity_mm_s")
-    grid = plot._paper._grid
+    (grid,) = (
+        item
+        for item in plot.items()
+        if isinstance(item, Outline) and item.pen().color().name() == LIGHT.faint.lower() and item.path().elementCount()
+    )
     before = grid.path()
     plot.set_angle(1.0)
     plot.set_angle(2.0)
@@ -415,7 +412,7 @@ def test_the_cursor_tells_the_value_beside_its_line() -> None:
     plot.set_angle(radians(180.0))
     assert plot.readings() == ["0 mm"]
     assert plot.angle == radians(180.0)
-    assert plot._cursor.value() == pytest.approx(180.0)
+    assert cursor(plot).value() == pytest.approx(180.0)
 
 
 @pytest.mark.parametrize("degrees", [0.0, 1.0, 58.0, 90.0, 180.0, 304.0, 340.0, 355.0, 360.0])
@@ -429,9 +426,9 @@ def test_the_cursors_values_stay_inside_the_plot_and_apart(
     view = plot.getViewBox().sceneBoundingRect()
     line = plot.getViewBox().mapViewToScene(QPointF(degrees, 0.0)).x()
     boxes = []
-    for readout in plot._readings:
-        at = readout.tag.scenePos()
-        boxes.append(readout.tag.pixel_box().translated(at))
+    assert len(readouts(plot)) == len(slugs)
+    for readout in readouts(plot):
+        boxes.append(box_of(readout))
         assert view.adjusted(-0.5, -0.5, 0.5, 0.5).contains(boxes[-1])
         assert not boxes[-1].left() < line < boxes[-1].right()
     if size[1] > 200:
@@ -451,8 +448,9 @@ def test_paper_has_no_cursor() -> None:
     plot = plot_of(LIFT, "velocity_mm_s")
     plot.show_cursor(False)
     plot.set_angle(1.0)
-    assert not plot._cursor.isVisible()
-    assert not any(readout.tag.isVisible() or readout.dot.isVisible() for readout in plot._readings)
+    assert readouts(plot) == []
+    line = cursor(plot)
+    assert not [item for item in plot.items() if item.zValue() == line.zValue() and item.isVisible()], "nor dots"
 
 
 # -- files ------------------------------------------------------------------------------------------------

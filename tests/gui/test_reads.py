@@ -1,7 +1,7 @@
 """kindyna_gui.window.view_stages: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
 import pytest
-from PySide6.QtCore import QEvent, QObject
+from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QApplication, QWidget
 from window_user import Open, User, settle, wait_for
 
@@ -9,7 +9,6 @@ from core.design import Design
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
-from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.graph.quantities import stages_of
@@ -44,15 +43,21 @@ def computed() -> set[str]:
     return {"dynamics" if stage == "flywheel" else stage for stage in evaluations}
 
 
+def tick(graph: GraphView, quantity: str, on: bool = True) -> None:
+    """Tick the box of a channel, or untick it."""
+    graph.tree.item_of(quantity).setCheckState(0, Qt.CheckState.Checked if on else Qt.CheckState.Unchecked)
+    settle()
+
+
 def empty(user: User) -> GraphView:
     """Everything closed but a graph that shows nothing."""
     for dock in user.window.docks.values():
         dock.hide()
     graph = user.window.show_view("graph")
     assert isinstance(graph, GraphView)
-    graph.choice = Choice(plots=[[]])
-    graph._changed()
     settle()
+    for name in list(graph.choice.chosen):
+        tick(graph, name, False)
     return graph
 
 
@@ -118,7 +123,8 @@ def opened_alone(user: User, name: str, design: Design) -> View:
     assert computed() == set(), "neither laws nor an empty graph read anything"
     view = user.window.show_view(name)
     if name == "graph" and not lists_links(design):
-        view._ticked("phi", True)  # type: ignore[attr-defined]
+        assert isinstance(view, GraphView)
+        tick(view, "phi")
     wait_for(lambda: view.up_to_date)
     user.window.player.step(1.0)
     settle()
@@ -157,11 +163,12 @@ def test_a_flexible_shaft_is_computed_for_its_own_view_alone(alone: User) -> Non
 
 def test_an_empty_graph_computes_what_is_ticked(alone: User) -> None:
     clear_caches()
+    alone.session.start(alone.design)
+    settle()
     graph = alone.window.view("graph")
     assert isinstance(graph, GraphView)
     for name, wanted in (("displacement", {"motion"}), ("phi", NEEDS["linkage"]), ("radius", NEEDS["cam"])):
-        graph._ticked(name, True)
-        settle()
+        tick(graph, name)
         assert computed() == wanted
         assert set(graph.stages) <= wanted
 

@@ -7,6 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 import pytest
+from plot_reading import curves
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QLineEdit, QMenu, QWidget
@@ -108,7 +109,7 @@ def seen(user: User) -> dict[str, Any]:
     for name in ("displacement", "pressure_angle", "torque"):
         view = window.view(name)
         assert isinstance(view, PlotView)
-        told[name] = (view.plot.readings(), [curve.y.tobytes() for curve in view.plot._drawn])
+        told[name] = (view.plot.readings(), [curve.y.tobytes() for curve in curves(view.plot)])
     mechanism = window.view("mechanism")
     path = mechanism.scene.item("cam").path()  # type: ignore[union-attr]
     told["cam"] = [(path.elementAt(i).x, path.elementAt(i).y) for i in range(0, path.elementCount(), 50)]

@@ -22,12 +22,12 @@ Text = tuple[QRectF, Flags, str]
 
 
 class Axis(pg.AxisItem):
-    """An axis that shows the ticks it is given, in the quiet colour of the paper."""
+    """An axis that shows the ticks it is given, in the quiet colour of the paper; shown: their values and texts."""
 
     def __init__(self, orientation: str, theme: Theme, line: bool = True) -> None:
         super().__init__(orientation, pen=theme.pen(theme.quiet), textPen=theme.pen(theme.ink), maxTickLength=-4)
         self._title = ("", "")
-        self._rows: list[tuple[float, str]] = []
+        self.shown: list[tuple[float, str]] = []
         self._sizes: dict[str, tuple[float, float]] = {}
         self.setTicks([[]])
         self.enableAutoSIPrefix(False)
@@ -41,9 +41,9 @@ class Axis(pg.AxisItem):
             self.setTextPen(theme.pen(theme.quiet))
 
     def show_ticks(self, rows: Sequence[tuple[float, str]]) -> None:
-        if list(rows) != self._rows:  # pyqtgraph would draw the axis anew
-            self._rows = list(rows)
-            self.setTicks([self._rows])
+        if list(rows) != self.shown:  # pyqtgraph would draw the axis anew
+            self.shown = list(rows)
+            self.setTicks([self.shown])
 
     def show_title(self, text: str, colour: str) -> None:
         """The axis' name; put in the middle anew, which setLabel alone does not do."""
@@ -60,7 +60,7 @@ class Axis(pg.AxisItem):
         side, bounds, whole = _SIDES[self.orientation], self.mapRectFromParent(self.geometry()), self.boundingRect()
         low, high = self.range
         pixels = side.length(bounds) / ((high - low) or 1.0)
-        ticks_shown = [(side.at(bounds, (value - low) * pixels), text) for value, text in self._rows if low <= value <= high]
+        ticks_shown = [(side.at(bounds, (value - low) * pixels), text) for value, text in self.shown if low <= value <= high]
         pen, reach = self.tickPen(), side.outwards * self.style["tickLength"]
         ticks = [(pen, place, place + reach) for place, _ in ticks_shown]
         texts: list[Text] = []

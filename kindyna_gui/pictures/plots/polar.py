@@ -9,7 +9,6 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt, Signal
 from PySide6.QtGui import (
     QColor,
-    QFontMetricsF,
     QPainter,
     QPainterPath,
     QPaintEvent,
@@ -47,6 +46,8 @@ class PolarPlot(QWidget):
 
     angle_moved   the user has clicked at, or drawn the ray to, this cam angle [rad]
     unseen        pixels by which a curve may be off where that saves points; on paper none
+    message       what stands there where nothing is drawn
+    circles       the values whose circles are drawn
     """
 
     angle_moved = Signal(float)
@@ -57,16 +58,16 @@ class PolarPlot(QWidget):
         self._theme = theme
         self._rows: list[tuple[Channel, np.ndarray, str]] = []
         self._spans: list[Span] = []
-        self._message = ""
-        self._angle, self._values = 0.0, [0.0]
+        self.message = ""
+        self._angle = 0.0
+        self._values: list[float] = []
         self._floors: list[float] = []
         self._with_cursor = True
         self.rung = Rung("", 1.0, 0.0)
         self._range = (0.0, 1.0)
-        self._low, self._high, self._circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
-        self._path: list[QPainterPath] | None = None
+        self._low, self._high, self.circles, self._step = 0.0, 1.0, [0.0, 1.0], 1.0
+        self._paths: list[QPainterPath] | None = None
         self._kept: QPixmap | None = None
-        self._read_at: list[QRectF] = []
         self.setMinimumSize(120, 120)
 
     # -- what is drawn ------------------------------------------------------------------------------------
@@ -87,14 +88,15 @@ class PolarPlot(QWidget):
         self._scale()
         self._theta, self._whole = study.theta, study.theta.size == study.samples
         self._rows = list(zip(channels, shown, colours, strict=True))
-        self._spans, self._message, self._path = spans(motion_of(study.design)), "", None
+        self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
         self._kept = None
         self._read()
         self.update()
 
     def show_message(self, text: str) -> None:
         """Nothing but a line of text: what would fill this plot."""
-        self._rows, self._spans, self._message, self._path, self._kept = [], [], text, None, None
+        self._rows, self._spans, self._values, self.message = [], [], [], text
+        self._paths = self._kept = None
         self.update()
 
     def _scale(self) -> None:
@@ -106,8 +108,8 @@ class PolarPlot(QWidget):
         most = min(max(int(room / CIRCLE_PIXELS), 1), MOST_CIRCLES)
         self._step = nice_step(high - low, most)
         first, last = math.floor(low / self._step + 1e-9), math.ceil(high / self._step - 1e-9)
-        self._circles = [self._step * i for i in range(first, last + 1)]
-        self._low, self._high = self._circles[0], self._circles[-1]
+        self.circles = [self._step * i for i in range(first, last + 1)]
+        self._low, self._high = self.circles[0], self.circles[-1]
 
     # -- cursor -------------------------------------------------------------------------------------------
 
@@ -124,7 +126,7 @@ class PolarPlot(QWidget):
 
     def readings(self) -> list[str]:
         """The values at the cursor, in the order of the curves."""
-        return [measure(value, self.rung.symbol) for value in self._values] if self._rows else []
+        return [measure(value, self.rung.symbol) for value in self._values]
 
     def _read(self, at_angle: Study | None = None) -> None:
         if not self._rows:
@@ -171,7 +173,7 @@ class PolarPlot(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._scale()
-        self._path = self._kept = None
+        self._paths = self._kept = None
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -203,7 +205,7 @@ class PolarPlot(QWidget):
             painter.setFont(font(TEXT))
             painter.setPen(QColor(self._theme.quiet))
             room = self.rect().adjusted(16, 16, -16, -16)
-            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self._message)
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap, self.message)
 
     def _paint_paper(self, painter: QPainter) -> None:
         theme, centre, radius = self._theme, self.centre, self.radius
@@ -217,8 +219,8 @@ class PolarPlot(QWidget):
             painter.fillPath(path, brush(theme.band))
         painter.setBrush(Qt.BrushStyle.NoBrush)
         faint, zero = theme.pen(theme.faint), QPen(QColor(theme.quiet), THIN)
-        for value in self._circles:
-            painter.setPen(zero if value == 0.0 or value == self._circles[-1] else faint)
+        for value in self.circles:
+            painter.setPen(zero if value == 0.0 or value == self.circles[-1] else faint)
             painter.drawEllipse(centre, self.distance(value), self.distance(value))
         painter.setPen(faint)
         for angle in range(0, 360, SPOKES):
@@ -232,7 +234,7 @@ class PolarPlot(QWidget):
     def letters(self) -> list[tuple[str, QRectF]]:
         """The angles around the circles, the values on them, and where they stand [pixels]."""
         rows = [(f"{angle}°", self.place(angle, self.radius + 14.0)) for angle in range(0, 360, SPOKES)]
-        for value in self._circles:
+        for value in self.circles:
             if self.distance(value) > 0.0:
                 place = self.place(LETTER_ANGLE, self.distance(value))
                 rows.append((number(value, decimals_of(self._step)), place))
@@ -244,10 +246,15 @@ class PolarPlot(QWidget):
             made.append((text, box))
         return made
 
+    @property
+    def paths(self) -> list[QPainterPath]:
+        """The lines that are drawn [pixels], one for each curve."""
+        if self._paths is None:
+            self._paths = [self._curve(values) for _, values, _ in self._rows]
+        return self._paths
+
     def _paint_curves(self, painter: QPainter) -> None:
-        if self._path is None:
-            self._path = [self._curve(values) for _, values, _ in self._rows]
-        for path, (_, _, colour) in zip(self._path, self._rows, strict=True):
+        for path, (_, _, colour) in zip(self.paths, self._rows, strict=True):
             painter.setPen(self._theme.pen(colour, THIN))
             painter.drawPath(path)
 
@@ -267,26 +274,32 @@ class PolarPlot(QWidget):
                 path.addPolygon(QPolygonF([QPointF(p.real, p.imag) for p in place[run].tolist()]))
         return path
 
+    def readouts(self) -> list[tuple[str, QRectF]]:
+        """The values at the cursor, and where they stand [pixels]: inwards, where there is room, clear of each other and of
+        the letters."""
+        left, taken, room = math.cos(self._angle) > 0.0, [box for _, box in self.letters()], QRectF(self.rect())
+        made = []
+        for value, text in zip(self._values, self.readings(), strict=True):
+            width, height = text_size(text)
+            box = near(self._place_of(value), QSizeF(width + 6.0, height), left, taken, room)
+            taken.append(box)
+            made.append((text, box))
+        return made
+
+    def _place_of(self, value: float) -> QPointF:
+        """Where the cursor meets a curve; the outermost circle where its value is infinite."""
+        return self.place(math.degrees(self._angle), self.distance(value if math.isfinite(value) else self._high))
+
     def _paint_cursor(self, painter: QPainter) -> None:
         theme, angle = self._theme, math.degrees(self._angle)
-        self._read_at = []
         painter.setPen(theme.pen(theme.quiet))
         painter.drawLine(self.place(angle, self.distance(self._low)), self.place(angle, self.radius))
         painter.setFont(font(SMALL))
-        metrics = QFontMetricsF(font(SMALL))
-        left = math.cos(self._angle) > 0.0  # the text stands inwards, where there is room
-        boxes = [box for _, box in self.letters()]
-        room = QRectF(self.rect())
-        for value, (_, _, colour) in zip(self._values, self._rows, strict=True):
-            text = measure(value, self.rung.symbol)
-            at = self.place(angle, self.distance(value if math.isfinite(value) else self._high))
-            box = near(at, QSizeF(metrics.horizontalAdvance(text) + 6.0, metrics.height()), left, boxes, room)
-            boxes.append(box)
-            self._read_at.append(box)
+        for value, (text, box), (_, _, colour) in zip(self._values, self.readouts(), self._rows, strict=True):
             if math.isfinite(value):
                 painter.setPen(QPen(QColor(theme.paper), THIN))
                 painter.setBrush(QColor(colour))
-                painter.drawEllipse(at, 3.5, 3.5)
+                painter.drawEllipse(self._place_of(value), 3.5, 3.5)
                 painter.setBrush(Qt.BrushStyle.NoBrush)
             painter.fillRect(box, brush(theme.paper, 0.85))
             painter.setPen(QColor(theme.letters(colour)))
