@@ -1,9 +1,10 @@
-"""What a plot shows: its texts, limits, values beside the cursor and curves, as items of its scene. For tests of the window."""
+"""What plots and drawings show, as items of their scenes: texts, limits, values beside the cursor, curves. For tests."""
 
 from PySide6.QtCore import QRectF
 from PySide6.QtWidgets import QGraphicsSimpleTextItem
 
 from kindyna_gui.pictures.drawing.items import Tag
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT
@@ -50,3 +51,9 @@ def curves(plot: CurvePlot) -> list[CurveLine]:
     """The curves, a reference before those it is compared with."""
     found = (item for item in plot.items() if isinstance(item, CurveLine))
     return sorted(found, key=lambda item: (item.zValue(), id(item)))
+
+
+def labels(scene: MechanismScene) -> dict[tuple[str, int], float]:
+    """Where each text of the drawing stands beside its part, across and downwards [pixels]."""
+    tags = {key: part.item for key, part in scene.parts.items() if isinstance(part.item, Tag)}
+    return {(key, i): at for key, tag in tags.items() for i, at in enumerate(tag.pixel_box().center().toTuple())}

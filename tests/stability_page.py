@@ -38,12 +38,15 @@ def page(user: User, rest: bool = True) -> StabilityView:
 
 
 @contextmanager
-def unhurried(pause: QTimer) -> Iterator[None]:
-    """However slow the machine is, the pause does not end meanwhile."""
-    usual = pause.interval()
-    pause.setInterval(60_000)
+def unhurried(view: StabilityView) -> Iterator[None]:
+    """However slow the machine is, no pause of the user's ends meanwhile; what has begun by then ends as it usually does."""
+    pauses = [each for each in view.findChildren(QTimer) if each.isSingleShot() and each.interval() > 0]
+    usual = [each.interval() for each in pauses]
+    for pause in pauses:
+        pause.setInterval(60_000)
     yield
-    pause.setInterval(usual)
+    for pause, interval in zip(pauses, usual, strict=True):
+        pause.setInterval(interval)
 
 
 def pixel(view: StabilityView, eta: float, q: float) -> QPoint:

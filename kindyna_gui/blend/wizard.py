@@ -131,7 +131,12 @@ class BlendDialog(PutDialog):
     @property
     def busy(self) -> bool:
         """Whether anything shown is still being computed."""
-        return self._soon.isActive() or self._pause.isActive() or self.answers.busy or self.ranges.busy
+        return self.answering or self.ranges.busy
+
+    @property
+    def answering(self) -> bool:
+        """Whether the motion is; ranges follow."""
+        return self._soon.isActive() or self._pause.isActive() or self.answers.busy
 
     def stop(self) -> None:
         """Cancel what is being computed."""

@@ -9,6 +9,7 @@ from math import fsum
 import numpy as np
 import pytest
 from mechanisms import LIFT, PUSHER, with_drive
+from plot_reading import curves
 from PySide6.QtCore import QEvent, QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QStyle, QStyleOptionSpinBox, QWidget
@@ -63,15 +64,12 @@ class Wizard:
     def answered(self) -> None:
         """Wait for the motion; ranges may still be missing."""
         QApplication.processEvents()
-        wait_until(
-            lambda: not (self.dialog._soon.isActive() or self.dialog._pause.isActive() or self.dialog.answers.busy)
-        )
+        wait_until(lambda: not self.dialog.answering)
 
     def ranged(self, *names: str) -> None:
         """Wait for the ranges of these settings."""
         QApplication.processEvents()
-        waiting = self.dialog._waiting
-        wait_until(lambda: not any(self.rows[name] in waiting for name in names))
+        wait_until(lambda: not self.dialog.ranges.busy)
 
     def click(self, widget: QWidget, where: QPoint | None = None) -> None:
         QTest.mouseClick(widget, Qt.MouseButton.LeftButton, pos=widget.rect().center() if where is None else where)
@@ -688,7 +686,7 @@ def test_precision_points(ask: Ask) -> None:
     wizard.type(row.at, "120")
     wizard.type(row.level, "8")
     wizard.answered()
-    wait_until(lambda: row not in wizard.dialog._waiting)
+    wait_until(lambda: not wizard.dialog.ranges.busy)
     assert row.range.text() == range_text(feasible_ranges(wizard.questions.request().solver_request, "point", 120.0), "level")
     made = wizard.dialog.design
     assert made is not None
@@ -809,7 +807,7 @@ def test_the_whole_turn_or_only_a_part(ask: Ask) -> None:
 def test_the_motion_as_it_is_stands_dashed_behind(ask: Ask) -> None:
     wizard = ask(LIFT, 3)
     for plot, order in zip(wizard.dialog.panel.plots, range(3), strict=True):
-        now, was = sorted(plot._drawn, key=lambda item: -item.zValue())
+        was, now = curves(plot)
         assert was.pen().dashPattern()
         assert not now.pen().dashPattern()
         assert wizard.dialog.design is not None

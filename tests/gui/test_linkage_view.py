@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from plot_reading import labels
 from PySide6.QtCore import QPointF, Qt
 from window_user import Open, User, settle, wait_for
 
@@ -16,6 +17,7 @@ from core.project import load
 from core.study import Study
 from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import TablesWanted
+from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.places import example, examples
 from kindyna_gui.window.player import TURN
 
@@ -320,7 +322,11 @@ def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(open_use
     user.session.stack.undo()
     user.session.stack.undo()
     assert not user.drawing().in_trouble
-    assert {label.key for label, _ in user.drawing().scene._labels._rows} == set(user.drawing().scene._labels.sides)  # type: ignore[union-attr]
+    canvas = user.drawing().canvas
+    wait_for(lambda: not canvas.rest.isActive())
+    fresh = MechanismScene(user.session.study)
+    fresh.show_region(canvas.visible, canvas.scale_now)
+    assert labels(user.drawing().scene) == pytest.approx(labels(fresh), abs=0.1)
 
 
 def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QComboBox, QWidget
+from PySide6.QtWidgets import QApplication, QComboBox, QFormLayout, QLabel, QWidget
 from window_user import User, settle, wait_for
 
 from core.design import Spline
@@ -50,6 +50,20 @@ def imports(lift: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Impo
         return dialog
 
     return choose
+
+
+def figure(dialog: MeasuredDialog, name: str) -> str:
+    """A line of the result."""
+    rows = dialog.figures
+    shown = {}
+    for i in range(rows.rowCount()):
+        label, value = (
+            rows.itemAt(i, role).widget() for role in (QFormLayout.ItemRole.LabelRole, QFormLayout.ItemRole.FieldRole)
+        )
+        assert isinstance(label, QLabel)
+        assert isinstance(value, QLabel)
+        shown[label.text()] = value.text()
+    return shown[name]
 
 
 def click(widget: QWidget) -> None:
@@ -173,7 +187,7 @@ def test_every_step_of_the_error_is_fitted_and_drawn_at_once(lift: User, imports
         assert curve[:-1:8] == pytest.approx(fit.curve(ANGLES), abs=1e-9)
         lines = [limit.value for limit in dialog.residual_plot.limits]
         assert lines == pytest.approx([float(error), -float(error)] if float(error) else [], rel=1e-12)
-        assert dialog._figures["rms residual"].text() == f"{float(error):g} mm"
+        assert figure(dialog, "Rms residual") == f"{float(error):g} mm"
     before = dialog.error.value
     enter(lift, dialog.error, "0.1")
     dialog.error.setFocus()
@@ -403,7 +417,7 @@ def test_nothing_is_cut_off_at_the_smallest_size(lift: User, imports: Import) ->
         )
     assert dialog.rows_plot.height() > 120
     assert dialog.residual_plot.height() > 80
-    assert math.isclose(dialog.rows_plot._view.width(), dialog.residual_plot._view.width()), (
+    assert math.isclose(dialog.rows_plot.getViewBox().width(), dialog.residual_plot.getViewBox().width()), (
         "one cam angle above the other"
     )
     assert QApplication.focusWidget() is not None

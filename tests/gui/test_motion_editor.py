@@ -4,6 +4,7 @@ from collections.abc import Callable
 from math import degrees
 
 import numpy as np
+import pyqtgraph as pg
 import pytest
 from PySide6.QtCore import QEvent, QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
@@ -94,7 +95,14 @@ def take_line(user: User, angle: float, level: float = 75.0, keys: Qt.KeyboardMo
 
 def shown_before(user: User) -> bool:
     """The motion before the last edit is to be seen."""
-    return diagram(user)._was.isVisible()
+    return line(user, dashed=True).isVisible()
+
+
+def line(user: User, dashed: bool = False) -> pg.PlotCurveItem:
+    """The displacement that is drawn; dashed: that before the last edit."""
+    lines = [item for item in diagram(user).items() if isinstance(item, pg.PlotCurveItem)]
+    (found,) = (item for item in lines if bool(item.opts["pen"].dashPattern()) == dashed)
+    return found
 
 
 # -- what is shown ----------------------------------------------------------------------------------------
@@ -120,7 +128,7 @@ def test_segments_are_numbered_and_named_where_there_is_room() -> None:
 
 
 def test_the_diagram_shows_the_displacement(user: User) -> None:
-    angles, values = diagram(user)._now.getData()
+    angles, values = line(user).getData()
     study = user.session.study
     assert angles[-1] == 360.0
     assert values[:-1] == pytest.approx(study.motion.y[0] * 1e3, abs=1e-12)
@@ -365,7 +373,7 @@ def test_the_motion_before_the_edit_is_recalled(user: User) -> None:
     hand = take(user, 2)
     hand.move(15.0, -20.0)
     assert shown_before(user)
-    _, values = diagram(user)._was.getData()
+    _, values = line(user, dashed=True).getData()
     assert values[:-1] == pytest.approx(Study(LIFT, 1800).motion.y[0] * 1e3)
     hand.release()
     assert shown_before(user)
@@ -392,7 +400,7 @@ def test_a_gesture_of_many_steps_is_compared_with_its_beginning(user: User) -> N
     box = user.number("motion.stroke_mm")
     user.press(Qt.Key.Key_Up, Qt.Key.Key_Up, Qt.Key.Key_Up)
     assert box.value == 153.0
-    _, values = diagram(user)._was.getData()
+    _, values = line(user, dashed=True).getData()
     assert float(np.ptp(values)) == pytest.approx(150.0)
 
 
@@ -622,19 +630,19 @@ def edited_to_stand(user: User) -> Design:
 
 
 def test_nothing_is_computed_for_a_hidden_editor(user: User) -> None:
-    view = user.motion()
+    view, drawn = user.motion(), line(user)
     user.window.docks["motion"].hide()
     settle()
-    _, before = view.diagram._now.getData()
+    _, before = drawn.getData()
     evaluations.clear()
     user.session.edit("motion.segments[1].law", "cycloidal", "x")
     settle()
     assert not view.up_to_date
     assert evaluations["motion"] <= 1  # for the mechanism
-    assert view.diagram._now.getData()[1] is before
+    assert drawn.getData()[1] is before
     user.window.docks["motion"].show()
     wait_for(lambda: view.up_to_date)
-    assert view.diagram._now.getData()[1] is not before
+    assert drawn.getData()[1] is not before
 
 
 # -- little room ------------------------------------------------------------------------------------------

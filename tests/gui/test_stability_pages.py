@@ -75,7 +75,7 @@ def test_averages_are_followed_when_their_page_comes_to_the_front(kim: User, mon
         assert np.array_equal(solid[0][0], means.eta)
         assert solid[0][1] == pytest.approx(rows[0], rel=1e-9)
         assert max(np.nanmax(y) for _, y in solid) == pytest.approx(rows.max(), rel=1e-9)
-    with unhurried(view._pause):
+    with unhurried(view):
         kim.session.edit("shaft.stiffness_nm_per_rad", 80.0, "Change stiffness")
         settle()
         assert view.means.busy is False, "not before editing pauses"

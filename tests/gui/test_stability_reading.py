@@ -90,12 +90,11 @@ def test_what_the_mouse_has_left_or_an_edit_made_untrue_is_given_up(kim: User, m
     QTest.mouseMove(view.chart.viewport(), pixel(view, 0.75, 0.1))
     wait_until(lambda: len(asked) == 1)
     assert view.progress.isVisible()
-    with unhurried(view.reading._pause):
+    with unhurried(view):
         QTest.mouseMove(view.chart.viewport(), pixel(view, 1.25, 0.1))
         settle()
         assert not view.reading.background.busy, "it waits for the mouse to rest anew"
         assert not view.progress.isVisible()
-    view.reading._pause.start()
     wait_until(lambda: len(asked) == 2)
     assert asked[1][0] == pytest.approx(1.25, abs=0.02)
     monkeypatch.undo()
