@@ -18,9 +18,10 @@ from core.design import Design, Drive, Driver, Linkage, LinkageLoads
 from core.findings import Residual
 from core.instant_centres import all_centres, collinearity, moving_collinearity
 from core.mechanism import course_of, unit_speed_kinematics
-from core.motion import EPS
 from core.project import save
 from core.study import Study
+
+EPS = float(np.finfo(float).eps)
 
 RIGID = Design("three links pinned to each other in a triangle, and a dyad on one of them", None, (Drive(None, Linkage(
         (

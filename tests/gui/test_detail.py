@@ -14,17 +14,18 @@ from PySide6.QtWidgets import QWidget
 from core.design import Design, edited
 from core.output.channels import channels
 from core.study import Study
-from kindyna_gui.documents.session import SAMPLES
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.pictures.drawing.items import Loop, Silhouette
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import PICTURES, Sheet
 from kindyna_gui.pictures.plots import lines as plot_lines
-from kindyna_gui.pictures.plots.detail import UNSEEN, level, needed
+from kindyna_gui.pictures.plots.detail import level, needed
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.polar import PolarPlot
 
-EDGE = 26  # of 255: what antialiasing makes of a line that is off by UNSEEN pixels, and of rounding to 1/64 pixel
+SAMPLES = 1800
+FINE = 0.05  # pixels: a line that is off by so little looks the same
+EDGE = 26  # of 255: what antialiasing makes of a line that is off by so much, and of rounding to 1/64 pixel
 # Qt draws hair lines piece by piece: where many pieces meet in a pixel it gets darker than one line would make it
 HAIR = 90
 
@@ -87,14 +88,14 @@ def test_no_point_left_out_is_further_off_than_allowed(seed: int, count: int, to
 
 def test_a_straight_line_needs_its_ends_a_circle_few_points_a_jump_both_sides() -> None:
     x = np.linspace(0.0, 300.0, 1801)
-    assert needed(x + 0j, UNSEEN).size < 40
-    assert needed(100.0 * np.exp(2j * np.pi * x / 300.0), UNSEEN).size < 300
+    assert needed(x + 0j, FINE).size < 40
+    assert needed(100.0 * np.exp(2j * np.pi * x / 300.0), FINE).size < 300
     jump = x + 1j * np.where(x < 123.4, 0.0, 50.0)
-    kept = needed(jump, UNSEEN)
+    kept = needed(jump, FINE)
     edge = int(np.flatnonzero(np.diff(jump.imag))[0])
     assert {edge, edge + 1} <= set(kept.tolist())
     spike = x + 1j * (np.arange(1801) == 777) * 0.4
-    assert 777 in needed(spike, UNSEEN)
+    assert 777 in needed(spike, FINE)
 
 
 def test_what_is_beside_a_gap_stays_and_no_tolerance_keeps_all() -> None:
@@ -258,7 +259,7 @@ def test_no_point_of_the_cam_is_off_by_more_than_nobody_sees(scenes: tuple[Mecha
             whole = corners(full.item(key).path())
             kept = np.flatnonzero(np.isin(whole, corners(part.item.path())))
             assert kept[[0, -1]].tolist() == [0, SAMPLES]
-            assert off(whole, kept) * scale * zoom <= UNSEEN * 2.0**0.5
+            assert off(whole, kept) * scale * zoom <= 2.0 * FINE
 
 
 def test_a_design_edited_under_the_glass_has_all_its_points_there(scenes: tuple[MechanismScene, MechanismScene]) -> None:

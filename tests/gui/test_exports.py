@@ -28,11 +28,13 @@ from kindyna_gui.documents.export_dialogs import (
     progress,
     tables_wanted,
 )
-from kindyna_gui.pictures.film import LEAST_DELAY, TICK, Camera, Film, shoot
+from kindyna_gui.pictures.film import Camera, Film, shoot
 from kindyna_gui.places import example
 
 SMALL = Film(".gif", 12, 320, 240, 1.0)
 EXPORT = ("File", "Export")
+TICK = 10  # milliseconds: what a GIF counts in
+LEAST_DELAY = 20  # browsers slow down what is shorter
 
 
 # -- the menu ---------------------------------------------------------------------------------------------

@@ -14,11 +14,9 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import Choice
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.live_plot import LivePlot
-from kindyna_gui.pictures.plots.background import LEFT_WIDTH
-from kindyna_gui.pictures.plots.fixed_plot import RIGHT_MARGIN
-from kindyna_gui.pictures.plots.legend import CUT, Entry, cut, rows_of
+from kindyna_gui.pictures.plots.legend import Entry, cut, rows_of
 from kindyna_gui.pictures.plots.plot import CurvePlot
-from kindyna_gui.pictures.plots.polar_texts import BUTTON, EDGE, title_pieces
+from kindyna_gui.pictures.plots.polar_texts import title_pieces
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.places import example
 from kindyna_gui.window.player import Player
@@ -47,13 +45,14 @@ def lay(plot: CurvePlot | XYPlot, width: int, height: int) -> tuple[QRectF, QRec
 def test_names_never_push_the_plot_out_of_sight(design: Design, slugs: tuple[str, ...]) -> None:
     """Made wider and narrower again: the curves end where the paper does, the names stand above them."""
     plot = plot_of(design, slugs)
+    _, first = lay(plot, 700, 400)
     for width in (700, 260, 240, 420, 300):
         for height in (120, 178, 400):
             names, curves = lay(plot, width, height)
-            assert curves.right() == pytest.approx(width - RIGHT_MARGIN, abs=1.0)
-            assert curves.left() == pytest.approx(LEFT_WIDTH, abs=4.0)
-            assert names.left() >= LEFT_WIDTH
-            assert names.right() <= width - RIGHT_MARGIN
+            assert width - curves.right() == pytest.approx(700 - first.right(), abs=1.0)
+            assert curves.left() == pytest.approx(first.left(), abs=1.0)
+            assert names.left() >= curves.left() - 1.0
+            assert names.right() <= curves.right() + 1.0
             assert names.top() >= 0.0
             assert names.bottom() <= curves.top()
             assert curves.height() >= 24.0
@@ -82,10 +81,10 @@ def test_what_is_too_long_for_its_lines_is_cut() -> None:
     plot = plot_of(PUSHER, FORCES)
     lay(plot, 260, 120)
     assert plot.legend.text.count("\n") == 1
-    assert plot.legend.text.count(CUT) >= 2
+    assert plot.legend.text.count("…") >= 2
     assert plot.legend.text.count("—") == len(FORCES), "each curve keeps its mark"
     lay(plot, 260, 400)
-    assert CUT not in plot.legend.text
+    assert "…" not in plot.legend.text
     assert plot.legend.text.count("\n") == 3
 
 
@@ -105,27 +104,39 @@ def test_lines_are_filled_one_after_the_other() -> None:
     assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 3) == [[0], [1], [2]]
     assert rows_of([30.0, 40.0, 50.0], 10.0, 79.0, 2) == [[0, 1], [2]], "then they are cut"
     assert rows_of([], 10.0, 79.0, 2) == []
-    assert cut("Contact force", 9.0, len) == "Contact" + CUT
+    assert cut("Contact force", 9.0, len) == "Contact…"
     assert cut("Contact", 7.0, len) == "Contact"
-    assert cut("Contact", 0.0, len) == "C" + CUT
+    assert cut("Contact", 0.0, len) == "C…"
     assert Entry("#000000", "a").mark == "—"
 
 
-def test_names_of_a_polar_plot_leave_the_corner_free() -> None:
+def test_names_of_a_polar_plot_are_cut_to_their_room() -> None:
     names = [("Link 3, acceleration", "#111111"), ("Link 4, acceleration", "#222222")]
     for room in (30.0, 50.0, 200.0):
         told = title_pieces(names, "m/s²", "#333333", len, room)
         assert sum(len(text) for text, _ in told) <= room
         assert [colour for _, colour in told] == ["#111111", "#222222", "#333333"]
         assert told[-1][0] == "m/s²"
-        assert (CUT in told[0][0]) is (room < 50.0)
-    assert BUTTON > EDGE
+        assert ("…" in told[0][0]) is (room < 50.0)
 
 
 @pytest.fixture
 def narrow(alone: Alone) -> GraphView:
     """The graph of a linkage with three plots in a narrow window."""
     return alone(GraphView(Session(load(example("lecture_six_bar"))), Player()), 520, 520)
+
+
+def test_names_of_a_polar_plot_leave_the_corner_free(narrow: GraphView) -> None:
+    names = [row.quantity for row in channels(narrow.session.design) if row.quantity.endswith("_velocity")]
+    narrow.choice = Choice([names, names[:1]])
+    narrow.set_form("polar")
+    settle()
+    panel = narrow.panels[0]
+    button = panel.close_button.geometry().translated(-panel.plot.pos())
+    picture = panel.plot.grab().toImage()
+    paper = picture.pixel(picture.width() - 1, 0)
+    assert {picture.pixel(x, y) for x in range(button.left(), picture.width()) for y in range(button.bottom())} == {paper}
+    assert len({picture.pixel(x, y) for x in range(button.left()) for y in range(button.bottom())}) > 10, "beside it they stand"
 
 
 def test_names_stay_clear_of_the_button_that_takes_a_plot_away(narrow: GraphView) -> None:

@@ -19,7 +19,6 @@ from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.places import example, examples
-from kindyna_gui.window.player import TURN
 
 LINKAGES = [path.stem for _, path in examples() if load(path).drive.is_linkage]
 
@@ -92,7 +91,7 @@ def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path
     user.window.docks["centres"].hide()
     player = user.window.player
     (low, high), *_ = player.ranges
-    assert 0.0 <= low < high <= TURN
+    assert 0.0 <= low < high <= math.tau
     player.set_theta(0.5 * (low + high))
     ways = set()
     for _ in range(120):

@@ -21,9 +21,8 @@ from core.motion import Angles, MotionState
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
-from kindyna_gui.pictures.drawing.shapes import BAR
 from kindyna_gui.pictures.files import Sheet, png
-from kindyna_gui.pictures.style import DARK, LIGHT, SMALL, font
+from kindyna_gui.pictures.style import DARK, LIGHT, font
 
 pytestmark = pytest.mark.usefixtures("app")
 
@@ -449,7 +448,7 @@ def test_labels_cover_neither_the_part_they_name_nor_each_other_nor_the_edge(
             ends = [complex(body.track(p)[i]) for p in body.nodes.values()]
             if len(ends) > 1 and name in boxes:
                 along = ends[0] + (ends[1] - ends[0]) * np.linspace(0.0, 1.0, 60)
-                assert min(distance(boxes[name], complex(z)) for z in along) > BAR * reading.unit
+                assert min(distance(boxes[name], complex(z)) for z in along) > 0.6 * reading.unit
         for joint in reading.joints:
             if f"pin.{joint.name}" in boxes:
                 assert distance(boxes[f"pin.{joint.name}"], complex(joint.track[i])) > reading.unit
@@ -484,7 +483,7 @@ def test_scales_of_vectors_are_round_and_as_long_as_the_arrows() -> None:
 @pytest.mark.parametrize("theme", [LIGHT, DARK], ids=["light", "dark"])
 def test_every_letter_is_in_the_font(theme: object, app: QApplication) -> None:
     scene = MechanismScene(Study(LIFT, SAMPLES), theme)  # type: ignore[arg-type]
-    metrics = QFontMetricsF(font(SMALL))
+    metrics = QFontMetricsF(font(12))
     texts = [item.text for item in scene.items() if isinstance(item, Tag)]
     assert "Cam angle 0.0°" in texts
     assert all(metrics.inFontUcs4(ord(letter)) for text in texts for letter in text)

@@ -13,7 +13,7 @@ from core.project import load
 from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.places import example
-from kindyna_gui.window.player import CALM, LEAST_TURN, LONGEST_TURN, PATIENT, PLAY, Player, speeds, step_of, usual
+from kindyna_gui.window.player import Player, speeds, step_of, usual
 from kindyna_gui.window.player_bar import PlayerBar, speed_text
 
 NONE = Qt.KeyboardModifier.NoModifier
@@ -86,7 +86,7 @@ def test_modifiers_make_steps_finer_and_coarser(modifier: Qt.KeyboardModifier, s
 def test_other_modifiers_are_not_the_players(bar: PlayerBar) -> None:
     assert step_of(Qt.KeyboardModifier.AltModifier) == 0.0
     QTest.keyClick(bar, Qt.Key.Key_Right, Qt.KeyboardModifier.AltModifier)
-    QTest.keyClick(bar, PLAY, CONTROL)
+    QTest.keyClick(bar, Qt.Key.Key_Space, CONTROL)
     assert angle(bar) == 0.0
     assert not bar.player.playing
 
@@ -170,10 +170,9 @@ def test_a_turn_can_be_watched_at_first(rpm: float) -> None:
     assert sum(row.part == 1 for row in rows) == 1, "true time is always offered"
     for row in rows:
         assert row.seconds == pytest.approx(60.0 / rpm / float(row.part))
-        assert row.part == 1 or LEAST_TURN <= row.seconds <= LONGEST_TURN
-    true = 60.0 / rpm
-    assert (first.part == 1) == (CALM <= true <= PATIENT) or first.part == 1
+        assert row.part == 1 or 0.2 <= row.seconds <= 300.0
     assert 2.0 <= first.seconds <= 12.0
+    assert first.part == 1 or not 3.0 <= 60.0 / rpm <= 10.0, "in true time where that can be watched"
 
 
 def test_the_speeds_say_what_a_turn_takes(bar: PlayerBar) -> None:

@@ -24,7 +24,7 @@ from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.ranges import shown_range, usual_range
 from kindyna_gui.pictures.plots.readouts import beside, stacked
-from kindyna_gui.pictures.style import FAMILIES, LIGHT, SMALL, font
+from kindyna_gui.pictures.style import FAMILIES, LIGHT, font
 from kindyna_gui.pictures.units import digits, measure, nice_below, number, readable, short, ticks
 
 pytestmark = pytest.mark.usefixtures("app")
@@ -393,7 +393,7 @@ def test_an_empty_plot_says_what_would_fill_it() -> None:
 
 
 def test_every_letter_is_in_the_font() -> None:
-    metrics = QFontMetricsF(font(SMALL))
+    metrics = QFontMetricsF(font(12))
     plot = plot_of(LIFT, "pitch_curvature_per_mm")
     plot.set_angle(1.0)
     texts = [item.text for item in plot.items() if isinstance(item, Tag)] + [title(plot)]

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import QApplication
 from window_user import User
 
 from kindyna_gui.places import example, examples
-from kindyna_gui.window.player import FRAME_MS
 
 LOST = 40  # references to None that may come and go by chance
 WARM = 40  # frames until caches are filled
@@ -34,7 +33,7 @@ def turn(user: User, frames: int, first: int = 0) -> None:
     """Play so many frames, editing now and then."""
     player = user.window.player
     for frame in range(first, first + frames):
-        player.advance(FRAME_MS / 1000.0)
+        player.advance(0.016)
         if frame % EDIT_EVERY == 0:
             # few values, so that caches of results do not count as growth
             user.session.edit("motion.stroke", 150.0 + frame // EDIT_EVERY % 3, "Change stroke")
