@@ -1,10 +1,10 @@
-"""Labels for messages, hidden while there is none."""
+"""Labels for messages, hidden while there is none, and for texts that change all the time."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QPalette
-from PySide6.QtWidgets import QLabel
+from PySide6.QtGui import QPalette, QResizeEvent
+from PySide6.QtWidgets import QLabel, QWidget
 
 from kindyna_gui.look import WRONG, coloured
 
@@ -34,4 +34,34 @@ class Note(MessageLabel):
         self.setMinimumSize(1, 1)
 
 
-__all__ = ["MessageLabel", "Note"]
+class SteadyText(QWidget):
+    """A text that may change in every frame: what is around it is laid out anew only where it needs more lines than ever."""
+
+    def __init__(self, colour: str = "") -> None:
+        super().__init__()
+        self._label = QLabel(self, wordWrap=True)
+        self._label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        if colour:
+            coloured(self._label, colour)
+        self.setMinimumHeight(self._label.fontMetrics().height())
+
+    def text(self) -> str:
+        return self._label.text()
+
+    def show_text(self, text: str) -> None:
+        if text != self.text():
+            self._label.setText(text)
+            self._grow()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        super().resizeEvent(event)
+        self._label.setGeometry(self.rect())
+        self._grow()
+
+    def _grow(self) -> None:
+        needed = self._label.heightForWidth(self.width())
+        if needed > self.minimumHeight():
+            self.setMinimumHeight(needed)
+
+
+__all__ = ["MessageLabel", "Note", "SteadyText"]

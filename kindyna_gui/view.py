@@ -61,11 +61,13 @@ class View(QWidget):
 
     ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
+    ``reading_ms``: nor need it show every angle while the cam is played, but one in so long, and the last; 0 shows each.
     """
 
     status_message = Signal(str)
     stages: tuple[str, ...] = ()
     pause_ms: int = 0
+    reading_ms: int = 0
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
@@ -87,9 +89,13 @@ class View(QWidget):
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._pull_if_seen)
+        self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
+        self._reading.timeout.connect(self._catch_up)
+        self._followed = player.theta
         session.started.connect(self._forget_fault)
         session.design_changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
+        player.playing_changed.connect(self._catch_up)
 
     @property
     def content(self) -> QWidget:
@@ -167,7 +173,8 @@ class View(QWidget):
         try:
             self.refresh(self._shown)
             self._stack.setCurrentWidget(self._content)
-            self.follow(self.player.theta)
+            self._followed = self.player.theta
+            self.follow(self._followed)
         except KindynaError as error:
             self.not_here = isinstance(error, NotHere)
             self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
@@ -178,8 +185,9 @@ class View(QWidget):
 
     def _follow(self) -> None:
         """Show the cam angle at hand."""
+        self._followed = self.player.theta
         try:
-            self.follow(self.player.theta)
+            self.follow(self._followed)
         except Exception as error:
             self._fail(error)
             raise
@@ -228,8 +236,17 @@ class View(QWidget):
 
     def _angle_changed(self, theta: float) -> None:
         # a design with other ranges moves the angle before the views know it; then ``pull`` follows
+        if self._reading.isActive() and self.player.playing:
+            return
         if self.up_to_date and not self.in_trouble and self.on_screen():
+            if self.reading_ms:
+                self._reading.start()
             self._follow()
+
+    def _catch_up(self) -> None:
+        """Show the angle at hand where it has been left out so far."""
+        if self._followed != self.player.theta:
+            self._angle_changed(self.player.theta)
 
     def _pull_if_seen(self) -> None:
         if not self.on_screen():

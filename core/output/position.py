@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 from typing import Any
 
@@ -76,38 +77,43 @@ class DifferenceRow:
     v_p: complex
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Position:
-    """Rows by links and by names, in rising order; ``transmission`` joint -> angle between its links [rad]."""
+    """A linkage at the first angle of a study, in tables that are made when they are read: rows by links and by names, in
+    rising order. Each raises NoPosition where the linkage cannot stand there."""
 
-    centres: tuple[CentreRow, ...]
-    links: tuple[LinkRow, ...]
-    points: tuple[PointRow, ...]
-    transmission: tuple[tuple[str, float], ...]
-    differences: tuple[DifferenceRow, ...]
+    study: Study
+
+    @cached_property
+    def centres(self) -> tuple[CentreRow, ...]:
+        return tuple(_centres(self.study))
+
+    @cached_property
+    def links(self) -> tuple[LinkRow, ...]:
+        return tuple(_links(self.study))
+
+    @cached_property
+    def points(self) -> tuple[PointRow, ...]:
+        return tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in self.study.points().items())
+
+    @cached_property
+    def transmission(self) -> tuple[tuple[str, float], ...]:
+        """joint -> angle between its links [rad]"""
+        names = [n for n in self.study.quantities("linkage") if n.startswith("transmission.")]
+        return tuple((n.removeprefix("transmission."), float(quantity(n).value(self.study)[0])) for n in names)
+
+    @cached_property
+    def differences(self) -> tuple[DifferenceRow, ...]:
+        return tuple(_differences(self.study))
 
     def distance(self, one: Links, other: Links) -> float:
         """Between two centres [m], infinite where one of them is at infinity. Raises KeyError for links there are none of."""
-        places = {row.links: row.place for row in self.centres}
-        a, b = places[one], places[other]
+        a, b = self._places[one], self._places[other]
         return abs(a - b) if a is not None and b is not None else float("inf")
 
-
-def position(study: Study, angle: float) -> Position:
-    """At this driver angle [rad]. Raises NoPosition where the linkage cannot stand there."""
-    return _position(study.at_theta(np.array([angle])))
-
-
-def _position(there: Study) -> Position:
-    """At the first angle of a study."""
-    names = [n for n in there.quantities("linkage") if n.startswith("transmission.")]
-    return Position(
-        tuple(_centres(there)),
-        tuple(_links(there)),
-        tuple(PointRow(name, complex(z[0]), complex(v[0])) for name, (z, v) in there.points().items()),
-        tuple((n.removeprefix("transmission."), float(quantity(n).value(there)[0])) for n in names),
-        tuple(_differences(there)),
-    )
+    @cached_property
+    def _places(self) -> dict[Links, complex | None]:
+        return {row.links: row.place for row in self.centres}
 
 
 def _differences(study: Study) -> Iterator[DifferenceRow]:
@@ -173,7 +179,7 @@ def centres_data(study: Study, angle_deg: float) -> dict[str, Any]:
     """
     require_linkage(study.design)
     there = study.at_theta(np.array([math.radians(angle_deg)]))
-    rows, table = _position(there), there.centres
+    rows, table = Position(there), there.centres
     driver = body_name(there.design.drive.linkage.driver.link)
     return {
         "angular_velocity_rad_s": {str(n): float(w[0]) for n, w in there.angular_velocities().items()},

@@ -226,6 +226,8 @@ class Study:
         def compute(linkage: Linkage, state: MotionState, course: Course) -> CentreTable:
             return all_centres(unit_speed_kinematics(linkage, state.y[0], course), course.plan.size)
 
+        if self.by_crank:  # its kinematics are by the crank's angle already
+            return self._stage("centres", all_centres, self.linkage, self.course.plan.size)
         return self._stage("centres", compute, self.mechanism.linkage, self.drive, self.course)
 
     @cached_property

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from PySide6.QtCore import QAbstractTableModel, QModelIndex, QPersistentModelIndex, Qt
+from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, Qt
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableView
 
@@ -59,6 +59,15 @@ class RowsModel(QAbstractTableModel):
             return self._headings[section].title
         return self._aligned(section) if role == Qt.ItemDataRole.TextAlignmentRole else None
 
+    def replace(self, rows: Sequence[Row], among: range) -> list[Index]:
+        """Other contents in as many rows, of which no view is told; which cells of some of the rows have another text."""
+        before, self.rows = self.rows, tuple(rows)
+        changed = []
+        for number in among:
+            old, new = before[number].cells, self.rows[number].cells
+            changed += [self.index(number, column) for column in range(len(new)) if new[column] != old[column]]
+        return changed
+
     def data(self, index: Index, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
         row, column = self.rows[index.row()], index.column()
         if role == Qt.ItemDataRole.DisplayRole:
@@ -90,6 +99,7 @@ class RowsTable(QTableView):
         super().__init__()
         self.rows = RowsModel(headings)
         self.rows.setParent(self)
+        self._widths: dict[int, tuple[int, int]] = {}  # of a column: of its widest text, and what that needs
         self.setModel(self.rows)
         self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -112,19 +122,63 @@ class RowsTable(QTableView):
     def show_rows(self, rows: Sequence[Row]) -> None:
         """Show these rows, the chosen one staying chosen."""
         chosen = self.currentIndex().row()
+        self._widths.clear()
         self.rows.show(rows)
         self.resizeRowsToContents()
         if 0 <= chosen < len(rows):
             self.selectRow(chosen)
 
     def update_rows(self, rows: Sequence[Row]) -> None:
-        """Show other contents in as many rows, quickly enough for a turning crank; else as ``show_rows``."""
-        if len(rows) != len(self.rows.rows) or not rows:
+        """Show other contents in as many rows, quickly enough for a turning crank; else as ``show_rows``.
+
+        Only cells in sight whose text is another one are drawn anew. A column becomes wider where a text needs it, and not
+        narrower again, so that nothing jumps.
+        """
+        if not rows or len(rows) != len(self.rows.rows) or not self.isVisible():
             self.show_rows(rows)
             return
-        self.rows.rows = tuple(rows)
-        last = self.rows.index(len(rows) - 1, self.rows.columnCount() - 1)
-        self.rows.dataChanged.emit(self.rows.index(0, 0), last)
+        changed = self.rows.replace(rows, self._rows_in_sight())
+        for cell in changed:
+            self.update(cell)
+        self._widen(changed)
+
+    def _widen(self, cells: Iterable[Index]) -> None:
+        """Give their columns the width that these cells need."""
+        advance, wider = self.fontMetrics().horizontalAdvance, set()
+        for cell in cells:
+            column = cell.column()
+            widest, hint = self._widths.get(column, (0, 0))
+            width = advance(self.rows.rows[cell.row()].cells[column])
+            if hint and width > widest:
+                self._widths[column] = (width, max(hint, self.sizeHintForIndex(cell).width()))
+                wider.add(column)
+        for column in wider:
+            self.resizeColumnToContents(column)
+
+    def _rows_in_sight(self) -> range:
+        """The numbers of the rows of which something can be seen."""
+        first, last = self.rowAt(0), self.rowAt(self.viewport().height() - 1)
+        return range(max(first, 0), last + 1 if last >= 0 else len(self.rows.rows))
+
+    def sizeHintForColumn(self, column: int) -> int:
+        """The width that the texts of a column need; the cells are asked once, then only those that become wider."""
+        if column not in self._widths:
+            texts = [row.cells[column] for row in self.rows.rows]
+            widest = max(map(self.fontMetrics().horizontalAdvance, texts), default=0)
+            self._widths[column] = (widest, super().sizeHintForColumn(column))
+        return self._widths[column][1]
+
+    def scrollContentsBy(self, dx: int, dy: int) -> None:
+        """What comes into sight may be wider than what was."""
+        super().scrollContentsBy(dx, dy)
+        if dy:
+            self._widen(self.rows.index(row, column) for row in self._rows_in_sight() for column in tuple(self._widths))
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Another font, other widths."""
+        super().changeEvent(event)
+        if event.type() in (QEvent.Type.FontChange, QEvent.Type.StyleChange):
+            self._widths.clear()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)

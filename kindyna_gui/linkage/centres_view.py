@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
-from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position, position
+from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.look import QUIET
+from kindyna_gui.note import SteadyText
 from kindyna_gui.pictures.units import digits
 from kindyna_gui.requirements import lists_links, require_links
 from kindyna_gui.view import View
@@ -103,29 +106,43 @@ def _difference(row: DifferenceRow) -> Row:
     )
 
 
+@dataclass(frozen=True)
+class Page:
+    """A table: its title, its columns, and how a position fills it."""
+
+    title: str
+    headings: tuple[Heading, ...]
+    rows: Callable[[Position], list[Row]]
+
+
+PAGES: Mapping[str, Page] = MappingProxyType(
+    {
+        "centres": Page("Centres", _CENTRES, lambda now: [_centre(row) for row in now.centres]),
+        "links": Page("Links", _LINKS, lambda now: [_link(row) for row in now.links]),
+        "points": Page("Points", _POINTS, lambda now: [_point(row) for row in now.points]),
+        "differences": Page("Differences", _DIFFERENCES, lambda now: [_difference(row) for row in now.differences]),
+    }
+)
+
+
 class CentresView(View):
-    """Four tables that follow the player, and the distance between any two centres."""
+    """Tables that follow the player, of which the one in front is made, and the distance between any two centres."""
 
     stages = ("linkage",)
+    pause_ms = 120
+    reading_ms = 100
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.now: Position | None = None
-        self.centres, self.links, self.points = RowsTable(_CENTRES), RowsTable(_LINKS), RowsTable(_POINTS)
-        self.differences = RowsTable(_DIFFERENCES)
+        self._keys: list[tuple[int, int]] = []
         self.tabs = QTabWidget(documentMode=True)
-        for table, title in (
-            (self.centres, "Centres"),
-            (self.links, "Links"),
-            (self.points, "Points"),
-            (self.differences, "Differences"),
-        ):
+        self.tables = {name: RowsTable(page.headings) for name, page in PAGES.items()}
+        for name, table in self.tables.items():
             table.setWordWrap(False)
-            self.tabs.addTab(table, title)
+            self.tabs.addTab(table, PAGES[name].title)
         self.one, self.other = self._chooser("First centre"), self._chooser("Second centre")
-        self.distance, self.transmission = QLabel(), QLabel(wordWrap=True)
-        self.distance.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        coloured(self.transmission, QUIET)
+        self.distance, self.transmission = SteadyText(), SteadyText(QUIET)
         row = QHBoxLayout()
         row.setContentsMargins(8, 2, 8, 0)
         row.addWidget(QLabel("From"))
@@ -137,6 +154,7 @@ class CentresView(View):
         foot.setContentsMargins(8, 0, 8, 4)
         foot.addWidget(self.transmission)
         self.set_column(self.tabs, row, foot, grows=self.tabs, spacing=3)
+        self.tabs.currentChanged.connect(self._fill_table)
 
     def _chooser(self, name: str) -> QComboBox:
         box = QComboBox(focusPolicy=Qt.FocusPolicy.ClickFocus)
@@ -147,43 +165,55 @@ class CentresView(View):
 
     def refresh(self, study: Study) -> None:
         require_links(study.design, ABSENT)
-        self._show(study, self.player.theta)
+        self._show(self.session.at(self.player.theta))
 
     def follow(self, theta: float) -> None:
-        study = self.session.study
-        if not lists_links(study.design):
+        if not lists_links(self.session.study.design):
             return
         try:
-            self._show(study, theta)
+            self._show(self.session.at(theta))
         except KindynaError as error:
-            self.transmission.setText(sentence(str(error)))
+            self.transmission.show_text(sentence(str(error)))
 
-    def _show(self, study: Study, theta: float) -> None:
-        self.now = position(study, theta)
-        self.centres.update_rows([_centre(row) for row in self.now.centres])
-        self.links.update_rows([_link(row) for row in self.now.links])
-        self.points.update_rows([_point(row) for row in self.now.points])
-        self.differences.update_rows([_difference(row) for row in self.now.differences])
-        self._fill([row.links for row in self.now.centres])
+    def _show(self, there: Study) -> None:
+        if self.now is not None and self.now.study is there:
+            return
+        now = Position(there)
+        self._choose_from([row.links for row in now.centres])
+        self.now = now
+        self._fill_table()
         self._show_distance()
-        angles = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in self.now.transmission)
-        self.transmission.setText(f"Transmission angle: {angles}" if angles else "")
+        angles = ", ".join(f"{joint} {plain(math.degrees(angle))}°" for joint, angle in now.transmission)
+        self.transmission.show_text(f"Transmission angle: {angles}" if angles else "")
 
-    def _fill(self, keys: Sequence[tuple[int, int]]) -> None:
+    def page(self, name: str) -> RowsTable:
+        """Bring one of ``PAGES`` to the front; its table."""
+        self.tabs.setCurrentWidget(self.tables[name])
+        return self.tables[name]
+
+    def _fill_table(self, *_: object) -> None:
+        """The table in front; the others when they come there."""
+        name = list(PAGES)[self.tabs.currentIndex()]
+        if self.now is not None:
+            self.tables[name].update_rows(PAGES[name].rows(self.now))
+
+    def _choose_from(self, keys: Sequence[tuple[int, int]]) -> None:
         """The centres to choose from; at first the driver's pole and the next link's."""
+        if keys == self._keys:
+            return
+        self._keys = list(keys)
         for box, first in ((self.one, 0), (self.other, 1)):
-            if [box.itemData(i) for i in range(box.count())] != list(keys):
-                box.clear()
-                for key in keys:
-                    box.addItem(label(key), key)
-                box.setCurrentIndex(min(first, box.count() - 1))
+            box.clear()
+            for key in keys:
+                box.addItem(label(key), key)
+            box.setCurrentIndex(min(first, box.count() - 1))
 
     def _show_distance(self) -> None:
         one, other = self.one.currentData(), self.other.currentData()
         if self.now is None or one is None or other is None:
             return
         gap = self.now.distance(tuple(one), tuple(other)) * MM
-        self.distance.setText(f"{plain(gap)} mm" if math.isfinite(gap) else "infinite")
+        self.distance.show_text(f"{plain(gap)} mm" if math.isfinite(gap) else "infinite")
 
 
 __all__ = ["CentresView"]

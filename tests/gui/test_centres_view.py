@@ -30,7 +30,7 @@ def number(text: str) -> float:
 
 def cells(view: CentresView, table: str) -> dict[str, tuple[str, ...]]:
     """First cell -> the others."""
-    return {row.cells[0]: row.cells[1:] for row in getattr(view, table).rows.rows}
+    return {row.cells[0]: row.cells[1:] for row in view.page(table).rows.rows}
 
 
 def distance(view: CentresView, one: str, other: str) -> float:

@@ -59,7 +59,7 @@ def places(user: User) -> dict[str, complex]:
     """Points and finite centres as the cells have them [mm]."""
     view = centres(user)
     found = {}
-    for rows in (table(view.points), table(view.centres)):
+    for rows in (table(view.page("points")), table(view.page("centres"))):
         for name, row in rows.items():
             if row["x, mm"] not in ("at infinity", "none"):
                 found[name] = complex(number(row["x, mm"]), number(row["y, mm"]))
@@ -90,10 +90,10 @@ def test_page_11_stands_on_the_screen(open_user: Open) -> None:
     assert distance(user, "I12", "I13") == pytest.approx(20.07, abs=PRINT)
     assert distance(user, "I14", "I13") == pytest.approx(16.39, abs=PRINT)
     assert distance(user, "I12", "I14") == pytest.approx(6.0, abs=PRINT)
-    rpm = {link: number(row["ω, rpm"]) for link, row in table(centres(user).links).items()}
+    rpm = {link: number(row["ω, rpm"]) for link, row in table(centres(user).page("links")).items()}
     assert rpm["2"] == pytest.approx(60.0, abs=1e-6)
     assert [rpm[link] for link in "345"] == pytest.approx([-6.64, 20.57, -20.57], abs=PRINT)
-    slider = table(centres(user).points)["D"]
+    slider = table(centres(user).page("points"))["D"]
     assert number(slider["vx, mm/s"]) / 10.0 == pytest.approx(-22.39, abs=PRINT)
     assert number(slider["vy, mm/s"]) == 0.0
     assert number(slider["|v|, mm/s"]) / 10.0 == pytest.approx(22.38, abs=PRINT)
@@ -103,7 +103,7 @@ def test_the_ratios_on_page_9_are_distances_on_the_screen(open_user: Open) -> No
     """ω4/ω2 = (I12I24)/(I14I24), ω3/ω2 = (I12I23)/(I13I23), ω4/ω3 = (I13I34)/(I14I34)."""
     user = opened(open_user, "Four bar")
     at(user, "70")
-    rpm = {link: number(row["ω, rpm"]) for link, row in table(centres(user).links).items()}
+    rpm = {link: number(row["ω, rpm"]) for link, row in table(centres(user).page("links")).items()}
     for base, body in ("24", "23", "34"):
         common = f"I{base}{body}"
         by_distance = distance(user, f"I1{base}", common) / distance(user, f"I1{body}", common)
@@ -113,8 +113,8 @@ def test_the_ratios_on_page_9_are_distances_on_the_screen(open_user: Open) -> No
 def test_the_sliders_velocity_on_page_10_is_a_distance_times_the_cranks(open_user: Open) -> None:
     user = opened(open_user, "Slider crank")
     at(user, "50")
-    crank = number(table(centres(user).links)["2"]["ω, rad/s"])
-    speed = number(table(centres(user).points)["B"]["|v|, mm/s"]) / 10.0
+    crank = number(table(centres(user).page("links"))["2"]["ω, rad/s"])
+    speed = number(table(centres(user).page("points"))["B"]["|v|, mm/s"]) / 10.0
     assert distance(user, "I12", "I24") * crank == pytest.approx(speed, rel=1e-6)
 
 
@@ -125,7 +125,7 @@ def test_centres_stand_where_the_lecture_constructs_them(name: str, open_user: O
     for degrees in ("20", "200"):
         at(user, degrees)
         there, tried = places(user), 0
-        rows = table(centres(user).centres)
+        rows = table(centres(user).page("centres"))
         assert len(rows) == FIGURES[name]
         for centre, row in rows.items():
             for line in row["Found"].split(" × ") if row["Found"] != "at sight" else ():
@@ -140,7 +140,7 @@ def test_the_suspension_on_page_12_steers_by_what_the_screen_says(open_user: Ope
     """The wheel goes across the line to I13, and so a little along the car."""
     user = opened(open_user, "Rear suspension")
     at(user, "30")
-    there, wheel = places(user), table(centres(user).points)["W"]
+    there, wheel = places(user), table(centres(user).page("points"))["W"]
     velocity = complex(number(wheel["vx, mm/s"]), number(wheel["vy, mm/s"]))
     arm = there["W"] - there["I13"]
     assert abs((velocity * arm.conjugate()).real) < 1e-6 * abs(velocity) * abs(arm)
@@ -156,11 +156,11 @@ def test_each_figure_moves_with_all_that_is_drawn_on_it(name: str, open_user: Op
     for layer in ("Instant centres of all links", "Kennedy's construction", "Velocities", "Velocity ratios to the driver"):
         user.choose("View", "Layers of the drawing", layer)
     at(user, "40")
-    before, index = table(centres(user).centres), view.scene.index
+    before, index = table(centres(user).page("centres")), view.scene.index
     view.canvas.setFocus()
     user.press(Qt.Key.Key_Space)
     assert user.window.player.playing
-    wait_for(lambda: view.scene.index != index and table(centres(user).centres) != before)
+    wait_for(lambda: view.scene.index != index and table(centres(user).page("centres")) != before)
     user.press(Qt.Key.Key_Space)
     assert not user.window.player.playing
     settle()
