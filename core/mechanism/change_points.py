@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from core.mechanism.kinematics import Pose
-from core.numerics.derivatives import Derivatives
+from core.numerics.derivatives import Chain, Derivatives
 from core.numerics.vectors import unit
 
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
@@ -61,20 +62,45 @@ class Bridge:
         there = self.within(q[0])
         if not there.any():
             return
-        n = q[0].size
-        u = (q[0][there] - self.at) / self.half
-        x1, x2, x3 = (polyval(u, polyder(self.power, order)) / self.half**order for order in (1, 2, 3))
-        v, a, j = (np.broadcast_to(q[order], n)[there] for order in (1, 2, 3))
-        rows = np.array([
-            polyval(u, self.power), x1 * v, x2 * v * v + x1 * a, x3 * v * v * v + 3.0 * x2 * v * a + x1 * j,
-        ])  # fmt: skip
+        rows = Chain(lambda order, _: self._row(q, there, order))
         for i, link in enumerate(self.links):
-            origin, turn = (np.array(part.spread(n).all) for part in (poses[link].origin, poses[link].turn))
-            origin[:, there] = rows[:, 3 * i] + 1j * rows[:, 3 * i + 1]
-            turn[:, there] = rows[:, 3 * i + 2]
-            heading = np.array(np.broadcast_to(poses[link].unit, n))
-            heading[there] = unit(turn[0, there])
-            poses[link] = Pose(Derivatives.of(origin), Derivatives.of(turn), unit=heading)
+            poses[link] = _over(poses[link], rows, 3 * i, there)
+
+    def _row(self, q: Derivatives, there: np.ndarray, order: int) -> np.ndarray:
+        """Derivative of this order of the six (6, m), by what q's are by, of the m positions on the bridge (chain rule)."""
+        u = (q[0][there] - self.at) / self.half
+        x = [polyval(u, polyder(self.power, k)) / self.half**k for k in range(order + 1)]
+        if order == 0:
+            return np.asarray(x[0])
+        v, *more = (np.broadcast_to(q[k], there.size)[there] for k in range(1, order + 1))
+        if order == 1:
+            return np.asarray(x[1] * v)
+        if order == 2:
+            return np.asarray(x[2] * v * v + x[1] * more[0])
+        return np.asarray(x[3] * v * v * v + 3.0 * x[2] * v * more[0] + x[1] * more[1])
+
+
+def _over(pose: Pose, rows: Chain, first: int, there: np.ndarray) -> Pose:
+    """A pose (n,) that is x, y, angle of the chain from row ``first`` on where the driver stands on the bridge."""
+
+    def spliced(part: Derivatives, on: Callable[[np.ndarray], np.ndarray]) -> Derivatives:
+        part = part.without_warnings()
+
+        def row(order: int) -> np.ndarray:
+            values = np.array(np.broadcast_to(part[order], there.size))
+            values[there] = on(rows[order])
+            return values
+
+        return Derivatives(row)
+
+    def heading() -> np.ndarray:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            values = np.array(np.broadcast_to(pose.unit, there.size))
+        values[there] = unit(rows[0][first + 2])
+        return values
+
+    origin = spliced(pose.origin, lambda row: row[first] + 1j * row[first + 1])
+    return Pose(origin, spliced(pose.turn, lambda row: row[first + 2]), unit=heading)
 
 
 def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
