@@ -144,6 +144,12 @@ class View(QWidget):
 
         return svg(self._content) if ending == ".svg" else png(self._content)
 
+    def show_reason(self, error: KindynaError) -> None:
+        """Show in place of the content why there is none."""
+        self.not_here = isinstance(error, NotHere)
+        self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
+        self._stack.setCurrentWidget(self._trouble)
+
     # -- when ---------------------------------------------------------------------------------------------
 
     @property
@@ -176,9 +182,7 @@ class View(QWidget):
             self._followed = self.player.theta
             self.follow(self._followed)
         except KindynaError as error:
-            self.not_here = isinstance(error, NotHere)
-            self._trouble.setText(str(error) if self.not_here else reason(self.session.design, error))
-            self._stack.setCurrentWidget(self._trouble)
+            self.show_reason(error)
         except Exception as error:
             self._fail(error)
             raise

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from core.design import Design, faults
 from core.errors import Fault, KindynaError, NoAnswer
@@ -14,6 +15,10 @@ SAMPLES = 1800
 """Cam angles per turn on the screen."""
 Reasons = tuple[tuple[str, str, str], ...]
 """Path, name and sentence of every field that an edit is wrong for; empty where it is right."""
+
+
+NEEDED: Mapping[str, str] = MappingProxyType({"stability": "linkage"})
+"""Stage -> what alone refuses a design for it: a shaft without a chart is shown with the reason, and none waits for the chart."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +54,7 @@ def refusal_reasons(design: Design, stages: Iterable[str]) -> Reasons:
         # only what is on screen: it is computed anyway once the design is in place
         for stage in stages:
             if stage in study.stages:  # another kind of design may not have it
-                getattr(study, stage)
+                getattr(study, NEEDED.get(stage, stage))
     except NoAnswer as error:
         text = named(design, str(error).removeprefix(f"{error.field}: "))
         return ((error.field, name_of(design, error.field), text),)

@@ -89,6 +89,11 @@ class StabilityPages(QTabWidget):
         self.chosen = point
         self.redraw()
 
+    def fade(self, on: bool) -> None:
+        """Texts stand back while others are computed in their place; what has the focus keeps it."""
+        for label in (self.verdicts, self.speeds, self.needed):
+            label.setEnabled(not on)
+
     def redraw(self) -> None:
         """What is drawn is out of date."""
         self._drawn.clear()

@@ -36,17 +36,23 @@ from kindyna_gui.stability.texts import machine_text, wanted_text
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
-COARSE, FINE = 10, 64  # rows of Q: at once, and once there is time
+COARSE, FINE = 10, 64  # rows of Q: first, and once there is time
 UNSEEN = 1e-3  # of η: an edge off by less is not seen in the coarse chart
 PAUSE_MS = 150  # of editing, before what takes long is begun
+SOON_MS = 15  # after an edit: all that is on screen is painted first
+ANEW = "The chart is being computed anew …"
 RIGID = "The camshaft is rigid. Stability > Flexible shaft gives it a stiffness and an inertia to begin with."
 
 
 class StabilityView(View):
     """The page of stability.
 
-    The coarse chart is drawn at once; the fine one, the verdicts and the history of the chosen point are
-    computed beside the window and given up where the design changes or the page leaves the screen.
+    The first coarse chart is drawn at once; the fine one, the verdicts and the history of the chosen point are
+    computed beside the window and given up where the design changes or the page leaves the screen. No edit waits for a
+    chart: the one before stays, marked, until the new one is computed beside the window.
+
+    found   the shaft that the page is of; None while another is being computed
+    drawn   the chart that is shown; None before the first
     """
 
     stages = ("stability",)
@@ -54,12 +60,15 @@ class StabilityView(View):
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
         self.found: Stability | None = None
+        self.drawn: Chart | None = None
         self.chosen: ChartPoint | None = None
         self.picked: tuple[float, float] | None = None  # None: the machine's own point is chosen
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
         self.chart, self.reading, self.pages = StabilityChart(), Reading(), StabilityPages()
         self.chart.setMinimumHeight(180)
-        self.fine, self.point_jobs, self.means = Background(), Background(), Background()
+        self.anew, self.fine, self.point_jobs, self.means = Background(), Background(), Background(), Background()
+        self._soon_anew = QTimer(self, singleShot=True, interval=SOON_MS)
+        self._soon_anew.timeout.connect(self._compute_anew)
         self._pause = QTimer(self, singleShot=True, interval=PAUSE_MS)
         self._pause.timeout.connect(self._begin)
         self._lay_out()
@@ -123,6 +132,7 @@ class StabilityView(View):
         self.chart.released.connect(self._released)
         self.reading.changed.connect(self._rest)
         self.pages.lacking.connect(self._lacks)
+        self.anew.result.connect(self._computed_anew)
         self.fine.result.connect(self._refined)
         self.point_jobs.result.connect(self._known)
         self.means.result.connect(self._known)
@@ -137,17 +147,58 @@ class StabilityView(View):
         self._stop()
         self.wanted = self.found = None
         self.use.hide()
-        design = with_shaft(study.design, NO_SHAFT)
-        if design.shaft.elastic is None:
-            raise NotHere(RIGID)
-        self.found = found = study.flexible_shaft()
-        self.head.setText(machine_text(found))
-        self.reading.show_text("")
-        self.drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
+        try:
+            design = with_shaft(study.design, NO_SHAFT)
+            if design.shaft.elastic is None:
+                raise NotHere(RIGID)
+            if self.drawn is None:
+                self._show(*self._computed(study))
+                return
+        except KindynaError:
+            self.drawn = None
+            raise
+        self._mark(ANEW)
+        self._soon_anew.start()
+
+    def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
+        """What the page shows first, with the text of its head. Raises NoStability, NoAnswer."""
+        found = study.flexible_shaft()
+        drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
+        return found, drawn, machine_text(found)
+
+    def _show(self, found: Stability, drawn: Chart, text: str) -> None:
+        self.found, self.drawn = found, drawn
+        self._mark("")
+        self.head.setText(text)
         self.chosen = self._unknown(found)
         self._draw_chart()
         self._pause.start()
         self.pages.show_shaft(found, self.chosen)
+
+    def _mark(self, text: str) -> None:
+        """Where there is a text, what is shown is of the design before: it stands back, and nothing can be read off it."""
+        if text:
+            self.head.setText(text)
+            self.reading.show_text("")
+        self.chart.fade(bool(text))
+        self.pages.fade(bool(text))
+        self._rest()
+
+    def _compute_anew(self) -> None:
+        """Begin what an edit has made necessary, beside the window."""
+        if self.on_screen():
+            study = self.session.study
+            self.anew.start([(study, partial(self._computed, study))])
+            self._rest()
+
+    def _computed_anew(self, study: Study, made: tuple[Stability, Chart, str] | KindynaError) -> None:
+        if study is self.session.study:
+            if isinstance(made, KindynaError):
+                self.drawn = None
+                self.show_reason(made)
+            else:
+                self._show(*made)
+        self._rest()
 
     @staticmethod
     def _chart(found: Stability, name: str, rows: int, error: float, coarse: bool = False) -> Callable[[], Chart]:
@@ -157,13 +208,15 @@ class StabilityView(View):
         )
 
     def _another_design(self) -> None:
-        self.picked = None
+        self.picked = self.drawn = None
 
     def _unknown(self, found: Stability) -> ChartPoint:
         """The chosen point, of which nothing is known yet: one that was picked, or the machine's own."""
         return ChartPoint(*(self.picked or (found.machine.eta, found.machine.q)), own=self.picked is None)
 
     def _draw_chart(self, *_: object) -> None:
+        if self.drawn is None:
+            return
         self.chart.show_chart(self.drawn, self.across.currentData(), self.upwards.currentData())
         self.chart.look_at(*(self.picked or (None,)))
 
@@ -172,7 +225,7 @@ class StabilityView(View):
     @property
     def busy(self) -> bool:
         """Something that is shown is still to come."""
-        return self._pause.isActive() or self._computing or self.reading.busy
+        return self._pause.isActive() or self._soon_anew.isActive() or self._computing or self.reading.busy
 
     @property
     def _computing(self) -> bool:
@@ -180,11 +233,12 @@ class StabilityView(View):
 
     @property
     def _background(self) -> tuple[Background, ...]:
-        return self.fine, self.point_jobs, self.means, self.reading.background
+        return self.anew, self.fine, self.point_jobs, self.means, self.reading.background
 
     def _stop(self) -> None:
         self._pause.stop()
-        for each in (self.fine, self.point_jobs, self.means, self.reading):  # which stops its own
+        self._soon_anew.stop()
+        for each in (self.anew, self.fine, self.point_jobs, self.means, self.reading):  # which stops its own
             each.stop()
         self._rest()
 
@@ -200,26 +254,31 @@ class StabilityView(View):
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
-        if self.up_to_date and self._lacking:
+        if not self.up_to_date or self.in_trouble:
+            return
+        if self.found is None:
+            self._soon_anew.start()
+        elif self._lacking:
             self._pause.start()
 
     @property
     def _lacking(self) -> bool:
         """Something that is shown has been given up, or never requested."""
-        if self.found is None or self.chosen is None:
+        if self.found is None or self.chosen is None or self.drawn is None:
             return False
         whole = self.drawn.q.size >= FINE and not self.pages.lacks
         return not whole or bool(self._jobs(self.found, self.chosen))
 
     def settle(self) -> None:
         """Do now what waits for a pause."""
-        if self._pause.isActive():
-            self._pause.stop()
-            self._begin()
+        for timer, begin in ((self._soon_anew, self._compute_anew), (self._pause, self._begin)):
+            if timer.isActive():
+                timer.stop()
+                begin()
 
     def _begin(self) -> None:
         """Ask for what takes longer: the fine chart once, then all about the point."""
-        if self.found is None or not self.on_screen():
+        if self.found is None or self.drawn is None or not self.on_screen():
             return
         if self.drawn.q.size < FINE:
             self.fine.start([("chart", self._chart(self.found, self.drawn.name, FINE, EDGE_ERROR))])
@@ -255,7 +314,7 @@ class StabilityView(View):
         self._rest()
 
     def _rest(self) -> None:
-        self.progress.setVisible(self._computing)
+        self.progress.setVisible(self._computing or self._soon_anew.isActive())
 
     def _known(self, name: str, found: Any) -> None:
         """More is known of the chosen point, or of the shaft."""
@@ -284,7 +343,8 @@ class StabilityView(View):
             self.reading.show_point(self.found, point)
 
     def _pulled(self, eta: float, q: float) -> None:
-        assert self.found is not None
+        if self.found is None:
+            return
         self.wanted = (eta, q)
         self.chart.move_own(eta, q)
         self.reading.show_text(wanted_text(self.found.machine, eta, q))

@@ -2,10 +2,14 @@
 
 import math
 import re
+from typing import Any
 
 import pytest
+from PySide6.QtCore import QModelIndex, Qt
+from PySide6.QtWidgets import QApplication
 from window_user import Open, User, settle, wait_for
 
+from kindyna_gui.forms.tables import RowsModel, RowsTable
 from kindyna_gui.linkage.centres_view import CentresView
 from kindyna_gui.linkage.circle_view import CircleView
 from kindyna_gui.pictures.drawing.centre_parts import CentreMarks, KennedyLines
@@ -184,3 +188,90 @@ def test_a_cam_design_has_no_circle_diagram(user: User) -> None:
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
         assert view.not_here
+
+
+class Asked:
+    """Which cells of a table Qt asks for, frame by frame."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.cells: set[tuple[int, int]] = set()
+        self.count = 0
+        data = RowsModel.data
+
+        def counted(model: RowsModel, index: QModelIndex, role: int = Qt.ItemDataRole.DisplayRole) -> Any:
+            self.count += 1
+            self.cells.add((index.row(), index.column()))
+            return data(model, index, role)
+
+        monkeypatch.setattr(RowsModel, "data", counted)
+
+    def clear(self) -> None:
+        self.cells.clear()
+        self.count = 0
+
+
+def texts(table: RowsTable) -> dict[tuple[int, int], str]:
+    return {(i, j): text for i, row in enumerate(table.rows.rows) for j, text in enumerate(row.cells)}
+
+
+@pytest.mark.parametrize("name", ["lecture_six_bar", "stephenson_six_bar"])
+def test_a_frame_asks_only_for_cells_in_sight_whose_text_changes(
+    name: str, open_user: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = Asked(monkeypatch)
+    user = open_user(example(name), size=(1440, 900))
+    table = centres(user).page("centres")
+    settle()
+    before, roles = texts(table), 12
+    asked.clear()
+    for _ in range(6):
+        user.window.player.step(3.0)
+        settle()
+        now = texts(table)
+        changed = {cell for cell in now if now[cell] != before[cell]}
+        seen = {cell for cell in changed if table.visualRect(table.rows.index(*cell)).intersects(table.viewport().rect())}
+        assert asked.cells <= changed
+        assert seen <= asked.cells, "what has changed is drawn"
+        assert asked.count <= roles * len(changed)
+        asked.clear()
+        before = now
+    assert seen
+
+
+def test_while_playing_the_numbers_change_now_and_then_and_end_right(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(CentresView, "reading_ms", 60_000)  # however slow the machine is
+    asked = Asked(monkeypatch)
+    user = open_user(example("lecture_six_bar"), size=(1440, 900))
+    table, player = centres(user).page("centres"), user.window.player
+    settle()
+    asked.clear()
+    shown = {tuple(texts(table).values())}
+    player.set_speed(1e-9)  # frames by hand
+    player.play()
+    for _ in range(12):
+        player.set_theta(player.theta + 0.05)
+        QApplication.processEvents()
+        shown.add(tuple(texts(table).values()))
+    assert asked.count < 400, "in twelve frames, of which one is shown in the table"
+    assert len(shown) == 2
+    player.play(False)
+    played, theta = texts(table), player.theta
+    player.set_theta(theta + 1.0)
+    player.set_theta(theta)
+    assert texts(table) == played, "the last angle of what was played"
+
+
+def test_a_wider_number_widens_its_column_and_none_is_cut(open_user: Open) -> None:
+    user = open_user(example("lecture_six_bar"), size=(1440, 900))
+    table = centres(user).page("centres")
+    settle()
+    widths = [table.columnWidth(column) for column in (0, 1, 2)]
+    for _ in range(24):
+        user.window.player.step(15.0)
+        settle()
+        now = [table.columnWidth(column) for column in (0, 1, 2)]
+        assert all(a >= b for a, b in zip(now, widths, strict=True)), "no column jumps back"
+        widths = now
+        for (row, column), text in texts(table).items():
+            if column < 3 and table.rowViewportPosition(row) < table.viewport().height():
+                assert table.fontMetrics().horizontalAdvance(text) <= table.columnWidth(column), text

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
+from threading import current_thread
 from threading import enumerate as enumerate_threads
 
 import numpy as np
@@ -14,7 +15,7 @@ from window_user import Open, User, settle
 
 from core.design import with_elastic
 from core.project import load
-from core.stability import EXACT, Stability, chart, flexible
+from core.stability import EXACT, Chart, Stability, chart, flexible
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
 from kindyna_gui.pictures.files import chart_file
@@ -132,6 +133,40 @@ def test_an_edit_gives_up_what_is_being_computed(kim: User) -> None:
     wait_until(lambda: not view.busy)
     assert view.found is not None
     assert view.found.machine.rpm(view.found.machine.eta) == pytest.approx(1234.0)
+
+
+def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    view = page(kim)
+    before, own, count, threads = view.drawn, kim.design, evaluations["stability"], set()
+
+    def drawn_by(*parts: object, **more: object) -> Chart:
+        threads.add(current_thread())
+        return chart(*parts, **more)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("kindyna_gui.stability.stability_view.chart", drawn_by)
+    for stiffness in (91.0, 95.0):
+        assert kim.session.edit("shaft.stiffness_nm_per_rad", stiffness, "Change stiffness")
+        assert view.drawn is before
+        assert evaluations["stability"] == count
+        assert not threads
+        assert "anew" in view.head.text()
+        assert view.busy
+    wait_until(lambda: not view.busy)
+    assert current_thread() not in threads
+    found = kim.session.study.stability
+    assert found is not None
+    assert view.found is found
+    assert view.drawn is not before
+    assert np.array_equal(view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=FINE).tongues[EXACT].edges)
+    assert "anew" not in view.head.text()
+    kim.session.edit("shaft.stiffness_nm_per_rad", 60.0, "Change stiffness")
+    kim.window.show_view("mechanism")
+    settle()
+    assert not view.busy, "what has left the screen is given up"
+    kim.window.show_view("stability")
+    wait_until(lambda: view.up_to_date and not view.busy)
+    assert view.found is kim.session.study.stability
+    assert own != kim.design
 
 
 def test_a_closed_window_computes_no_more(kim: User) -> None:

@@ -22,6 +22,7 @@ from kindyna_gui.pictures.units import short
 LEAST_ETA = 0.42  # the rpm axis ends where η falls to this, beyond the first tongue ...
 TIMES_OWN = (1.25, 8.0)  # ... but within these multiples of the machine's own speed
 Z_TONGUE, Z_PATH, Z_POINT = 0.0, 10.0, 20.0
+PATH_OPACITY, FADED = 0.55, 0.35
 NAMES = (
     Entry(VERMILION, "unstable by (21), exact"),
     Entry(BLUE, "edges of (22), Kim1990's approximation", "– –"),
@@ -71,7 +72,7 @@ class ChartPlot(FixedPlot):
         self._approximate = self._outline(BLUE, Z_TONGUE - 0.5, DASHED)
         self._marked = self._outline(theme.quiet, Z_PATH - 1.0, (2.0, 4.0))
         self._path = self._outline(theme.ink, Z_PATH)
-        self._path.setOpacity(0.55)
+        self._path.setOpacity(PATH_OPACITY)
         dot, ring = QPainterPath(), QPainterPath()
         dot.addEllipse(QRectF(-4.5, -4.5, 9.0, 9.0))
         ring.addEllipse(QRectF(-6.0, -6.0, 12.0, 12.0))
@@ -166,6 +167,11 @@ class ChartPlot(FixedPlot):
             path.moveTo(low, y)
             path.lineTo(high, y)
         return path
+
+    def fade(self, on: bool) -> None:
+        """The tongues stand back while others are computed in their place."""
+        for item, usual in ((self._hull, 1.0), (self._exact, 1.0), (self._approximate, 1.0), (self._path, PATH_OPACITY), (self.own, 1.0)):
+            item.setOpacity(FADED * usual if on else usual)
 
     def _place_machine(self, machine: Machine | None) -> None:
         """The operating point, and the run-up to it from standstill, η = ∞."""
