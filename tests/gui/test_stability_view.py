@@ -157,7 +157,7 @@ def test_an_edit_waits_for_no_chart_and_the_one_before_stays_marked(kim: User, m
     assert found is not None
     assert view.found is found
     assert view.drawn is not before
-    assert np.array_equal(view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=FINE).tongues[EXACT].edges)
+    assert np.array_equal(view.drawn.tongues[EXACT].edges, chart(found.coefficients, found.machine, rows=64).tongues[EXACT].edges)
     assert "anew" not in view.head.text()
     kim.session.edit("shaft.stiffness_nm_per_rad", 60.0, "Change stiffness")
     kim.window.show_view("mechanism")
