@@ -31,9 +31,15 @@ class Finding:
     @property
     def message(self) -> str:
         """The sentence. Figures that it compares have as many digits as tell them apart."""
-        digits, names = COMPARED.get(self.code, (0, ()))
+        digits, names = COMPARED.get(self._row, (0, ()))
         texts = dict(zip(names, apart([float(self.values.get(name, 1.0)) for name in names], digits), strict=True))
-        return SENTENCES[self.code].format(**{**self.values, **texts}, at=self._at)
+        return SENTENCES[self._row].format(**{"face": "roller", **self.values, **texts}, at=self._at)
+
+    @property
+    def _row(self) -> str:
+        """Key of the sentence: some codes have another one for some faces."""
+        own = f"{self.code}.{self.values.get('face', '')}"
+        return own if own in SENTENCES else self.code
 
     @property
     def _at(self) -> str:
@@ -44,7 +50,7 @@ class Finding:
     @property
     def says_angle(self) -> bool:
         """The sentence holds the cam angle."""
-        return "{at}" in SENTENCES[self.code]
+        return "{at}" in SENTENCES[self._row]
 
 
 MOST_DIGITS = 17  # of a double
@@ -69,8 +75,16 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "the cam's centre",
         "undercut": "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: "
         "enlarge the base radius, or take a smaller roller",
-        "separation": "the roller leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
+        "undercut.shoe": "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the shoe's {shoe_radius_mm} mm: "
+        "enlarge the base radius, or take a shoe of smaller radius",
+        "undercut.flat": "undercut: under the flat face the profile's radius of curvature comes down to {radius_mm:.5g} mm{at}, it "
+        "must stay above 0: {remedy}",
+        "face-too-narrow": "the contact leaves the flat face{at}: it runs to {contact_mm:.6g} mm, {needed_mm} mm from the face's "
+        "centre, its half width is {half_width_mm} mm",
+        "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
         "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1",
+        "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "
+        "has{at}, must stay below 1; lower it, or enlarge the base radius",
         "dead-centre": "rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}",
         "rod-across-guide": "the rod comes close to standing across the guide, where the arm cannot drive the slider: "
         "cosine of its angle {value:.3g}",
@@ -101,7 +115,10 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "pressure-angle": (4, ("value", "limit")),
         "roller-pressure-angle": (4, ("value", "limit")),
         "undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
+        "undercut.shoe": (5, ("pitch_radius_mm", "shoe_radius_mm")),
+        "face-too-narrow": (5, ("needed_mm", "half_width_mm")),
         "jamming": (4, ("factor", "limit")),
+        "contact-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),
         "unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
         "near-unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),

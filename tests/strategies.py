@@ -10,6 +10,7 @@ from core.design import (
     FOLLOWER_KINDS,
     SECTIONS,
     CamSlider,
+    ContactFriction,
     Curve,
     Design,
     Drive,
@@ -37,7 +38,8 @@ def values(info: Info) -> st.SearchStrategy[Any]:
         return st.sampled_from(info.choices)
     low = None if info.low == -math.inf else info.low
     high = None if info.high == math.inf else info.high
-    return st.floats(low, high, exclude_min=info.open_low, allow_nan=False, allow_infinity=False)
+    numbers = st.floats(low, high, exclude_min=info.open_low, allow_nan=False, allow_infinity=False)
+    return st.none() | numbers if info.optional else numbers
 
 
 def parts(part: type) -> st.SearchStrategy[Any]:
@@ -98,12 +100,16 @@ def motions(draw: st.DrawFn, unit: str = "mm", named: bool = True) -> Motion:
 def designs(draw: st.DrawFn) -> Design:
     """A valid design of any kind, with any name and any of its entries assumed."""
     row: FollowerKind = draw(st.sampled_from(tuple(FOLLOWER_KINDS.values())))
+    word = draw(st.sampled_from(tuple(row.faces)))
+    follower, cam, loads = row.under(word)
     drive = Drive(
         draw(motions(row.motion_unit, named=False)),
-        draw(parts(row.follower)),
-        draw(parts(row.cam)),
-        draw(parts(row.loads)),
+        replace(draw(parts(follower)), face=draw(parts(row.faces[word]))),
+        draw(parts(cam)),
+        draw(parts(loads)),
     )
+    if drive.face.slides:
+        drive = replace(drive, loads=replace(drive.loads, contact=draw(parts(ContactFriction))))
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
     shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(Elastic)))
     design = Design(name, shaft, (drive,))

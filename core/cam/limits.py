@@ -1,14 +1,16 @@
-"""Limits of a cam: pressure angle and undercut."""
+"""Limits of a cam: its pressure angle, and what its face adds."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from math import degrees
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from core.design import LinkageCam, RollerCam, si
+from core.cam.faces import row_of
+from core.cam.sizes import ENTRIES
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
 from core.mechanism.kinematics import REVOLUTE, SLIDING, Kinematics
@@ -19,17 +21,12 @@ from core.numerics.vectors import dot
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})
 
-# a cam under a linkage has the size that the linkage gives it
-PRESSURE_FIELDS: Mapping[type, tuple[str, str]] = MappingProxyType(
-    {RollerCam: ("pressure-angle", "cam.base_radius_mm"), LinkageCam: ("roller-pressure-angle", "cam.point")}
-)
-
 ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit itself does not exceed it
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
-def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | LinkageCam) -> list[Finding]:
-    """What the refined extremes of pressure angle [rad] and pitch curvature [1/m] exceed; ground: kind of the pair
+def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any) -> list[Finding]:
+    """What the refined extremes of pressure angle [rad] and of the face's own quantities exceed; ground: kind of the pair
     that holds the follower."""
     found = []
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
@@ -37,18 +34,14 @@ def findings(extremes: Mapping[str, Range], ground: str, cam: RollerCam | Linkag
     if angle > limit * (1.0 + ROUNDING):
         values = {"value": angle, "limit": limit}
         severity = ERROR if angle > NO_DRIVE else WARNING
-        code, field = PRESSURE_FIELDS[type(cam)]
-        found.append(Finding(code, severity, field, degrees(worst.theta), values))
-    if undercut(extremes, cam):
-        sharpest = extremes["pitch_curvature"].high
-        values = {"pitch_radius_mm": 1e3 / sharpest.value, "roller_radius_mm": cam.roller_radius_mm}
-        found.append(Finding("undercut", ERROR, "cam.roller_radius_mm", degrees(sharpest.theta), values))
-    return found
+        row = ENTRIES[type(cam)]
+        found.append(Finding(row.pressure, severity, row.size, degrees(worst.theta), values))
+    return found + row_of(face).findings(extremes, face, cam)
 
 
-def undercut(extremes: Mapping[str, Range], cam: RollerCam | LinkageCam) -> bool:
-    """Whether the pitch curve is somewhere no blunter than the roller: there the profile has a cusp, or crosses itself."""
-    return bool(si(cam).roller_radius * extremes["pitch_curvature"].high.value >= 1.0)
+def undercut(extremes: Mapping[str, Range], face: Any) -> bool:
+    """Whether the profile has a cusp, or crosses itself where it is curved too much for its face."""
+    return row_of(face).undercut(extremes, face)
 
 
 def require_hold(kinematics: Kinematics) -> None:

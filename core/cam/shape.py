@@ -1,18 +1,14 @@
-"""The cam's shape: pitch curve and profile as the envelope of the follower's face, in closed form."""
+"""The cam's shape as results: its flanks, and the relative motion that they follow from."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
-from core.design import LinkageCam, RollerCam, si
-from core.errors import NoCam, angle_ranges
-from core.instant_centres import Centres, cam_follower_centre
+from core.instant_centres import Centres
 from core.mechanism.kinematics import Kinematics
 from core.numerics.derivatives import BINOMIAL, Derivatives
 from core.numerics.lazy import Lazy
@@ -21,22 +17,51 @@ from core.numerics.vectors import cross, dot
 
 @dataclass(frozen=True, eq=False)
 class Flank:
-    """One side of the cam that the follower touches, at n cam angles; all but the normal may be given as functions.
+    """One side of the cam that the follower touches, at n cam angles; each may be given as a function.
 
-    pitch, profile   (n,) complex [m] in the cam's own frame, which is the global frame at cam angle 0
-    normal           (n,) complex unit vector in the global frame, from the roller centre to the contact
-    pressure_angle   (n,) [rad], unsigned, 0 ... π/2
-    pitch_curvature  (n,) [1/m], positive where the cam is convex; profile_curvature likewise
-    pitch_curvature_slope  (n,) its derivative by cam angle
+    profile  (n,) complex [m] in the cam's own frame, which is the global frame at cam angle 0
+    contact  (n,) complex [m], where they touch, in the global frame
+    normal   (n,) complex unit vector in the global frame, from the follower into the cam
+    pressure_angle     (n,) [rad], unsigned, 0 ... π/2
+    profile_curvature  (n,) [1/m], positive where the cam is convex
+    sliding  (n,) [m] by cam angle: speed of the follower's point that touches relative to the cam's, along i d n
+    """
+
+    profile: Lazy[np.ndarray] = Lazy()
+    contact: Lazy[np.ndarray] = Lazy()
+    normal: Lazy[np.ndarray] = Lazy()
+    pressure_angle: Lazy[np.ndarray] = Lazy()
+    profile_curvature: Lazy[np.ndarray] = Lazy()
+    sliding: Lazy[np.ndarray] = Lazy()
+
+
+@dataclass(frozen=True, eq=False)
+class RoundFlank(Flank):
+    """Under a roller, a shoe or an edge, which has a pitch curve: the path of its centre.
+
+    pitch            (n,) complex [m] in the cam's own frame
+    pitch_curvature  (n,) [1/m], positive where the cam is convex; ``pitch_curvature_slope`` (n,) its derivative by cam angle
     """
 
     pitch: Lazy[np.ndarray] = Lazy()
-    profile: Lazy[np.ndarray] = Lazy()
-    normal: Lazy[np.ndarray] = Lazy()
-    pressure_angle: Lazy[np.ndarray] = Lazy()
     pitch_curvature: Lazy[np.ndarray] = Lazy()
     pitch_curvature_slope: Lazy[np.ndarray] = Lazy()
-    profile_curvature: Lazy[np.ndarray] = Lazy()
+
+
+@dataclass(frozen=True, eq=False)
+class FlatFlank(Flank):
+    """Under a straight face.
+
+    support         (n,) [m] distance of the face from the cam centre, and ``support_angle`` (n,) complex unit vector of its
+                    normal in the cam's own frame, from the cam to the face
+    profile_radius  (n,) [m] radius of curvature, positive where the cam is convex: it goes through 0 at a cusp
+    on_face         (n,) [m] where the contact lies on the face, along i m from the reference point
+    """
+
+    support: Lazy[np.ndarray] = Lazy()
+    support_angle: Lazy[np.ndarray] = Lazy()
+    profile_radius: Lazy[np.ndarray] = Lazy()
+    on_face: Lazy[np.ndarray] = Lazy()
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +79,23 @@ class CamShape:
     def flank(self) -> Flank:
         return self.flanks[0]
 
+    @property
+    def extent(self) -> float:
+        """Farthest that the reference point, or what it carries to the cam, comes from the cam centre [m]."""
+        return max(float(np.abs(self.reference).max()), float(np.abs(self.flank.contact).max()))
+
+
+def round_flank(shape: CamShape) -> RoundFlank:
+    """The first flank of a cam under a round."""
+    assert isinstance(shape.flank, RoundFlank), "a flat face has no pitch curve"
+    return shape.flank
+
+
+def flat_flank(shape: CamShape) -> FlatFlank:
+    """The first flank of a cam under a straight face."""
+    assert isinstance(shape.flank, FlatFlank), "only a flat face has places"
+    return shape.flank
+
 
 def relative_motion(kinematics: Kinematics, sense: float) -> Derivatives:
     """The pitch curve's derivatives, turned into the global frame: the reference point R, its velocity t = R' - idR relative
@@ -65,6 +107,24 @@ def relative_motion(kinematics: Kinematics, sense: float) -> Derivatives:
         return np.asarray(sum(terms, r[order]))
 
     return Derivatives(row)
+
+
+def turned_back(kinematics: Kinematics, sense: float) -> Callable[[], np.ndarray]:
+    """e^{-idθ} (n,), made once: from the global frame into the cam's."""
+
+    @cache
+    def back() -> np.ndarray:
+        turned = kinematics.motion.angles.unit
+        return turned.conj() if sense > 0.0 else turned
+
+    return back
+
+
+def sliding(kinematics: Kinematics, motion: Derivatives, contact: np.ndarray, normal: np.ndarray, sense: float) -> np.ndarray:
+    """Speed of the follower relative to the cam where they touch (n,) [m] by cam angle, along i d n: the velocity
+    t + i(φ' - d)(C - R) of the follower's point there has no part along the normal."""
+    turn = kinematics.follower.turn[1] - sense
+    return sense * cross(normal, motion[1] + 1j * turn * (contact - motion[0]))
 
 
 def curvature(motion: Derivatives, sense: float) -> np.ndarray:
@@ -79,78 +139,3 @@ def curvature_slope(motion: Derivatives, sense: float) -> np.ndarray:
     square = dot(t, t)
     bend = cross(t, x) - 3.0 * cross(t, w) * dot(t, w) / square
     return -sense * bend / (square * np.sqrt(square))
-
-
-# what sets the cam's size: its field, and what to do
-SIZES: Mapping[type, tuple[str, str]] = MappingProxyType({
-    RollerCam: ("cam.base_radius_mm", "make it larger, or the roller smaller, or lower the motion"),
-    LinkageCam: ("cam.point", "let the roller run farther from the frame's origin, or make it smaller"),
-})  # fmt: skip
-
-
-def roller_envelope(kinematics: Kinematics, cam: RollerCam | LinkageCam, sense: float) -> CamShape:
-    """Profile of a disk cam under a roller: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
-
-    Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
-    Raises NoCam where the roller covers the cam centre or stands still on the cam (a cusp).
-    """
-    radius = si(cam).roller_radius
-    motion = relative_motion(kinematics, sense)
-    reference, t = motion[0], motion[1]
-    _require_cam(kinematics, reference, t, cam)
-    normal = (-1j * sense) * t / np.abs(t)
-
-    @cache
-    def back() -> np.ndarray:
-        """e^{-idθ}."""
-        turned = kinematics.motion.angles.unit
-        return turned.conj() if sense > 0.0 else turned
-
-    bend = cache(lambda: curvature(motion, sense))
-    flank = Flank(
-        pitch=lambda: reference * back(),
-        profile=lambda: (reference + radius * normal) * back(),
-        normal=normal,
-        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
-        pitch_curvature=bend,
-        pitch_curvature_slope=lambda: curvature_slope(motion, sense),
-        profile_curvature=lambda: _beyond(bend(), radius),
-    )
-    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(kinematics, sense))
-
-
-@np.errstate(divide="ignore")
-def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
-    """Curvature of the curve that runs beside by the roller's radius, on the convex side's inside."""
-    return pitch_curvature / (1.0 - radius * pitch_curvature)
-
-
-def _require_cam(kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, cam: RollerCam | LinkageCam) -> None:
-    radius = si(cam).roller_radius
-    distance = np.abs(reference)
-    bad = distance <= radius
-    if bad.any():
-        raise NoCam(
-            f"the roller covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
-            f"less than the roller radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
-            *SIZES[type(cam)],
-            angle_ranges(kinematics.theta, bad),
-        )
-    still = t == 0.0
-    if still.any():
-        raise NoCam(
-            "the roller stands still on the cam (cusp of the pitch curve)",
-            SIZES[type(cam)][0],
-            "change it",
-            angle_ranges(kinematics.theta, still),
-        )
-
-
-ENVELOPES: Mapping[type, Callable[[Kinematics, Any, float], CamShape]] = MappingProxyType(
-    {RollerCam: roller_envelope, LinkageCam: roller_envelope}
-)
-
-
-def envelope(kinematics: Kinematics, cam: Any, sense: float) -> CamShape:
-    """The cam that moves the follower body of the kinematics; sense: d = +1 counter-clockwise, -1 clockwise."""
-    return ENVELOPES[type(cam)](kinematics, cam, sense)

@@ -8,11 +8,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
-from math import fsum, nan
+from math import floor, fsum, hypot, log10, nan
 from types import MappingProxyType
 from typing import Any
 
+from core.design.faces import FACE, ContactFriction
+from core.design.fields import words_of
 from core.design.parts import (
+    FOLLOWER_KINDS,
     CamSlider,
     Curve,
     Elastic,
@@ -25,8 +28,8 @@ from core.design.parts import (
     Spline,
     curve_of,
 )
-from core.design.paths import put
-from core.design.whole import Design, with_drive
+from core.design.paths import all_paths, of_class, put
+from core.design.whole import Design, Drive, with_drive
 from core.laws import find_law
 
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
@@ -205,10 +208,58 @@ def edited(design: Design, path: str, value: Any) -> Design:
         return with_drive(design, motion=motion)
     if path == "follower.layout" and isinstance(design.drive.mechanism, CamSlider):
         return with_drive(design, mechanism=with_layout(design.drive.mechanism, value))
+    if design.drive.cam is not None and path == design.drive.face_path:
+        return with_face(design, value)
     changed = put(design, path, value)
     if changed.drive.is_linkage and changed.shaft is not None:
         return _at_one_speed(changed, path)
     return changed
+
+
+FIRST_RADIUS = 0.2  # of a roller or a shoe that was none before: parts of the base radius
+
+
+def with_face(design: Design, word: str) -> Design:
+    """The design with another face on the cam: follower, cam and loads keep what they share with it; a radius goes from roller
+    to shoe and back, and what is new is assumed. A face that slides has a friction, which is 0 to begin with."""
+    drive, old = design.drive, design.drive.face
+    if word == old.face:
+        return design
+    size = old.radius_mm or _first_radius(drive)
+    made = (_linkage_under if drive.is_linkage else _follower_under)(drive, word, size)
+    rubbing = (drive.loads.contact or ContactFriction()) if made.face.slides else None
+    changed = with_drive(design, mechanism=made.mechanism, cam=made.cam, loads=replace(made.loads, contact=rubbing))
+    before, after = set(all_paths(design)), list(all_paths(changed))
+    new = [path for path in after if path not in before and path.endswith("_mm") and ".face_" not in path]
+    assumed = [*new, *(path for path in design.assumed if path in after)]
+    return replace(changed, assumed=tuple(sorted(assumed, key=after.index)))
+
+
+def _linkage_under(drive: Drive, word: str, radius: float) -> Drive:
+    face = of_class(words_of(type(drive.cam), FACE)[word], roller_radius_mm=radius, shoe_radius_mm=radius)
+    return replace(drive, cam=replace(drive.cam, face=face))
+
+
+def _follower_under(drive: Drive, word: str, radius: float) -> Drive:
+    row, old = FOLLOWER_KINDS[drive.kind], drive.follower
+    follower, cam, loads = row.under(word)
+    face: Any = of_class(row.faces[word], shoe_radius_mm=radius)
+    base = drive.cam.base_radius_mm
+    arm = max(hypot(getattr(old, "pivot_x_mm", 0.0), getattr(old, "pivot_y_mm", 0.0)), base + radius)  # reaches the base circle
+    values = {"face": face, **({} if hasattr(old, "arm_mm") else {"arm_mm": round(arm, 3)})}
+    return replace(
+        drive, mechanism=of_class(follower, old, **values), cam=of_class(cam, drive.cam, roller_radius_mm=radius),
+        loads=of_class(loads, drive.loads),
+    )  # fmt: skip
+
+
+def _first_radius(drive: Drive) -> float:
+    """Of a roller or a shoe where there was none [mm], of one digit."""
+    extent = getattr(drive.cam, "base_radius_mm", 0.0)
+    extent = max([extent, *(hypot(p.x_mm, p.y_mm) for link in drive.links for p in link.points)])
+    size = FIRST_RADIUS * extent or 1.0
+    unit = 10.0 ** floor(log10(size))
+    return floor(size / unit) * unit
 
 
 def _at_one_speed(design: Design, path: str) -> Design:

@@ -144,6 +144,7 @@ class Placing:
     key      rows are named by this field of theirs, as ``points.A``, and are one value or pair each; else numbered
     whole    may be assumed as a whole
     brief    the part's entries that are as they would be anyway are left out
+    word     key of the word in the same table that chooses the part; words: that word -> class; label, help: of the choice
     missing  what a file must say, as text
     in_file  False: it follows from something else
     """
@@ -156,6 +157,23 @@ class Placing:
     brief: bool = False
     missing: str = ""
     in_file: bool = True
+    word: str = ""
+    words: Mapping[str, Any] = field(default_factory=dict)
+    label: str = ""
+    help: str = ""
+
+
+def chosen_by_word(
+    word: str, words: Mapping[str, Any], label: str, *, otherwise: str, brief: bool = False, help: str = ""
+) -> Placing:
+    """A part whose class is chosen by a word of the same table, which stands there before its own keys; ``otherwise``: the
+    word where the table has none. Each class says its word in an attribute of that name."""
+
+    def choose(table: Mapping[str, Any]) -> Any:
+        value = table.get(word, otherwise)
+        return words.get(value if isinstance(value, str) else otherwise, words[otherwise])
+
+    return Placing(words[otherwise], choose, word=word, words=words, label=label, help=help, brief=brief)
 
 
 _PLACING = "kindyna-placing"
@@ -171,7 +189,7 @@ class Slot:
     """One entry of a part's table in the file.
 
     key      as the file spells it
-    names    the fields that hold it: two of a pair; none of a curve's law that its class stands for
+    names    the fields that hold it: two of a pair; none of a word that the class of a part stands for: a law, a face
     infos    of these fields; none of text, parts and lists
     placing, default   of the field, of a pair's first
     within   field of the part whose own fields these are, where its keys stand in the table of the whole
@@ -224,6 +242,11 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
     for each in _fields_in_order(kind):
         info, placing = info_of(each), each.metadata.get(_PLACING, Placing())
         if placing.choose is not None:
+            if placing.word:
+                choices = Info(placing.label, placing.help, choices=tuple(placing.words))
+                here = Placing(word=placing.word, words=placing.words)
+                default = getattr(placing.kind, placing.word)
+                found.append(Slot(placing.word, (), (choices,), here, default, within=each.name, brief=placing.brief))
             own = (slot for name, part in inside if name == each.name for slot in slots(part))
             found += [replace(slot, within=each.name, brief=placing.brief) for slot in own]
         elif info is not None and info.pair and (first := next((s for s in found if s.key == info.pair), None)):
@@ -240,6 +263,11 @@ def _choosing(kind: Any) -> tuple[tuple[str, Placing], ...]:
     """The fields of a class whose parts' keys stand in its table."""
     placings = ((each.name, each.metadata.get(_PLACING, Placing())) for each in dataclasses.fields(kind))
     return tuple((name, placing) for name, placing in placings if placing.choose is not None)
+
+
+def words_of(kind: Any, key: str) -> Mapping[str, Any]:
+    """Word -> class of the parts that a class may have by the word that stands under this key."""
+    return next(slot.placing.words for slot in slots(kind) if slot.key == key)
 
 
 def inside_of(part: Any) -> tuple[tuple[str, Any], ...]:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
-from core.design.fields import Placing, choice, coordinate, length, number, placed, whole
+from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
+from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.parts import FORMS
 
 FRAME_LINK = 1
@@ -108,12 +109,15 @@ class Linkage:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkageCam:
-    """Disk cam about the origin of the frame, under a roller at a point of a link: it makes the linkage follow the
-    motion. Its size follows from where the roller runs."""
+    """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link: it makes the linkage
+    follow the motion. Its size follows from where that point runs."""
 
     link: int = whole("Roller on link", 2, 999)
     point: str = placed(Placing(missing="the name of a point"))
-    roller_radius_mm: float = length("Roller radius Rr")
+    face: Roller | Knife | Shoe = placed(
+        chosen_by_word(FACE, {"roller": Roller, "knife": Knife, "shoe": Shoe}, "Face", otherwise="roller", brief=True,
+                       help="what touches the cam")
+    )  # fmt: skip
     form: str = choice("Form", FORMS, default="open")
 
 
@@ -141,8 +145,9 @@ class LinkForce:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkageLoads:
-    """Masses of the links and what pushes them; without friction."""
+    """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
 
+    contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
     masses: tuple[LinkMass, ...] = placed(Placing(LinkMass), ())

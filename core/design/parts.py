@@ -10,7 +10,19 @@ from dataclasses import dataclass, fields
 from types import MappingProxyType
 from typing import Any, ClassVar
 
-from core.design.fields import LAW, Placing, choice, coordinate, length, number, placed
+from core.design.faces import (
+    FACE,
+    ContactFriction,
+    Face,
+    Flat,
+    Knife,
+    OffsetFlat,
+    Rolling,
+    Shoe,
+    TiltedFlat,
+    rubs,
+)
+from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
 from core.design.units import UNITS
 from core.laws import LAWS
 
@@ -126,13 +138,19 @@ class Motion:
 # -- followers: lengths only ------------------------------------------------------------------------------
 
 LAYOUTS = tuple("abcdefgh")
-FACES = ("roller",)
+
+def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rolling()) -> Any:  # noqa: B008
+    """A dataclass field for the face of a follower, whose keys stand in the follower's table."""
+    words = {"roller": Rolling, **({} if flat is None else {"flat": flat}), "knife": Knife, "shoe": Shoe}
+    placing = chosen_by_word(FACE, words, "Face", otherwise=default.face, brief=brief, help="what touches the cam")
+    return placed(placing, default)
 
 
 @dataclass(frozen=True, kw_only=True)
 class CamSlider:
     """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
 
+    face: Rolling | Knife | Shoe = faces_of(None, brief=True)
     layout: str = choice("Layout", LAYOUTS, help="a...h: cam left/right, roller above/below, slider right/left")
     slider_arm_mm: float = length("Slider arm L1", help="pivot to the rod's pin")
     rod_mm: float = length("Rod L2", help="arm's pin to slider pin")
@@ -150,9 +168,9 @@ class CamSlider:
 
 @dataclass(frozen=True, kw_only=True)
 class Translating:
-    """Follower that slides on a straight guide, with a roller on the cam."""
+    """Follower that slides on a straight guide."""
 
-    face: str = choice("Face", FACES, default="roller")
+    face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
     offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
     direction_deg: float = number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards")
 
@@ -162,9 +180,9 @@ SIDES: Mapping[str, float] = MappingProxyType({"left": 1.0, "right": -1.0})
 
 @dataclass(frozen=True, kw_only=True)
 class Oscillating:
-    """Arm on a fixed pivot with a roller on the cam (physics of the oscillating roller follower)."""
+    """Arm on a fixed pivot with a roller, a knife edge or a shoe on the cam."""
 
-    face: str = choice("Face", FACES, default="roller")
+    face: Rolling | Knife | Shoe = faces_of(OffsetFlat)
     arm_mm: float = length("Arm", help="pivot to roller centre")
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
@@ -173,12 +191,30 @@ class Oscillating:
     )
 
 
-Follower = CamSlider | Translating | Oscillating
+@dataclass(frozen=True, kw_only=True)
+class OscillatingFlat:
+    """Arm on a fixed pivot with a flat face on the cam; the contact moves along it, so that it has no length of its own."""
+
+    face: OffsetFlat = faces_of(OffsetFlat, default=OffsetFlat())
+    pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre")
+    pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
+    side: str = choice("Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the contact lies")
+
+
+Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 
 
 # -- cam, shaft, loads ------------------------------------------------------------------------------------
 
 FORMS = ("open",)
+
+
+@dataclass(frozen=True)
+class DiskCam:
+    """Disk cam under a face that is not a roller."""
+
+    base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
+    form: str = choice("Form", FORMS, default="open")
 
 
 @dataclass(frozen=True)
@@ -190,7 +226,13 @@ class RollerCam:
     form: str = choice("Form", FORMS, default="open")
 
 
-Cam = RollerCam
+Cam = RollerCam | DiskCam
+
+
+def face_of(follower: Follower, cam: Cam) -> Face:
+    """The face of a follower with its size."""
+    found: Face = follower.face.on(cam)
+    return found
 
 SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
 
@@ -256,8 +298,9 @@ def _friction() -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Loads:
-    """What every follower's loads share; in a file what a follower adds stands first."""
+    """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
 
+    contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
 
@@ -307,29 +350,62 @@ class OscillatingLoads(Loads):
     preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
 
 
+@dataclass(frozen=True, kw_only=True)
+class OscillatingFlatLoads(Loads):
+    """Masses and closing spring of an arm with a flat face."""
+
+    arm_mass_kg: float = _mass("Arm mass")
+    arm_inertia_kg_m2: float = _mass("Arm inertia", "about its centre of mass")
+    arm_centre_mm: float = coordinate("Arm centre", default=0.0, help="centre of mass: distance from the pivot")
+    arm_centre_angle_deg: float = number(
+        "Arm centre angle", -360.0, 360.0, default=0.0, help="from the direction along the face towards the contact"
+    )
+    spring_rate_nm_per_rad: float = number("Spring rate", 0.0, default=0.0)
+    preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
+
+
 # -- kinds of followers ------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class FollowerKind:
-    """One row per follower: the classes its tables of the file are read into, and the unit of its motion."""
+    """One row per follower: the classes its tables of the file are read into, and the unit of its motion.
+
+    flat  classes of follower and loads under a flat face, where they are others
+    """
 
     label: str
     follower: type[Follower]
-    cam: type[Cam]
     loads: type[Loads]
     motion_unit: str
+    flat: tuple[type[Follower], type[Loads]] | None = None
+
+    @property
+    def faces(self) -> Mapping[str, type]:
+        """The faces that it can have, by the words of the file."""
+        return words_of(self.follower, FACE)
+
+    @property
+    def followers(self) -> tuple[type[Follower], ...]:
+        return (self.follower, *(self.flat or ())[:1])
+
+    def under(self, face: str) -> tuple[type[Follower], type[Cam], type[Loads]]:
+        """The classes of follower, cam and loads with this face."""
+        follower, loads = self.flat if self.flat and face == Flat.face else (self.follower, self.loads)
+        return follower, RollerCam if face == Rolling.face else DiskCam, loads
 
 
 FOLLOWER_KINDS: Mapping[str, FollowerKind] = MappingProxyType(
     {
-        "cam-slider": FollowerKind("Cam-driven slider", CamSlider, RollerCam, CamSliderLoads, "mm"),
-        "translating": FollowerKind("Translating follower", Translating, RollerCam, TranslatingLoads, "mm"),
-        "oscillating": FollowerKind("Oscillating follower", Oscillating, RollerCam, OscillatingLoads, "deg"),
+        "cam-slider": FollowerKind("Cam-driven slider", CamSlider, CamSliderLoads, "mm"),
+        "translating": FollowerKind("Translating follower", Translating, TranslatingLoads, "mm"),
+        "oscillating": FollowerKind(
+            "Oscillating follower", Oscillating, OscillatingLoads, "deg", (OscillatingFlat, OscillatingFlatLoads)
+        ),
     }
 )
 
 
 def kind_of(follower: Follower) -> str:
     """The slug of a follower's kind."""
-    return next(slug for slug, row in FOLLOWER_KINDS.items() if row.follower is type(follower))
+    return next(slug for slug, row in FOLLOWER_KINDS.items() if type(follower) in row.followers)

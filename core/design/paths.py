@@ -7,18 +7,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, is_dataclass, replace
-from typing import Any
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from math import nan
+from typing import Any, TypeVar
 
 from core.design.fields import LAW, Info, Slot, slots, slots_of
 from core.design.parts import Segment, curve_of
-from core.design.units import Unit, split_unit
+from core.design.units import NO_UNIT, Unit, split_unit
 from core.design.whole import Design, with_table
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
 Step = tuple[str, int | None]
 _NO_ROW = object()
+P = TypeVar("P")
 
 
 @dataclass(frozen=True)
@@ -89,6 +91,8 @@ def _values(part: Any, slot: Slot, at: str, path: str) -> Iterator[tuple[str, En
     if slot.info is None:
         if slot.key == LAW:
             yield at, None
+    elif not slot.names:
+        yield at, Entry(at, slot.info, NO_UNIT, getattr(part, slot.key), at)
     elif len(slot.names) == 1:
         yield at, Entry(at, slot.info, split_unit(slot.key)[1], getattr(part, slot.names[0]), at)
     else:
@@ -131,6 +135,9 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
     if isinstance(part, Segment) and name == LAW and not rest:
         return part.curve.law, lambda value: replace(part, curve=curve_of(value))
     slot = _slot(part, name, path)
+    if slot.placing.word and index is None and not rest:
+        old = getattr(part, slot.within)
+        return getattr(old, name), lambda value: replace(part, **{slot.within: of_class(slot.placing.words[value], old)})
     if slot.within:
         inner, put_inner = _opened(getattr(part, slot.within), steps, path)
         return inner, lambda value: replace(part, **{slot.within: put_inner(value)})
@@ -150,6 +157,19 @@ def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[
     else:
         return _nowhere(path)
     return inner, lambda value: replace(part, **{field: put_inner(value)})
+
+
+def of_class(kind: type[P], *others: Any, **values: Any) -> P:
+    """A part of this class: each field as given, else as another part has it that has a field of that name, else at its
+    default; no number where there is none."""
+    made: dict[str, Any] = {}
+    for each in fields(kind):  # type: ignore[arg-type]
+        given = [getattr(other, each.name) for other in others if hasattr(other, each.name)]
+        if each.name in values or given:
+            made[each.name] = values[each.name] if each.name in values else given[0]
+        elif each.default is MISSING and each.default_factory is MISSING:
+            made[each.name] = nan
+    return kind(**made)
 
 
 def _value(part: Any, slot: Slot, name: str) -> tuple[Any, Callable[[Any], Any]]:

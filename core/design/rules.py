@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.linkage_rules import DRIVE_RULES
-from core.design.parts import CamSlider, Motion, Named, Scca, Segment, Spline
+from core.design.parts import FOLLOWER_KINDS, CamSlider, Motion, Named, Scca, Segment, Spline
 from core.design.paths import entries_of
 from core.design.whole import Design
 from core.errors import MISSING, Fault
@@ -190,7 +190,23 @@ def faults(design: Design) -> list[Fault]:
             if fault.path not in wrong:
                 wrong.add(fault.path)
                 found.append(fault)
-    return [*found, *_one_speed(design)]
+    return [*found, *_one_face(design), *_one_speed(design)]
+
+
+def _one_face(design: Design) -> Iterator[Fault]:
+    """Follower, cam and loads are those of the face; a roller does not rub."""
+    drive = design.drive
+    if any(part is None for part in (drive.mechanism, drive.cam, drive.loads)):  # of a file that could not be read
+        return
+    if not drive.is_linkage:
+        kinds = FOLLOWER_KINDS[drive.kind].under(drive.follower.face.face)
+        if kinds != (type(drive.follower), type(drive.cam), type(drive.loads)):
+            yield Fault(drive.face_path, drive.follower.face.face, "needs other entries of follower, cam or loads", "another face")
+            return
+    contact = drive.loads.contact
+    if contact is not None and not drive.face.slides:
+        problem = "a roller rolls on the cam"
+        yield Fault("loads.contact_friction", contact.contact_friction, problem, "for a flat face, a knife edge or a shoe")
 
 
 def _one_speed(design: Design) -> Iterator[Fault]:

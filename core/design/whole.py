@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from core.design.faces import Face
 from core.design.linkage import CRANK, Link, Linkage
-from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, kind_of
+from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
 
 D = TypeVar("D")
@@ -53,6 +54,18 @@ class Drive:
     def kind(self) -> str:
         """Slug of the mechanism's kind: a follower's, or ``linkage``."""
         return "linkage" if self.is_linkage else kind_of(self.follower)
+
+    @property
+    def face(self) -> Face:
+        """What touches the cam, with its size, of a drive that has a cam."""
+        assert self.cam is not None, "a drive without a cam"
+        face: Face = self.cam.face if self.is_linkage else face_of(self.follower, self.cam)
+        return face
+
+    @property
+    def face_path(self) -> str:
+        """Where the file has the word for it."""
+        return "cam.face" if self.is_linkage else "follower.face"
 
     @property
     def links(self) -> tuple[Link, ...]:

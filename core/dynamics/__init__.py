@@ -13,9 +13,9 @@ from core.dynamics.elements import (
     Rate,
     combined,
 )
-from core.dynamics.forces import Forces, newton_euler
+from core.dynamics.forces import JAMS, Forces, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
-from core.dynamics.limits import JAMS, findings
+from core.dynamics.limits import findings
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [

@@ -182,12 +182,19 @@ class Loading:
     """What acts on a mechanism: masses, other force elements, and the pairs that rub.
 
     guide  name of the pair whose friction is the design's guide friction; empty where it has no guide
+    contact_friction  coefficient of a face that slides on the cam
     """
 
     masses: tuple[Mass, ...] = ()
     others: tuple[Element, ...] = ()
     frictions: tuple[Friction, ...] = ()
     guide: str = ""
+    contact_friction: float = 0.0
+
+    @property
+    def rubs(self) -> bool:
+        """Whether there is friction anywhere, so that something might jam."""
+        return bool(self.frictions or self.contact_friction)
 
     @property
     def elements(self) -> tuple[Element, ...]:

@@ -14,13 +14,14 @@ import numpy as np
 
 from core.cam import CamShape
 from core.dynamics.elements import Friction, Load, Loading, Rate
-from core.dynamics.friction import GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
+from core.dynamics.friction import JAMMED, GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot
 
 BEARING = "bearing"
+JAMS = 1.0  # the factor from which friction may jam
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,7 @@ class Forces:
     pairs     pair name -> (n,) force by ``on`` on ``body``, friction included; ``bearing`` by the frame on the camshaft
     couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, and of pins that rub
     contact   (n,) F_c [N], > 0 presses the follower on the cam; 0 without a cam
+    pressing  (n,) complex: n + μ v̂, the force on the cam for one newton of contact, friction of a face that slides included
     torque    (n,) T_c [N m], > 0 drives the cam (27); 0 without a cam
     driver    (n,) on the driver where no cam moves it: torque [N m] counter-clockwise where it is pinned to the frame, force
               [N] along its line where it slides; else 0
@@ -38,17 +40,20 @@ class Forces:
     guide     the guide's normal force, friction and jamming factor; None where the design has no guide
     lost      (n,) power [W] lost to friction
     jam       (n,) the factor that must stay below 1: the spectral radius of μ|∂N/∂f| over all pairs that rub
+    contact_jam  (n,) likewise: how much of the lever of the contact's normal force its friction takes away
     """
 
     omega: float
     pairs: Mapping[str, np.ndarray]
     couples: Mapping[str, np.ndarray]
     contact: np.ndarray
+    pressing: np.ndarray
     torque: np.ndarray
     driver: np.ndarray
     lever: np.ndarray
     lost: np.ndarray
     jam: np.ndarray
+    contact_jam: np.ndarray
     follower_torque: Lazy[np.ndarray] = Lazy()
     guide: GuideReaction | None = None
 
@@ -69,13 +74,20 @@ def newton_euler(
 ) -> Forces:
     """Forces at camshaft speed omega [rad/s, > 0] and acceleration [rad/s²] of the coordinate that the poses are differentiated by.
 
-    T_c = -d (R × F_c n) (27), F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
+    T_c = -d (C × F_c (n + μ v̂)) (27) at the contact C, where a face that slides rubs by μ F_c v̂ on the cam, v̂ the direction of
+    the follower relative to it; F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
     (26). Where friction jams the forces are infinite; the findings say so.
     """
     rate = Rate(omega, acceleration)
-    cam = None if shape is None else (shape.reference, shape.flank.normal)
+    n, friction_of_cam = kinematics.theta.size, loading.contact_friction
+    cam = None if shape is None else (shape.flank.contact, _pressing(shape, friction_of_cam))
     places: dict[str, np.ndarray] = {}
     press = None if cam is None else Walk(kinematics, [Load(kinematics.carrier, cam[0], -cam[1])], places)
+    contact_jam = np.zeros(n)
+    if friction_of_cam and shape is not None and press is not None:
+        smooth = Walk(kinematics, [Load(kinematics.carrier, shape.flank.contact, -shape.flank.normal)], places).needed
+        contact_jam = np.broadcast_to(np.nan_to_num(1.0 - press.needed / smooth, nan=0.0), n)
+        press.needed = np.where(contact_jam < JAMS, press.needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
     case = _case(own, press)
     signs, rubbing = {}, {}
@@ -84,24 +96,35 @@ def newton_euler(
         rubbing[friction.pair] = _case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
     total, guide, jam, lost = _with_friction(kinematics, loading, case, rubbing, signs)
     pairs, contact = dict(total.pairs), total.contact
-    n = kinematics.theta.size
     if cam is not None:
         pairs[BEARING] = -contact * cam[1]
-    torque = np.zeros(n) if shape is None else -shape.sense * cross(shape.reference, contact * shape.flank.normal)
+    torque = np.zeros(n) if shape is None or cam is None else -shape.sense * cross(cam[0], contact * cam[1])
+    if friction_of_cam and shape is not None:
+        lost = lost + friction_of_cam * contact * np.abs(shape.flank.sliding)
     forces = Forces(
         omega=omega,
         pairs=pairs,
         couples=total.couples,
         contact=np.broadcast_to(contact, n),
+        pressing=np.zeros(n, dtype=complex) if cam is None else cam[1],
         torque=torque,
         driver=np.broadcast_to(total.driver, n),
         lever=np.full(n, np.inf) if press is None else np.broadcast_to(press.needed, n),
         lost=lost * omega,
-        jam=jam,
-        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact),
+        jam=np.maximum(jam, contact_jam),
+        contact_jam=contact_jam,
+        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact, forces.pressing),
         guide=guide,
     )
     return limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
+
+
+def _pressing(shape: CamShape, friction: float) -> np.ndarray:
+    """n + μ v̂ (n,): the force on the cam for one newton of contact, v̂ = ± i d n the direction of the follower relative to it."""
+    flank = shape.flank
+    if not friction:
+        return flank.normal
+    return flank.normal * (1.0 + 1j * shape.sense * friction * np.sign(flank.sliding))
 
 
 def _case(walk: Walk, press: Walk | None) -> _Case:
@@ -199,12 +222,12 @@ def _of(case: _Case, name: str) -> np.ndarray:
     return np.asarray(case.pairs.get(name, np.zeros(1, dtype=complex)))
 
 
-def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarray) -> np.ndarray:
-    """T_L = -F_c (r_R × n) about the pivot that holds the follower's link (24); along its guide -F_c n·e."""
-    normal = shape.flank.normal
+def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarray, pressing: np.ndarray) -> np.ndarray:
+    """T_L = -F_c (r_C × n) about the pivot that holds the follower's link (24), with the friction of the contact; along its
+    guide -F_c n·e."""
     if not kinematics.ground:
         return np.full(kinematics.theta.size, np.nan)
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
-        return -contact * dot(normal, kinematics.line(pair))
-    return -contact * cross(shape.reference - kinematics.bodies[pair.body].place(pair.point), normal)
+        return -contact * dot(pressing, kinematics.line(pair))
+    return -contact * cross(shape.flank.contact - kinematics.bodies[pair.body].place(pair.point), pressing)

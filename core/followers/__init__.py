@@ -6,17 +6,17 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from core.design import CamSlider, Follower, Linkage, Oscillating, Translating, si
+from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Translating
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
-from core.followers.oscillating import oscillating
+from core.followers.oscillating import oscillating, oscillating_flat
+from core.followers.reach import reach_of
 from core.followers.translating import translating
 from core.mechanism.mechanism import Mechanism, Reference, mechanism_of
 
 
 def _reach(part: Follower, cam: Any) -> tuple[Follower, float]:
-    """Base radius + roller radius: the distance of the reference point from the cam centre on the base circle [m]."""
-    parts = si(cam)
-    return part, parts.base_radius + parts.roller_radius
+    """Base radius + radius of the face: the distance of the reference from the cam centre on the base circle [m]."""
+    return part, reach_of(part, cam)
 
 
 def _at_unit_speed(part: Linkage, cam: Any) -> tuple[Linkage, Reference | None]:
@@ -38,6 +38,7 @@ BUILDERS: Mapping[type, Builder] = MappingProxyType(
         CamSlider: Builder(_reach, cam_slider),
         Translating: Builder(_reach, translating),
         Oscillating: Builder(_reach, oscillating),
+        OscillatingFlat: Builder(_reach, oscillating_flat),
         Linkage: Builder(_at_unit_speed, mechanism_of),
     }
 )
@@ -54,4 +55,4 @@ def _built(part: Any, needed: Any) -> Mechanism:
     return BUILDERS[type(part)].build(part, needed)
 
 
-__all__ = ["BUILDERS", "LAYOUT_TABLE", "BasePosition", "Layout", "base_position", "built"]
+__all__ = ["BUILDERS", "LAYOUT_TABLE", "BasePosition", "Layout", "base_position", "built", "reach_of"]

@@ -55,7 +55,7 @@ def base_position(follower: CamSlider, reach: float) -> BasePosition:
     Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
     """
     g, layout = si(follower), LAYOUT_TABLE[follower.layout]
-    theta_b = angle_at_pivot(g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, "roller arm", "follower.roller_arm_mm")
+    theta_b = angle_at_pivot(g.roller_arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "roller arm", "follower.roller_arm_mm")
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     alpha = theta_z - theta_b if layout.cam_left == layout.roller_above else theta_z + theta_b
     phi = alpha - g.fixed_angle - g.guide_angle

@@ -15,11 +15,12 @@ from math import pi
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, Design, Oscillating, Translating, put, si
+from core.design import CamSlider, Design, Oscillating, OscillatingFlat, Translating, put, si
 from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
+from core.followers.reach import reach_of
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.triangle import area4_of
@@ -107,7 +108,7 @@ def _roller(design: Design, kinematics: Kinematics, to: complex) -> Changes:
         "follower.roller_arm_mm": abs(to - pivot) * 1e3,
         "follower.fixed_angle_deg": _near(fixed, g.fixed_angle),
         "follower.layout": _layout(follower, roller_above=left == LAYOUT_TABLE[follower.layout].cam_left),
-        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.cam.roller_radius_mm,
+        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.face.radius_mm,
     }
 
 
@@ -118,14 +119,14 @@ def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     back = place.real - float(kinematics.motion.y[0, 0])
     if back <= 0.0:
         raise NoAssembly(
-            f"in the base position the roller would stand {-back * 1e3:.9g} mm behind the cam centre",
+            f"in the base position the {design.drive.face.noun} would stand {-back * 1e3:.9g} mm behind the cam centre",
             "cam.base_radius_mm",
             "put it farther out",
         )
     reach = math.hypot(back, place.imag)
     return {
         "follower.offset_mm": place.imag * 1e3,
-        "cam.base_radius_mm": reach * 1e3 - design.drive.cam.roller_radius_mm,
+        "cam.base_radius_mm": reach * 1e3 - design.drive.face.radius_mm,
     }
 
 
@@ -139,7 +140,7 @@ def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     return {
         "follower.arm_mm": abs(to - pivot) * 1e3,
         "follower.side": side,
-        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.cam.roller_radius_mm,
+        "cam.base_radius_mm": abs(pivot + first) * 1e3 - design.drive.face.radius_mm,
     }
 
 
@@ -157,6 +158,7 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
             "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
             "roller": Drag("roller", "follower.arm_mm", _on_arm),
         },
+        OscillatingFlat: {"pivot": Drag("pivot", "follower.pivot_x_mm", _pivot)},
         CamSlider: {
             "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
             "arm_pin": Drag("arm pin", "follower.slider_arm_mm", _arm_pin),
@@ -194,9 +196,7 @@ def _at(kinematics: Kinematics, point: str) -> complex:
 
 
 def _reach(design: Design) -> float:
-    parts = si(design.drive.cam)
-    reach: float = parts.base_radius + parts.roller_radius
-    return reach
+    return reach_of(design.drive.follower, design.drive.cam)
 
 
 def _near(angle: float, old: float) -> float:

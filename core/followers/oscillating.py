@@ -1,12 +1,13 @@
-"""The arm on a fixed pivot with a roller on the cam."""
+"""The arm on a fixed pivot: with a round at its end on the cam, or with a flat face."""
 
 from __future__ import annotations
 
 import math
 
-from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, Place, si
+from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, OscillatingFlat, Place, si
 from core.design.parts import SIDES
-from core.followers.reach import angle_at_pivot
+from core.errors import NoAssembly
+from core.followers.reach import angle_at_pivot, rounded
 from core.mechanism.mechanism import Mechanism, Reference
 
 ARM = 2
@@ -21,7 +22,7 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     does not reach the base circle.
     """
     g, sense = si(follower), SIDES[follower.side]
-    theta_b = angle_at_pivot(g.arm, math.hypot(g.pivot_x, g.pivot_y), reach, "arm", "follower.arm_mm")
+    theta_b = angle_at_pivot(g.arm, math.hypot(g.pivot_x, g.pivot_y), reach, follower.face, "arm", "follower.arm_mm")
     theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
     linkage = Linkage(
         (
@@ -40,4 +41,43 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
         sense * theta_b,
         sense,
         base={"alpha": (theta_z + sense * theta_b, "deg")},
+    )
+
+
+def oscillating_flat(follower: OscillatingFlat, reach: float) -> Mechanism:
+    """The face's line (x - P)·m = f, m = e^{i(μ0 ± y)}, μ0 = arg P ∓ acos((Br - f)/|P|): upper signs where the contact lies left
+    of the ray from the pivot P to the cam centre. Motion > 0 turns the face away from the cam centre.
+
+    The arm's frame stands at the pivot, its x axis along m; the reference point is the foot of the pivot on the face. reach
+    [m]: Br. Raises NoAssembly where no turn of the face brings it onto the base circle.
+    """
+    g, sense, f = si(follower), SIDES[follower.side], si(follower.face).face_offset
+    pivot = math.hypot(g.pivot_x, g.pivot_y)
+    if not abs(reach - f) < pivot:
+        raise NoAssembly(
+            f"the flat face cannot lie on the base circle: base radius less face offset {1e3 * (reach - f):.9g} mm, pivot "
+            f"{1e3 * pivot:.9g} mm from the cam centre",
+            "follower.pivot_x_mm",
+            f"put the pivot farther than {rounded(1e3 * abs(reach - f), math.ceil)} mm from the cam centre, or change "
+            "base_radius_mm or face_offset_mm",
+        )
+    theta_z = math.atan2(-g.pivot_y, -g.pivot_x)
+    start = sense * (math.pi - math.acos((reach - f) / pivot))
+    linkage = Linkage(
+        (
+            Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
+            Link(ARM, (Place("pivot", 0.0, 0.0), Place("roller", follower.face.face_offset_mm, 0.0))),
+        ),
+        (),
+        Driver(ARM, "motion"),
+    )
+    return Mechanism(
+        linkage,
+        {ARM: "arm"},
+        Reference(ARM, "roller"),
+        complex(g.pivot_x, g.pivot_y),
+        theta_z,
+        start,
+        sense,
+        base={"mu": (theta_z + start, "deg")},
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from core.design import Cam, Follower, Rolling, RoundFace, face_of
 from core.errors import NoAssembly
 from core.mechanism.triangle import opposite_angle
 
@@ -22,18 +23,23 @@ def _triangle_range(one: float, other: float) -> str:
     return f"{rounded(abs(one - other) * 1e3, math.ceil)} ... {rounded((one + other) * 1e3, math.floor)}"
 
 
-def angle_at_pivot(arm: float, pivot: float, reach: float, name: str, field: str) -> float:
+def reach_of(follower: Follower, cam: Cam) -> float:
+    """Distance of the face's reference from the cam centre on the base circle [m]: base radius + radius of the face."""
+    return float(1e-3 * cam.base_radius_mm + 1e-3 * face_of(follower, cam).radius_mm)
+
+
+def angle_at_pivot(arm: float, pivot: float, reach: float, face: RoundFace | Rolling, name: str, field: str) -> float:
     """The angle [rad] at the pivot of the triangle arm, pivot's distance from the cam centre, reach (Br + Rr) [m].
 
-    name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
+    face: at the arm's end; name, field: of the arm, as in messages. Raises NoAssembly where the three make no triangle.
     """
     angle = opposite_angle(arm, pivot, reach)
     if math.isnan(angle):
         raise NoAssembly(
-            f"the roller cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "
-            f"centre, base radius + roller radius {reach * 1e3:.9g} mm make no triangle",
+            f"the {face.noun} cannot reach the base circle: {name} {arm * 1e3:.9g} mm, pivot {pivot * 1e3:.9g} mm from the cam "
+            f"centre, {face.reach} {reach * 1e3:.9g} mm make no triangle",
             field,
-            f"make the {name} {_triangle_range(pivot, reach)} mm long, or base radius + roller radius "
+            f"make the {name} {_triangle_range(pivot, reach)} mm long, or {face.reach} "
             f"{_triangle_range(pivot, arm)} mm",
         )
     return angle

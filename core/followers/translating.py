@@ -3,10 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
-from core.design import FRAME_LINK, Driver, Link, Linkage, Place, Slider, Translating, si
+from core.design import (
+    FRAME_LINK,
+    Driver,
+    Knife,
+    Link,
+    Linkage,
+    Place,
+    Rolling,
+    Shoe,
+    Slider,
+    TiltedFlat,
+    Translating,
+    si,
+)
 from core.errors import NoAssembly, NoCam, angle_ranges
 from core.mechanism.mechanism import Mechanism, Reference
 from core.motion import MotionState
@@ -15,20 +32,15 @@ FOLLOWER = 2
 
 
 def translating(follower: Translating, reach: float) -> Mechanism:
-    """Reference point R = e(S + iε), S = √(reach² - ε²) + s: e the direction, ε the offset to its left.
+    """Reference point R = e(S + iε), S = S0 + s: e the direction, ε the offset to its left; S0 where the face stands on the
+    base circle.
 
-    In the frame of e, origin at the cam centre. reach [m]: Br + Rr. Raises NoAssembly where the offset is beyond the base
-    circle.
+    In the frame of e, origin at the cam centre. reach [m]: Br + Rr, Br of a flat face. Raises NoAssembly where the offset is
+    beyond the base circle.
     """
-    g = si(follower)
-    inside = (reach - g.offset) * (reach + g.offset)
-    if inside <= 0.0:
-        raise NoAssembly(
-            f"the roller cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
-            "follower.offset_mm",
-            f"must stay within +-{reach * 1e3:.9g} mm, base radius + roller radius",
-        )
-    base, guide = math.sqrt(inside), str(FOLLOWER)
+    g, guide = si(follower), str(FOLLOWER)
+    base = STARTS[type(follower.face)](follower, reach)
+    require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, base, follower.face.noun)
     linkage = Linkage(
         (Link(FRAME_LINK, ()), Link(FOLLOWER, (Place("roller", 0.0, 0.0),))),
         (Slider(link=FOLLOWER, on=FRAME_LINK, through_y_mm=follower.offset_mm),),
@@ -44,16 +56,41 @@ def translating(follower: Translating, reach: float) -> Mechanism:
         points={guide: "roller"},
         coordinates={"follower_position": guide},
         base={"follower": (base, "mm")},
-        require=lambda motion: _require_radius(base, motion),
+        require=require,
     )
 
 
-def _require_radius(base: float, motion: MotionState) -> None:
-    """Raises NoCam where the roller crosses the cam centre."""
+def _round_start(follower: Translating, reach: float) -> float:
+    """S0 = √(reach² - ε²)."""
+    offset = si(follower).offset
+    inside = (reach - offset) * (reach + offset)
+    if inside <= 0.0:
+        face: Any = follower.face
+        raise NoAssembly(
+            f"the {face.noun} cannot reach the base circle: offset {follower.offset_mm:.9g} mm",
+            "follower.offset_mm",
+            f"must stay within +-{reach * 1e3:.9g} mm, {face.reach}",
+        )
+    return math.sqrt(inside)
+
+
+def _flat_start(follower: Translating, reach: float) -> float:
+    """S0 = (Br - ε sin η)/cos η: the face, tilted by η, is a tangent of the base circle; the line at the offset meets it."""
+    tilt = si(follower.face).face_tilt
+    return float((reach - si(follower).offset * math.sin(tilt)) / math.cos(tilt))
+
+
+STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
+    {Rolling: _round_start, Knife: _round_start, Shoe: _round_start, TiltedFlat: _flat_start}
+)
+
+
+def _require_radius(base: float, noun: str, motion: MotionState) -> None:
+    """Raises NoCam where the round's centre crosses the cam centre."""
     place = base + motion.y[0]
     if (place <= 0.0).any():
         raise NoCam(
-            "the roller centre passes the cam centre: no cam radius is left",
+            f"the {noun} centre passes the cam centre: no cam radius is left",
             "cam.base_radius_mm",
             f"make it larger by more than {-np.min(place) * 1e3:.9g} mm, or lower the motion",
             angle_ranges(motion.theta, place <= 0.0),

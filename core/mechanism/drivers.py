@@ -18,6 +18,7 @@ from core.design import (
     Linkage,
     LinkageCam,
     Motion,
+    Roller,
     Segment,
     Side,
     all_paths,
@@ -99,7 +100,7 @@ def with_roller(design: Design, link: int, point: str) -> Design:
     radius = _readable(1e3 * ROLLER_SIZE * plan_of(design.drive.linkage).size)
     mark = "cam.roller_radius_mm"
     assumed = (*(path for path in design.assumed if path != mark), mark)
-    return with_drive(design, cam=LinkageCam(link=link, point=point, roller_radius_mm=radius), assumed=assumed)
+    return with_drive(design, cam=LinkageCam(link=link, point=point, face=Roller(radius)), assumed=assumed)
 
 
 def without_roller(design: Design) -> Design:

@@ -92,6 +92,8 @@ _ROWS = (
             "Shin1995 (20), corrected"),
     Channel("profile_curvature_per_mm", "profile_curvature", "Profile curvature", "κ", "curvature", PROFILE,
             "κ_p/(1 - Rr κ_p)", "parallel curve"),
+    Channel("contact_on_face_mm", "contact_on_face", "Contact on the face", "x_f", "length", PROFILE, "h_ν - Im(m̄R)",
+            "support function of the face"),
     Channel("contact_force_n", "contact_force", "Contact force", "F_c", "force", DYNAMICS,
             "moment or force balance of the follower", "Shin1995 (24), (26), corrected"),
     Channel("drive_torque_nm", "drive_torque", "Cam torque", "T_c", "torque", DYNAMICS, "-d (R × F_c n)",

@@ -20,8 +20,10 @@ from core.design import (
     Linkage,
     LinkageCam,
     LinkageLoads,
+    Loads,
     Motion,
     Named,
+    RollerCam,
     Segment,
     Shaft,
     all_paths,
@@ -30,6 +32,7 @@ from core.design import (
     part_faults,
     whole_faults,
 )
+from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
 from core.design.fields import LAW, Slot, inside_of_table, slots
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
@@ -68,8 +71,9 @@ def from_table(table: Tables) -> Design:
     if kind == "drives":
         raise DesignError(found)
     row, row_faults = (None, []) if kind == "linkage" else _follower_kind(table)
+    face = _face_word(table, row)
     reader = Reader(row.motion_unit if row else _likely_unit(table))
-    classes = _classes(kind, row)
+    classes = _classes(kind, row, face)
     known = (*_HEAD, *classes)
     found += [unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in _KINDS]
     found += row_faults
@@ -78,6 +82,8 @@ def from_table(table: Tables) -> Design:
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
             reader.shaft_rpm = part.signed_rpm
+        if name == "cam" and part is not None:
+            reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
             reader.unit = _driver_unit(part, table.get("motion"))
     assumed = table.get("assumed", ())
@@ -116,6 +122,7 @@ class Reader:
     def __init__(self, unit: str) -> None:
         self.unit = unit  # of the motion
         self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
+        self.slides = False  # the face of the cam that is read
         self.faults: list[Fault] = []
 
     def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
@@ -143,19 +150,20 @@ class Reader:
         inside = inside_of_table(kind, table)
         entries = slots(kind, self.unit, inside)
         values: dict[str, dict[str, Any]] = {"": {}, **{name: {} for name, _ in inside}}
+        unsure = {slot.within for slot in entries if slot.placing.word and table.get(slot.key, "") not in ("", *slot.placing.words)}
         for slot in entries:
             at = f"{path}.{slot.key}"
             if slot.key in table:
                 read = self._entry(slot, table[slot.key], at)
             else:
-                lacks = slot.missing is not None and value is not MISSING
+                lacks = slot.missing is not None and value is not MISSING and not (slot.within and slot.within in unsure)
                 if lacks and all(stem(key) != stem(slot.key) for key in table):  # else it is one of a wrong unit
                     self.faults.append(missing(at, slot.missing or ""))
                 read = self._absent(slot)
             values[slot.within].update(zip(slot.names, read, strict=False))
         if extra := table.keys() - {slot.key for slot in entries}:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
-            for key in sorted(extra, key=str):
+            for key in sorted(extra - (_FACE_KEYS if unsure else set()), key=str):
                 self.faults.append(unknown_key(f"{path}.{spelled(key)}", key, table[key], known))
         own = values.pop("") | {name: part(**values[name]) for name, part in inside}
         return kind(**own, unit=self.unit) if kind is Motion else kind(**own)
@@ -171,6 +179,8 @@ class Reader:
             return {f"rise_{self.unit}": 0.0 if isinstance(word, str) and word in CURVES else NO_NUMBER, **table}
         if kind is Driver and (self.shaft_rpm is not None or table.get("kind") == MOTION):
             return {"speed_rpm": _MOTION_SPEED if self.shaft_rpm is None else self.shaft_rpm, **table}
+        if self.slides and issubclass(kind, Loads | LinkageLoads):
+            return {"contact_friction": 0.0, **table}
         return table
 
     def _absent(self, slot: Slot) -> tuple[Any, ...]:
@@ -192,6 +202,8 @@ class Reader:
             return (self._number(slot, value, at),)
         if placing.kind is None:
             if isinstance(value, str):
+                if placing.word and value not in placing.words:
+                    self.faults.append(hinted(Fault(at, value, "unknown word", slot.allowed)))
                 return (value,)
             self.faults.append(Fault(at, value, "must be text", slot.allowed))
             return (NO_WORD,)
@@ -254,16 +266,23 @@ class Reader:
 # -- the kind of the design -------------------------------------------------------------------------------
 
 
-def _classes(kind: str, row: FollowerKind | None) -> dict[str, type | None]:
-    """The class of each table of the file; None where it depends on an unknown kind of follower."""
+_FACE_KEYS = {slot.key for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)}
+
+
+def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
+    """The word of a follower's face; None where it is unknown."""
+    follower = table.get("follower")
+    word = follower.get(FACE, Rolling.face) if isinstance(follower, Mapping) else Rolling.face
+    return word if row is not None and isinstance(word, str) and word in row.faces else None
+
+
+def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str, type | None]:
+    """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face."""
     if kind == "linkage":
         return {"motion": Motion, "linkage": Linkage, "cam": LinkageCam, "shaft": Shaft, "loads": LinkageLoads}
 
-    def of(name: str) -> type | None:
-        classes = {getattr(each, name) for each in ([row] if row else FOLLOWER_KINDS.values())}
-        return classes.pop() if len(classes) == 1 else None
-
-    return {"motion": Motion, "follower": of("follower"), "cam": of("cam"), "shaft": Shaft, "loads": of("loads")}
+    follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
+    return {"motion": Motion, "follower": follower, "cam": cam if face or not row else None, "shaft": Shaft, "loads": loads}
 
 
 def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:

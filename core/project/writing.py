@@ -49,7 +49,7 @@ def _table(part: Any, unit: str) -> dict[str, Any]:
 
 
 def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
-    values = [getattr(holder, name) for name in slot.names]
+    values = [getattr(holder, name) for name in slot.names or (slot.key,)]
     if isinstance(part, Segment) and holder is part:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
     value = values[0] if len(values) == 1 else values
@@ -60,7 +60,7 @@ def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
 def _entry(part: Any, slot: Slot, unit: str) -> Any:
     """The value of one entry as the file has it."""
     if not slot.names:
-        return part.law
+        return getattr(part, slot.key)
     if len(slot.names) > 1:
         return [float(getattr(part, name)) for name in slot.names]
     value, placing = getattr(part, slot.names[0]), slot.placing

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from core import cam, dynamics
-from core.design import si
 from core.findings import LEAST_BOUND, Residual
 from core.instant_centres import moving_collinearity
 from core.mechanism import unit_speed_kinematics
@@ -35,10 +34,10 @@ def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
     if "cam" in stages:
         bound = 16.0 * EPS * study.linkage.condition * study.cam.centre.error_bound
         proof["instant_centre"] = _worst(cam.centre_residual(study.cam), bound)
-        radius: float = si(study.design.drive.cam).roller_radius
+        face = study.design.drive.face
         # rounding grows with the distance, which a motion long against the base circle carries beyond it
-        farthest = max(1.0, float(np.abs(study.cam.flank.pitch).max()) / study.reach)
-        proof["roller_tangency"] = cam.tangency(study.cam, radius, study.reach, 64.0 * EPS * farthest, lambda: study.undercut)
+        farthest = max(1.0, study.cam.extent / study.reach)
+        proof[cam.row_of(face).proof] = cam.tangency(study.cam, face, study.reach, 64.0 * EPS * farthest, lambda: study.undercut)
     if "dynamics" in stages:
         bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _over_lever(study))
         parts = (study.linkage, study.shape, study.dynamics, study.loading)

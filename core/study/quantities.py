@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from core.cam import flat_flank, round_flank, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
@@ -36,6 +37,8 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "": lambda design: True,
         "motion": lambda design: design.drive.motion is not None,
         "cam": lambda design: design.drive.cam is not None,
+        "pitch": lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
+        "flat": lambda design: design.drive.cam is not None and "contact_on_face" in row_of(design.drive.face).limits,
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -151,11 +154,13 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         **{code: Quantity("linkage", _singular(code), SLIDER) for code in SINGULAR},
         "profile_x": Quantity("cam", lambda s: s.cam.flank.profile.real, needs="cam"),
         "profile_y": Quantity("cam", lambda s: s.cam.flank.profile.imag, needs="cam"),
-        "pitch_x": Quantity("cam", lambda s: s.cam.flank.pitch.real, needs="cam"),
-        "pitch_y": Quantity("cam", lambda s: s.cam.flank.pitch.imag, needs="cam"),
+        "pitch_x": Quantity("cam", lambda s: round_flank(s.cam).pitch.real, needs="pitch"),
+        "pitch_y": Quantity("cam", lambda s: round_flank(s.cam).pitch.imag, needs="pitch"),
         "pressure_angle": Quantity("cam", lambda s: s.cam.flank.pressure_angle, needs="cam"),
-        "pitch_curvature": Quantity("cam", lambda s: s.cam.flank.pitch_curvature, needs="cam"),
+        "pitch_curvature": Quantity("cam", lambda s: round_flank(s.cam).pitch_curvature, needs="pitch"),
         "profile_curvature": Quantity("cam", lambda s: s.cam.flank.profile_curvature, needs="cam"),
+        "profile_radius": Quantity("cam", lambda s: flat_flank(s.cam).profile_radius, needs="flat"),
+        "contact_on_face": Quantity("cam", lambda s: flat_flank(s.cam).on_face, needs="flat"),
         "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
         "polar_angle": Quantity("cam", _polar_angle, needs="cam", turns=True),
         "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact, needs="cam"),

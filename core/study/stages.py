@@ -103,7 +103,7 @@ def shaft_coefficients(
 
 
 def flexible_shaft(
-    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, cam: Any, sense: float, elastic: Elastic,
+    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, elastic: Elastic,
     omega: float,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
@@ -118,6 +118,6 @@ def flexible_shaft(
 
     def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
-        return kinematics, envelope(kinematics, cam, sense)
+        return kinematics, envelope(kinematics, face, cam, sense)
 
     return stability(made, elastic, omega, kinematics_and_shape, loading, compiled)

@@ -12,7 +12,7 @@ import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape
-from core.design import Design, Linkage, si
+from core.design import Design, Linkage
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -233,7 +233,7 @@ class Study:
     @cached_property
     def _cam(self) -> CamShape:
         with self._located("cam"):
-            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.cam, self.sense)
+            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.cam, self.sense)
             if self._given is None and self.mechanism.ranged:
                 cam.require_hold(self.linkage)
             return shape
@@ -262,7 +262,7 @@ class Study:
     def jam(self) -> Extreme | None:
         """Where friction jams hardest, by the refined extreme of the jamming factor, so whatever the sampling: then there
         are no forces to be tabled. None where nothing jams."""
-        if not self.loading.frictions:
+        if not self.loading.rubs:
             return None
 
         def compute() -> Extreme | None:
@@ -270,6 +270,13 @@ class Study:
 
         worst: Extreme | None = memory.get("jam", self._depends_on("dynamics"), compute)
         return worst
+
+    @property
+    def _contact_jams(self) -> bool:
+        """Whether what jams is the friction between face and cam."""
+        if self.jam is None or not self.loading.contact_friction:
+            return False
+        return bool(self.at_theta(np.array([self.jam.theta])).dynamics.contact_jam[0] >= dynamics.JAMS)
 
     @property
     def stability(self) -> Stability | None:
@@ -291,7 +298,7 @@ class Study:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         with self._located("linkage"):
             found = self._stage(
-                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.cam, self.sense,
+                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.face, drive.cam, self.sense,
                 shaft_part.elastic, self.omega,
             )  # fmt: skip
         if isinstance(found, NoStability):
@@ -324,7 +331,8 @@ class Study:
     def _load_curve(self) -> LoadCurve:
         if self.jam is not None:
             angle = float(np.rad2deg(self.jam.theta))
-            raise NoAnswer("the guide jams, the torque is infinite", "loads.friction", "lower it", [(angle, angle)])
+            what, field = ("contact", "loads.contact_friction") if self._contact_jams else ("guide", "loads.friction")
+            raise NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
         curve: LoadCurve = memory.get("load curve", self._depends_on("dynamics"), self._fitted_load)
@@ -436,25 +444,26 @@ class Study:
 
     @property
     def _cam_extremes(self) -> Mapping[str, Range]:
-        return self.extremes("cam", ("pressure_angle", "pitch_curvature"))
+        return self.extremes("cam", cam.row_of(self.design.drive.face).limits)
 
     def _cam_findings(self) -> list[Finding]:
         kinematics = self.linkage
         ground = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
-        return cam.findings(self._cam_extremes, ground, self.design.drive.cam)
+        return cam.findings(self._cam_extremes, ground, self.design.drive.face, self.design.drive.cam)
 
     def _dynamics_findings(self) -> list[Finding]:
         if "cam" not in self.stages:
             found = [Finding("no-load", NOTE, "loads", None)] if self.loading.empty else []
         else:
-            found = dynamics.findings(self.extremes("dynamics", _CONTACT)["contact_force"], self.jam, self.loading)
+            contact = self.extremes("dynamics", _CONTACT)["contact_force"]
+            found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     @property
     def undercut(self) -> bool:
         """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
         corners = any(join.jumps[:2].any() for join in self.program.joins)
-        return corners or cam.undercut(self._cam_extremes, self.design.drive.cam)
+        return corners or cam.undercut(self._cam_extremes, self.design.drive.face)
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft is None or self.design.shaft.elastic is None:
@@ -475,10 +484,8 @@ class Study:
         """Distance of the follower's reference point from the cam centre on the base circle [m]; where the linkage gives the
         cam its size, the largest."""
         if self.mechanism.ranged:
-            return float(np.abs(self.cam.flank.pitch).max())
-        parts = si(self.design.drive.cam)
-        reach: float = parts.base_radius + parts.roller_radius
-        return reach
+            return float(np.abs(self.cam.reference).max())
+        return followers.reach_of(self.design.drive.follower, self.design.drive.cam)
 
     # -- of a linkage ---------------------------------------------------------------------------------------
 

@@ -61,7 +61,7 @@ _PLOTS: Mapping[str, Pick] = MappingProxyType(
         "velocity": _or(_first("velocity"), _rate("_velocity")),
         "acceleration": _or(_first("acceleration"), _rate("_acceleration")),
         "pressure_angle": _or(_first("pressure_angle"), _starting("transmission.")),
-        "pitch_curvature": _first("pitch_curvature"),
+        "pitch_curvature": _first("pitch_curvature", "profile_curvature"),
         "drive_torque": _first("drive_torque", "driver_torque", "driver_force"),
         "contact_force": _or(_first("contact_force"), _starting("force.", "_size")),
     }

@@ -41,6 +41,10 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
             "touches, cuts nowhere",
             "the roller touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
         ),
+        "face_tangency": (
+            "touches, cuts nowhere",
+            "the face touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
+        ),
         "power_balance": (
             "power in is power out",
             "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",

@@ -14,7 +14,7 @@ from core.cam import envelope
 
 
 def ours(there: Any, setting: None) -> Channels:
-    flank = envelope(there.kinematics, there.cam, SENSE).flank
+    flank = envelope(there.kinematics, there.face, there.cam, SENSE).flank
     return flank.profile, flank.pressure_angle
 
 
@@ -82,7 +82,7 @@ PROFILE = Kernel(
 
 def our_curvature(there: Any, setting: None) -> Channels:
     """And its slope, which comes with it."""
-    return (envelope(there.kinematics, there.cam, SENSE).flank.pitch_curvature,)
+    return (envelope(there.kinematics, there.face, there.cam, SENSE).flank.pitch_curvature,)
 
 
 def _bend(tangent: np.ndarray, turning: np.ndarray) -> Channels:

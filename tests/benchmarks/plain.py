@@ -40,7 +40,7 @@ def given(theta: np.ndarray, fitted: bool = False) -> SimpleNamespace:
     drive = LIFT.drive
     return SimpleNamespace(
         theta=theta, angles=there.angles, motion=there.motion, kinematics=kinematics, shape=there.cam, study=study,
-        follower=drive.mechanism, cam=drive.cam, reach=study.reach, loading=study.loading, omega=study.omega,
+        follower=drive.mechanism, cam=drive.cam, face=drive.face, reach=study.reach, loading=study.loading, omega=study.omega,
     )  # fmt: skip
 
 

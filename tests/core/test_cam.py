@@ -126,15 +126,15 @@ def test_the_least_distance_from_roller_centre_to_profile_is_the_roller_radius(n
 def test_the_certificates_tangency_sees_a_dent_a_wrong_radius_and_an_undercut() -> None:
     study = Study(PUSHER, 360)
     flank, radius, reach = study.cam.flank, 0.012, study.reach
-    assert tangency_residual(study.cam, radius, reach) <= 64 * EPS
+    assert tangency_residual(study.cam, study.design.drive.face, reach) <= 64 * EPS
     dented = flank.profile.copy()
     dented[100] += 1e-6 * (flank.pitch[100] - flank.profile[100]) / radius
     for profile, positions in ((dented, 360), (flank.profile + 1e-6 * (flank.pitch - flank.profile) / radius, 120),
                                (flank.profile - 1e-6 * (flank.pitch - flank.profile) / radius, 120)):  # fmt: skip
         wrong = replace(study.cam, flanks=(replace(flank, profile=profile),))
-        assert tangency_residual(wrong, radius, reach, positions) == pytest.approx(1e-6 / reach, rel=1e-3)
+        assert tangency_residual(wrong, study.design.drive.face, reach, positions) == pytest.approx(1e-6 / reach, rel=1e-3)
     undercut = Study(with_cam(PEAKED, base_radius_mm=7.0, roller_radius_mm=50.0), 3600)
-    assert tangency_residual(undercut.cam, 0.050, undercut.reach) > 1e-2
+    assert tangency_residual(undercut.cam, undercut.design.drive.face, undercut.reach) > 1e-2
 
 
 # -- instant centre ---------------------------------------------------------------------------------------
@@ -190,7 +190,7 @@ def test_a_follower_that_turns_as_fast_as_the_cam_has_its_centre_at_infinity(rot
     assert np.isinf(centre.finite.real).all()
     # in the direction from cam centre to pivot
     assert np.abs((centre.point.conj() * pivot[0]).imag).max() <= EPS * np.abs(pivot[0]).max() ** 2
-    shape = envelope(fast, design.drive.cam, d)
+    shape = envelope(fast, design.drive.face, design.drive.cam, d)
     assert np.abs(centre_residual(shape)).max() <= 16 * EPS
     # the relative velocity is that of the pivot about the cam: across the line to the pivot
     assert np.abs(shape.relative_velocity - -1j * d * pivot[0]).max() <= 8 * EPS * np.abs(arm[0]).max()
@@ -403,7 +403,7 @@ def test_a_roller_that_stands_still_on_the_cam_is_a_cusp_and_told() -> None:
     z[1, 5] = 1j * z[0, 5]
     cusp = replace(kinematics, bodies={**kinematics.bodies, "roller": replace(kinematics.follower, origin=Derivatives.of(z))})
     with pytest.raises(NoCam, match="cusp") as caught:
-        envelope(cusp, LIFT.drive.cam, 1.0)
+        envelope(cusp, LIFT.drive.face, LIFT.drive.cam, 1.0)
     assert caught.value.cam_angles == ((pytest.approx(225.0), pytest.approx(225.0)),)
 
 

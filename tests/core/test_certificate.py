@@ -136,12 +136,13 @@ def test_what_enters_the_roller_without_an_undercut_is_wrong() -> None:
     dented[100] += 1e-6 * (flank.pitch[100] - flank.profile[100]) / radius
     wrong = replace(study.cam, flanks=(replace(flank, profile=dented),))
     for undercut in (True, False):  # the profile's own point is off even where others may be cut away
-        found = tangency(wrong, radius, reach, 64.0 * EPS, lambda undercut=undercut: undercut)
+        found = tangency(wrong, study.design.drive.face, reach, 64.0 * EPS, lambda undercut=undercut: undercut)
         assert not found.kept
         assert found.value == pytest.approx(1e-6 / reach, rel=1e-3)
     entered = flank.profile.copy()
     entered[90] = flank.pitch[105] - 0.9 * (flank.pitch[105] - flank.profile[105])
-    assert not tangency(replace(study.cam, flanks=(replace(flank, profile=entered),)), radius, reach, 64.0 * EPS, lambda: False).kept
+    wrong = replace(study.cam, flanks=(replace(flank, profile=entered),))
+    assert not tangency(wrong, study.design.drive.face, reach, 64.0 * EPS, lambda: False).kept
 
 
 # -- a fall of hundredths of a degree ---------------------------------------------------------------------

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from linkages import closure, jacobian, plain_turn
 
-from core.design import CRANK, MOTION, Design, Driver, faults, with_drive
+from core.design import CRANK, MOTION, Design, Driver, Roller, faults, with_drive
 from core.errors import KindynaError, NoPosition
 from core.mechanism.drivers import driver_place, drivers, roller_places, with_driver, with_roller, without_roller
 from core.project import load
@@ -111,12 +111,12 @@ def test_a_roller_comes_moves_and_goes() -> None:
     design = led("four_bar", 0.0, Driver(2, MOTION, 60.0))
     first = with_roller(design, 3, "C")
     assert first.drive.cam is not None
-    assert (first.drive.cam.link, first.drive.cam.point, first.drive.cam.roller_radius_mm) == (3, "C", 8.0)
+    assert (first.drive.cam.link, first.drive.cam.point, first.drive.face.radius_mm) == (3, "C", 8.0)
     assert first.assumed[-1] == "cam.roller_radius_mm"
-    larger = with_drive(first, cam=replace(first.drive.cam, roller_radius_mm=11.0))
+    larger = with_drive(first, cam=replace(first.drive.cam, face=Roller(11.0)))
     moved = with_roller(larger, 3, "B").drive.cam
     assert moved is not None
-    assert (moved.point, moved.roller_radius_mm) == ("B", 11.0)
+    assert (moved.point, moved.face.radius_mm) == ("B", 11.0)
     assert without_roller(first) == design
 
 
@@ -166,7 +166,7 @@ def driven(design: Design, angles: tuple[float, ...]) -> Iterator[tuple[float, f
         poses = [study.linkage.bodies[body] for body in numbers]
         start = np.array([v for p in poses for v in (p.x[0, i] * 1e3, p.y[0, i] * 1e3, p.angle[0, i])])
         wanted = float(study.motion.y[0, i]) * scale
-        gap = lambda q: distance(outline, roller_centre(design, q, start)) - design.drive.cam.roller_radius_mm  # noqa: B023, E731
+        gap = lambda q: distance(outline, roller_centre(design, q, start)) - design.drive.face.radius_mm  # noqa: B023, E731
         one, other = wanted - 0.02 * scale**0.5, wanted + 0.03 * scale**0.5
         values = gap(one), gap(other)
         for _ in range(12):  # secants

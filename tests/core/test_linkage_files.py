@@ -26,6 +26,7 @@ from core.design import (
     LinkForce,
     LinkMass,
     Place,
+    Roller,
     Side,
     Slider,
     all_paths,
@@ -114,7 +115,7 @@ def linkages(draw: st.DrawFn) -> Design:
     if draw(st.booleans()):
         driver, motion = Driver(2, "motion", speed), draw(strategies.motions("deg"))
         if draw(st.booleans()):
-            cam = LinkageCam(link=3, point=tip, roller_radius_mm=draw(st.floats(1e-6, 1e9)))
+            cam = LinkageCam(link=3, point=tip, face=Roller(draw(st.floats(1e-6, 1e9))))
     mass = draw(st.lists(st.sampled_from([2, 3, 7]), unique=True))
     loads = LinkageLoads(
         gravity_m_s2=draw(st.floats(0.0, 1e15)),

@@ -22,6 +22,7 @@ from core.design import (
     LinkForce,
     Motion,
     Named,
+    Roller,
     Segment,
     put,
     with_drive,
@@ -319,7 +320,7 @@ def test_a_roller_beside_its_best_place_is_a_finding_and_over_the_centre_is_no_c
     steep = put(design, "linkage.links[2].points.C", (140.0, -50.0))
     found = {f.code: f for f in study_of(steep, 90).findings(("cam",))}
     assert found["roller-pressure-angle"].field == "cam.point"
-    covering = with_drive(design, cam=LinkageCam(link=3, point="C", roller_radius_mm=90.0))
+    covering = with_drive(design, cam=LinkageCam(link=3, point="C", face=Roller(90.0)))
     with pytest.raises(NoCam, match=r"cam\.point: the roller covers the cam centre"):
         _ = study_of(covering, 90).cam
 
@@ -332,7 +333,7 @@ def test_a_roller_on_a_link_that_slides_and_on_the_followed_link_itself() -> Non
 
     rail = Slider(link=2, on=1, angle_deg=90.0)
     linkage = Linkage(links, (rail,), Driver(2, "motion", 60.0))
-    cam = LinkageCam(link=2, point="R", roller_radius_mm=10.0)
+    cam = LinkageCam(link=2, point="R", face=Roller(10.0))
     design = Design("tappet", None, (Drive(motion, linkage, cam, LinkageLoads()),))
     study = study_of(design, 360)
     assert np.abs(study.linkage.follower.z[0] - 1j * (0.06 + study.motion.y[0])).max() < 1e-16

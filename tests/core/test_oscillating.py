@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from references import EPS, MP
 
-from core.design import Design, Link, Linkage, Motion, Named, Place, Segment, with_drive
+from core.design import Design, Link, Linkage, Motion, Named, Place, Roller, Segment, with_drive
 from core.design.linkage import Driver, LinkageCam
 from core.errors import NoAssembly
 from core.project import dumps, load, loads
@@ -80,7 +80,7 @@ def test_a_linkage_of_one_link_has_the_same_cam_and_forces(name: str) -> None:
     driver = Driver(2, "motion", design.camshaft.signed_rpm)
     plain = with_drive(
         design, mechanism=Linkage(links, (), driver), motion=Motion(start, segments, "deg"),
-        cam=LinkageCam(link=2, point="R", roller_radius_mm=cam.roller_radius_mm),
+        cam=LinkageCam(link=2, point="R", face=Roller(cam.roller_radius_mm)),
     )  # fmt: skip
     from core.design import LinkageLoads
 

@@ -21,6 +21,7 @@ from core.design import (
     Elastic,
     Named,
     Point,
+    RollerCam,
     Segment,
     Spline,
     faults,
@@ -326,7 +327,7 @@ def test_every_required_key_is_missed(kind: str) -> None:
     row = FOLLOWER_KINDS[kind]
     table = {"format": 1, "name": "x", "motion": {}, "follower": {"kind": kind}, "cam": {}, "shaft": {}}
     lines = told(table)
-    for section, part in (("follower", row.follower), ("cam", row.cam), ("loads", row.loads)):
+    for section, part in (("follower", row.follower), ("cam", RollerCam), ("loads", row.loads)):
         for field in fields(part):
             required = field.default is field.default_factory
             assert (f"{section}.{field.name}" in lines) == required
@@ -505,7 +506,7 @@ def test_translating() -> None:
     check(
         {"follower.face": "flatt", "follower.rod_mm": 1.0, "loads.preload_n": "x", "motion.start_deg": 1.0},
         {
-            "follower.face": "unknown word; allowed: roller",
+            "follower.face": "unknown word (did you mean 'flat'?); allowed: roller | flat | knife | shoe",
             "follower.rod_mm": "unknown key",
             "loads.preload_n": "must be a number",
             "motion.start_deg": "wrong unit",

@@ -115,7 +115,7 @@ def test_no_field_is_without_a_row_and_no_row_without_a_field() -> None:
             assert key == "name" or any(path == key or path.startswith(f"{key}.") for path in there), key
         numbers = {path for path, value in there.items() if not isinstance(value, int)}
         left_out = {path for path in numbers - {path for design, path in tried if design in designs} if "segments" not in path}
-        assert left_out == {CAM: {"cam.form", "follower.face"}, LINKAGE: {"cam.form", "linkage.driver.kind"}}[of]
+        assert left_out == {CAM: {"cam.form"}, LINKAGE: {"cam.form", "linkage.driver.kind"}}[of]
     paths = {path for _, path in tried}
     assert {"motion.segments[1].span_deg", "motion.segments[1].rise_mm", "motion.segments[1].crossover", "motion.start_mm"} <= paths
 

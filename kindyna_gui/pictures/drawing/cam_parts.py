@@ -28,8 +28,9 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         item = Loop(geometry.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
-        pitch = Loop(geometry.pitch, theme.pen(theme.quiet, THIN, CHAIN))
-        yield Part("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
+        if geometry.pitch.size:
+            pitch = Loop(geometry.pitch, theme.pen(theme.quiet, THIN, CHAIN))
+            yield Part("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
     yield Part(
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
@@ -124,7 +125,7 @@ def _within_reach(geometry: Geometry) -> np.ndarray:
 
 def _normal_move(line: QGraphicsLineItem, geometry: Geometry) -> Callable[[int], None]:
     assert geometry.shape is not None
-    normal, start = geometry.shape.flank.normal, geometry.reference
+    normal, start = geometry.shape.flank.normal, geometry.contact - geometry.face_radius * geometry.shape.flank.normal
     with np.errstate(invalid="ignore"):
         along = ((geometry.centre - start) * normal.conjugate()).real
     finite, reach = np.isfinite(along), _reach(geometry)

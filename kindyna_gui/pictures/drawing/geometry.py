@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from core.cam import CamShape
+from core.cam import CamShape, RoundFlank, row_of
 from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
@@ -147,16 +147,30 @@ class Geometry:
 
     @cached_property
     def pitch(self) -> np.ndarray:
-        """The pitch curve in the cam's own frame (n,) [mm]; empty where there is no cam."""
-        return np.zeros(0, dtype=complex) if self.shape is None else self.shape.flank.pitch * MM
+        """The pitch curve in the cam's own frame (n,) [mm]; empty where there is no cam, or the face has no centre."""
+        flank = None if self.shape is None else self.shape.flank
+        return flank.pitch * MM if isinstance(flank, RoundFlank) else np.zeros(0, dtype=complex)
 
     @cached_property
     def face_radius(self) -> float:
-        """Radius of the follower's face on the cam [mm], 0 where it is an edge or there is no cam."""
+        """Radius of the follower's face on the cam [mm], 0 where it is flat or an edge, or there is no cam."""
         if self.shape is None:
             return 0.0
-        radius = float(np.abs(self.profile - self.pitch)[0])
+        radius: float = self.study.design.drive.face.radius_mm
         return radius if radius > 1e-9 * abs(self.pitch[0]) else 0.0
+
+    @property
+    def face_angle(self) -> np.ndarray:
+        """Of the body that carries it (n,) [deg]."""
+        return self.bodies[self.kinematics.follower_body].angle
+
+    @cached_property
+    def face_outline(self) -> np.ndarray:
+        """The face in the frame of the follower's body (m,) [mm], closed; empty where there is no cam."""
+        if self.shape is None:
+            return np.zeros(0, dtype=complex)
+        face = self.study.design.drive.face
+        return np.asarray(row_of(face).outline(self.shape, face, self.kinematics) * MM)
 
     @cached_property
     def contact(self) -> np.ndarray:
@@ -186,7 +200,8 @@ class Geometry:
     @cached_property
     def core_box(self) -> tuple[complex, complex]:
         """Lower left and upper right corner of all that moves, over the whole turn [mm]."""
-        sweep = float(np.abs(self.pitch).max()) if self.pitch.size else self.base_radius
+        widest = self.pitch if self.pitch.size else self.profile
+        sweep = float(np.abs(widest).max()) if widest.size else self.base_radius
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.with_cam else []
         for track in self.tracks():
             boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))

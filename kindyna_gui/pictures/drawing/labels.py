@@ -82,7 +82,7 @@ def names(geometry: Geometry) -> Iterator[Label]:
     unit = geometry.unit
     fixed = np.zeros(geometry.samples, dtype=complex)
     if geometry.face_radius:
-        yield Label("roller", "roller", geometry.reference, geometry.face_radius, "roller")
+        yield Label("roller", geometry.study.design.drive.face.noun, geometry.reference, geometry.face_radius, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
         places = list(body.nodes.values())
@@ -178,7 +178,8 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         thin = slice(None, None, max(1, geometry.samples // 90))
         turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]
         rows.append((geometry.profile[thin] * turn, 0.0, 0.6))
-        rows.append((geometry.pitch[thin] * turn, 0.0, 0.9))
+        if geometry.pitch.size:
+            rows.append((geometry.pitch[thin] * turn, 0.0, 0.9))
         centre = np.where(np.isfinite(geometry.centre[seen]), geometry.centre[seen], 0.0)
         dots(geometry.reference[seen], centre, 0.0, 0.25)
     if geometry.with_cam:

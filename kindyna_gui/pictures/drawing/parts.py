@@ -23,6 +23,7 @@ from kindyna_gui.pictures.drawing.shapes import (
     joined,
     lever,
     link,
+    outline,
     pedestal,
     plate,
     scaled,
@@ -167,9 +168,12 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
 
 
 def roller(geometry: Geometry, theme: Theme) -> Iterator[Part]:
-    """The follower's round face with its centre mark."""
+    """The follower's face: a round with its centre mark, else its outline."""
     radius = geometry.face_radius
     if radius == 0.0:
+        if geometry.face_outline.size:
+            item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
+            yield Part("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
         return
     item = Outline(circle(radius), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
     yield Part("roller", item, ("roller",), Z_ROLLER, pinned(item, geometry.reference))

@@ -33,9 +33,8 @@ def _pressure_angle(study: Study) -> float:
 
 def _undercut(study: Study) -> float:
     """The pitch curvature whose radius is that of the roller; infinite for an edge."""
-    flank = study.cam.flank
-    radius = float(np.abs(flank.profile - flank.pitch)[0])
-    return 1.0 / radius if radius > 0.0 else np.inf
+    radius: float = study.design.drive.face.radius_mm
+    return 1e3 / radius if radius > 0.0 else np.inf
 
 
 LIMITS: Mapping[str, tuple[str, Callable[[Study], float]]] = MappingProxyType(

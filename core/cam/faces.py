@@ -1,0 +1,76 @@
+"""Faces of followers, one row each: the envelope, what limits it, how it is proved, how it looks, whether it rolls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from core.cam import flat_face, round_face
+from core.cam.shape import CamShape
+from core.design import Knife, OffsetFlat, Roller, Shoe, TiltedFlat
+from core.findings import Finding
+from core.mechanism.kinematics import Kinematics
+from core.motion.extremes import Range
+
+Extremes = Mapping[str, Range]
+
+
+class FaceRow(NamedTuple):
+    """What every face fills; ``face`` is its part of the design, with its size.
+
+    envelope      kinematics, face, cam, sense of rotation -> the cam's shape; raises NoCam
+    limits        quantities whose refined extremes its findings are taken from
+    undercut      extremes, face -> whether the profile has a cusp, or crosses itself where it is curved too much
+    findings      extremes, face, cam -> what is exceeded, the pressure angle aside
+    proof         name of its tangency in the certificate
+    own_distance  shape, face -> (n,) [m] distance of the profile's own points from the face, which should be 0
+    gaps          shape, face, positions -> (m,) [m] least distance of any profile point from the face, by brute force
+    outline       shape, face, kinematics -> (m,) [m] its closed outline in the frame of the follower's body
+    rolls         it turns on its own axis, so that nothing slides on the cam
+    """
+
+    envelope: Callable[[Kinematics, Any, Any, float], CamShape]
+    limits: tuple[str, ...]
+    undercut: Callable[[Extremes, Any], bool]
+    findings: Callable[[Extremes, Any, Any], list[Finding]]
+    proof: str
+    own_distance: Callable[[CamShape, Any], np.ndarray]
+    gaps: Callable[[CamShape, Any, int], np.ndarray]
+    outline: Callable[[CamShape, Any, Kinematics], np.ndarray]
+    rolls: bool = False
+
+
+def _round(proof: str = "face_tangency", rolls: bool = False) -> FaceRow:
+    return FaceRow(
+        round_face.envelope, ("pressure_angle", "pitch_curvature"), round_face.is_undercut,
+        round_face.findings, proof, round_face.own_distance, round_face.gaps, round_face.outline, rolls,
+    )  # fmt: skip
+
+
+_FLAT = FaceRow(
+    flat_face.envelope, ("pressure_angle", "profile_radius", "contact_on_face"), flat_face.is_undercut,
+    flat_face.findings, "face_tangency", flat_face.own_distance, flat_face.gaps, flat_face.outline,
+)  # fmt: skip
+
+FACES: Mapping[type, FaceRow] = MappingProxyType(
+    {
+        Roller: _round("roller_tangency", rolls=True),
+        Knife: _round(),
+        Shoe: _round(),
+        TiltedFlat: _FLAT,
+        OffsetFlat: _FLAT,
+    }
+)
+
+
+def row_of(face: Any) -> FaceRow:
+    """The row of a face."""
+    return FACES[type(face)]
+
+
+def envelope(kinematics: Kinematics, face: Any, cam: Any, sense: float) -> CamShape:
+    """The cam that moves the follower body of the kinematics; sense: d = +1 counter-clockwise, -1 clockwise. Raises NoCam."""
+    return row_of(face).envelope(kinematics, face, cam, sense)

@@ -1,0 +1,165 @@
+"""A straight face on the cam, in a body that slides or swings: envelope, limits, proof and outline."""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Mapping
+from functools import cache
+from math import degrees
+
+import numpy as np
+
+from core.cam.shape import CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
+from core.cam.sizes import size_of
+from core.design import Flat, OffsetFlat, TiltedFlat, si
+from core.errors import NoCam, angle_ranges
+from core.findings import ERROR, Finding
+from core.instant_centres import cam_follower_centre
+from core.mechanism.kinematics import REVOLUTE, Kinematics
+from core.motion.extremes import Range
+from core.numerics.vectors import cross, dot
+
+MARGIN = 0.1  # of a drawn face beyond where it touches, parts of that
+THICK = 0.06  # of a drawn face, parts of the cam's size
+
+
+def normal_of(face: Flat) -> complex:
+    """The face's normal m in the frame of its body, from the cam to the face: the body's x axis, but for its tilt."""
+    return cmath.rect(1.0, si(face).face_tilt) if isinstance(face, TiltedFlat) else 1.0 + 0.0j
+
+
+def envelope(kinematics: Kinematics, face: TiltedFlat | OffsetFlat, cam: object, sense: float) -> CamShape:
+    """Profile of a disk cam under a straight face of normal m through the reference point R, by its support function.
+
+    In the cam's frame the face's line has the normal angle ν = arg m - dθ and the distance h = Re(m̄R) from the cam centre, so
+    with derivatives by ν: contact C = m(h + i h_ν), h_ν = h'/(φ' - d); radius of curvature ρ = h + h_νν,
+    h_νν = (h''(φ' - d) - h'φ'')/(φ' - d)³. It lies x = h_ν - Im(m̄R) along the face from R. Raises NoCam where the face
+    passes the cam centre, or turns as fast as the cam.
+    """
+    motion, follower = relative_motion(kinematics, sense), kinematics.follower
+    r, turn = follower.origin, follower.turn
+    m = normal_of(face) * follower.unit
+    rate = turn[1] - sense
+    z0 = m.conj() * r[0]
+    h, g = z0.real, z0.imag
+    _require_cam(kinematics, h, sense * rate, cam, face.noun)
+    z1 = m.conj() * r[1]
+    by_angle = turn[1] * g + z1.real  # h'
+    slope = by_angle / rate  # h_ν
+    back = turned_back(kinematics, sense)
+    contact = cache(lambda: m * (h + 1j * slope))
+
+    @cache
+    def radius() -> np.ndarray:
+        z2 = m.conj() * r[2]
+        a, b = turn[1], turn[2]
+        second = b * g - a * a * h + 2.0 * a * z1.imag + z2.real  # h''
+        return h + (second * rate - by_angle * b) / (rate * rate * rate)
+
+    def pressure_angle() -> np.ndarray:
+        way = _travel(kinematics, contact())
+        return np.arctan2(np.abs(cross(m, way)), np.abs(dot(m, way)))
+
+    flank = FlatFlank(
+        profile=lambda: contact() * back(),
+        contact=contact,
+        normal=-m,
+        pressure_angle=pressure_angle,
+        profile_curvature=lambda: _inverse(radius()),
+        sliding=lambda: sliding(kinematics, motion, contact(), -m, sense),
+        support=h,
+        support_angle=lambda: m * back(),
+        profile_radius=radius,
+        on_face=lambda: slope - g,
+    )
+    return CamShape((flank,), sense, motion[0], motion[1], lambda: cam_follower_centre(kinematics, sense))
+
+
+@np.errstate(divide="ignore")
+def _inverse(radius: np.ndarray) -> np.ndarray:
+    return 1.0 / radius
+
+
+def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
+    """The direction (n,) in which the follower's point at the contact goes: about its pivot, or along its guide."""
+    pair = kinematics.pairs[kinematics.ground]
+    if pair.kind == REVOLUTE:
+        return 1j * (contact - kinematics.bodies[pair.body].place(pair.point))
+    return kinematics.line(pair)
+
+
+def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
+    field, hint = size_of(cam, name, 0.0)
+    fast = np.broadcast_to(rate >= 0.0, support.shape)
+    if fast.any():
+        raise NoCam(
+            f"the {name} turns as fast as the cam, or faster: no cam can touch it on the outside", "motion.segments",
+            "lengthen the rise, or lower the motion", angle_ranges(kinematics.theta, fast),
+        )  # fmt: skip
+    bad = support <= 0.0
+    if bad.any():
+        raise NoCam(
+            f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left", field, hint,
+            angle_ranges(kinematics.theta, bad),
+        )  # fmt: skip
+
+
+def is_undercut(extremes: Mapping[str, Range], face: Flat) -> bool:
+    """Whether the radius of curvature somewhere is 0 or less: there the profile has a cusp, or would have to be concave."""
+    return extremes["profile_radius"].low.value <= 0.0
+
+
+def own_distance(shape: CamShape, face: Flat) -> np.ndarray:
+    """Distance of the profile's own points from the face (n,) [m]."""
+    flank = flat_flank(shape)
+    return np.abs(dot(flank.support_angle, shape.flank.profile) - flank.support)
+
+
+def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
+    """Least distance of all profile points from the line of the face [m], by brute force at ``positions`` cam positions (m,):
+    negative where the profile enters the face, positive where it stays away from it."""
+    flank, profile = flat_flank(shape), shape.flank.profile
+    step = max(1, profile.size // positions)
+    rows = zip(flank.support_angle[::step], flank.support[::step], strict=True)
+    return np.array([float((h - dot(m, profile)).min()) for m, h in rows])
+
+
+def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> np.ndarray:
+    """The face as a plate (5,) [m], closed, in the frame of the follower's body: as wide as it is, else a little wider than
+    where it touches."""
+    flank, m, own = flat_flank(shape), normal_of(face), si(face)
+    size = float(np.abs(shape.flank.contact).max())
+    if own.face_half_width is None:
+        room = MARGIN * float(np.ptp(flank.on_face)) or MARGIN * size
+        low, high = float(flank.on_face.min()) - room, float(flank.on_face.max()) + room
+    else:
+        low, high = own.face_centre - own.face_half_width, own.face_centre + own.face_half_width
+    thick = THICK * size
+    return m * np.array([1j * low, 1j * high, thick + 1j * high, thick + 1j * low, 1j * low])
+
+
+def findings(extremes: Mapping[str, Range], face: Flat, cam: object) -> list[Finding]:
+    """A radius of curvature that is not positive, and a face that the contact leaves."""
+    return [*_undercut(extremes, face, cam), *_too_narrow(extremes, face)]
+
+
+def _undercut(extremes: Mapping[str, Range], face: Flat, cam: object) -> list[Finding]:
+    if not is_undercut(extremes, face):
+        return []
+    least = extremes["profile_radius"].low
+    values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": "enlarge the base radius"}
+    return [Finding("undercut", ERROR, size_of(cam, "", 0.0)[0], degrees(least.theta), values)]
+
+
+def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:
+    """Where the contact runs farthest beyond the face, and the half width about its centre that would do."""
+    half, centre = face.face_half_width_mm, face.face_centre_mm
+    if half is None:
+        return []
+    found = extremes["contact_on_face"]
+    worst = max(found.low, found.high, key=lambda end: abs(1e3 * end.value - centre))
+    needed = abs(1e3 * worst.value - centre)
+    if needed <= half:
+        return []
+    values = {"contact_mm": 1e3 * worst.value, "needed_mm": needed, "half_width_mm": half}
+    return [Finding("face-too-narrow", ERROR, "follower.face_half_width_mm", degrees(worst.theta), values)]

@@ -1,0 +1,129 @@
+"""A round on the cam - roller, shoe, or an edge of radius 0 - as an envelope, with its limits, its proof and its outline."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from math import degrees
+from types import MappingProxyType
+
+import numpy as np
+
+from core.cam.shape import (
+    CamShape,
+    RoundFlank,
+    curvature,
+    curvature_slope,
+    relative_motion,
+    round_flank,
+    sliding,
+    turned_back,
+)
+from core.cam.sizes import face_table, size_of
+from core.design import RoundFace, Shoe
+from core.errors import NoCam, angle_ranges
+from core.findings import ERROR, Finding
+from core.instant_centres import cam_follower_centre
+from core.mechanism.kinematics import Kinematics
+from core.motion.extremes import Range
+from core.numerics.vectors import cross, dot
+
+POINTS = 181  # of an outline
+_WORDS: Mapping[type, Mapping[str, str]] = MappingProxyType({Shoe: {"face": Shoe.face}})
+WEDGE = 0.12  # length of a drawn edge, parts of the cam's size
+
+
+def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float) -> CamShape:
+    """Profile of a disk cam under a round of radius Rr: n = -i d t/|t|, profile (R + Rr n) e^{-idθ}.
+
+    Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
+    Raises NoCam where it covers the cam centre or stands still on the cam (a cusp).
+    """
+    radius = 1e-3 * face.radius_mm
+    motion = relative_motion(kinematics, sense)
+    reference, t = motion[0], motion[1]
+    _require_cam(kinematics, reference, t, radius, cam, face.noun)
+    normal = (-1j * sense) * t / np.abs(t)
+    back = turned_back(kinematics, sense)
+    contact = cache(lambda: reference + radius * normal)
+    bend = cache(lambda: curvature(motion, sense))
+    flank = RoundFlank(
+        profile=lambda: contact() * back(),
+        contact=contact,
+        normal=normal,
+        pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
+        profile_curvature=lambda: _beyond(bend(), radius),
+        sliding=lambda: sliding(kinematics, motion, contact(), normal, sense),
+        pitch=lambda: reference * back(),
+        pitch_curvature=bend,
+        pitch_curvature_slope=lambda: curvature_slope(motion, sense),
+    )
+    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(kinematics, sense))
+
+
+@np.errstate(divide="ignore")
+def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
+    """Curvature of the curve that runs beside by the radius, on the convex side's inside."""
+    return pitch_curvature / (1.0 - radius * pitch_curvature)
+
+
+def _require_cam(
+    kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, cam: object, name: str
+) -> None:
+    distance, (field, hint) = np.abs(reference), size_of(cam, name, radius)
+    bad = distance <= radius
+    if bad.any():
+        raise NoCam(
+            f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
+            f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
+            field,
+            hint,
+            angle_ranges(kinematics.theta, bad),
+        )
+    still = t == 0.0
+    if still.any():
+        raise NoCam(
+            f"the {name} stands still on the cam (cusp of the pitch curve)", field, "change it",
+            angle_ranges(kinematics.theta, still),
+        )  # fmt: skip
+
+
+def is_undercut(extremes: Mapping[str, Range], face: RoundFace) -> bool:
+    """Whether the pitch curve is somewhere no blunter than the round: there the profile has a cusp, or crosses itself."""
+    return bool(1e-3 * face.radius_mm * extremes["pitch_curvature"].high.value >= 1.0)
+
+
+def own_distance(shape: CamShape, face: RoundFace) -> np.ndarray:
+    """Distance of the profile's own points from the round (n,) [m]."""
+    flank = round_flank(shape)
+    return np.abs(np.abs(shape.flank.profile - flank.pitch) - 1e-3 * face.radius_mm)
+
+
+def gaps(shape: CamShape, face: RoundFace, positions: int) -> np.ndarray:
+    """Least distance from the centre to all profile points, less the radius [m], by brute force at ``positions`` cam
+    positions (m,): negative where the profile enters the round, positive where it stays away from it."""
+    pitch, profile, radius = round_flank(shape).pitch, shape.flank.profile, 1e-3 * face.radius_mm
+    step = max(1, pitch.size // positions)
+    # one by one, so that memory stays small for a million points
+    return np.array([float(np.abs(profile - centre).min()) - radius for centre in pitch[::step]])
+
+
+def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> np.ndarray:
+    """The round about its centre (m,) [m], closed, in the frame of the follower's body; of an edge a wedge whose point lies
+    there, away from the cam."""
+    radius = 1e-3 * face.radius_mm
+    if radius:
+        return radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, POINTS))
+    away = -(shape.flank.normal / kinematics.follower.unit).mean()
+    size = WEDGE * float(np.abs(shape.reference).max()) * away / (abs(away) or 1.0)
+    return np.array([0.0, size * (1.0 + 0.4j), size * (1.0 - 0.4j), 0.0])
+
+
+def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object) -> list[Finding]:
+    """The pitch curve's smallest radius against that of the round."""
+    if not is_undercut(extremes, face):
+        return []
+    sharpest = extremes["pitch_curvature"].high
+    key = f"{face.face}_radius_mm"
+    values: dict[str, float | str] = {"pitch_radius_mm": 1e3 / sharpest.value, key: face.radius_mm, **_WORDS.get(type(face), {})}
+    return [Finding("undercut", ERROR, f"{face_table(cam, face)}.{key}", degrees(sharpest.theta), values)]

@@ -1,0 +1,41 @@
+"""Which entries of the design set the size of cam and face, by the class of the cam: where a finding leads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+from core.design import DiskCam, Face, LinkageCam, Roller, RollerCam
+
+
+class Entries(NamedTuple):
+    """pressure: code of the finding; size: field that makes the cam larger; hint: how, ``{smaller}`` for what else helps where
+    the face has a radius; faces: table that holds the entries of a face other than a roller."""
+
+    pressure: str
+    size: str
+    hint: str
+    smaller: str
+    faces: str
+
+
+_DISK = Entries(
+    "pressure-angle", "cam.base_radius_mm", "make it larger,{smaller} or lower the motion", " or the {name} smaller,", "follower"
+)
+# a cam under a linkage has the size that the linkage gives it
+_UNDER_LINKAGE = Entries(
+    "roller-pressure-angle", "cam.point", "let the {name} run farther from the frame's origin{smaller}", ", or make it smaller", "cam"
+)
+ENTRIES: Mapping[type, Entries] = MappingProxyType({RollerCam: _DISK, DiskCam: _DISK, LinkageCam: _UNDER_LINKAGE})
+
+
+def size_of(cam: object, name: str, radius: float) -> tuple[str, str]:
+    """The field that sets the cam's size, and what to do with it; name: of the face, radius: it has one that may be smaller."""
+    row = ENTRIES[type(cam)]
+    return row.size, row.hint.format(name=name, smaller=row.smaller.format(name=name) if radius else "")
+
+
+def face_table(cam: object, face: Face) -> str:
+    """The table of the file that holds the face's own entries: a roller's radius is always the cam's."""
+    return "cam" if isinstance(face, Roller) else ENTRIES[type(cam)].faces
