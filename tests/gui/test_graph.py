@@ -17,7 +17,7 @@ from window_user import Alone, User, settle
 from core.motion import degrees as grid
 from core.output.channels import channels
 from core.output.export import csv
-from core.study import Study, evaluations
+from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.graph_choice import FIRST, ChannelTree, Choice, tip_of
@@ -202,24 +202,6 @@ def test_an_edit_is_drawn_and_the_cursor_follows(graph: GraphView) -> None:
     assert graph.panels[0].plot.readings() == ["160.0 mm"]
     graph.player.set_theta(radians(180.0))
     assert graph.panels[0].plot.readings() == ["0 mm"]
-
-
-def test_only_what_is_chosen_is_computed(user: User) -> None:
-    for dock in user.window.docks.values():
-        dock.hide()
-    view = user.window.show_view("graph")
-    settle()
-    evaluations.clear()
-    user.session.edit("follower.rod_mm", 850.0, "a")
-    user.session.edit("motion.stroke", 151.0, "b")
-    settle()
-    assert view.stages == ("motion",)
-    assert set(evaluations) == {"motion"}
-    assert isinstance(view, GraphView)
-    tick(view, "pressure_angle")
-    assert view.stages == ("motion", "cam")
-    assert evaluations["cam"]
-    assert not evaluations["dynamics"]
 
 
 # -- polar ------------------------------------------------------------------------------------------------

@@ -14,7 +14,6 @@ from PySide6.QtWidgets import QApplication, QMenu, QStyle, QStyleOptionViewItem
 from window_user import Alone, Open, User, settle
 
 from core.laws import LAWS, peaks
-from core.study import evaluations
 from kindyna_gui.documents.session import Session
 from kindyna_gui.motion.laws_model import ACCELERATION, COLUMNS, ENDS, JERK, NAME, TORQUE, VELOCITY, law_rows
 from kindyna_gui.motion.laws_plot import QUANTITIES, STROKES
@@ -240,14 +239,6 @@ def test_the_picture_shows_the_curves_and_their_names(laws: LawsView) -> None:
     for name in (*(quantity[0] for quantity in QUANTITIES), "Modified trapezoid"):
         assert name in svg
     assert "<image" not in svg
-
-
-def test_nothing_is_computed_for_it(laws: LawsView) -> None:
-    evaluations.clear()
-    laws.session.edit("follower.rod_mm", 850.0, "a")
-    settle()
-    assert laws.stages == ()
-    assert not evaluations
 
 
 # -- using ------------------------------------------------------------------------------------------------

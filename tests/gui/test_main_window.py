@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QApplication, QFileDialog, QMessageBox, QWidget
 from window_user import Open, User, settle, wait_for
 
 from core.project import load
-from core.study import evaluations
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, ask_to_save, show_faults
 from kindyna_gui.places import example
@@ -35,42 +34,7 @@ def mine(tmp_path: Path) -> Path:
     return path
 
 
-def only(user: User, *names: str) -> None:
-    """Leave nothing on screen but these docks."""
-    for name, dock in user.window.docks.items():
-        dock.setVisible(name in names)
-    user.window.centralWidget().hide()
-    for name in names:
-        user.window.show_view(name)
-    settle()
-
-
-# -- what is computed for whom ----------------------------------------------------------------------------
-
-
-def test_with_only_the_displacement_on_screen_a_length_costs_nothing(user: User) -> None:
-    only(user, "displacement")
-    before = evaluations.copy()
-    assert user.session.edit("follower.rod_mm", 850.0, "a")
-    settle()
-    assert evaluations["cam"] == before["cam"]
-    assert evaluations["dynamics"] == before["dynamics"]
-    assert evaluations["linkage"] == before["linkage"]
-
-
-def test_a_dock_behind_another_computes_nothing(user: User) -> None:
-    only(user, "displacement", "velocity", "torque", "contact_force")
-    user.window.show_view("displacement")
-    user.window.docks["torque"].hide()
-    user.window.docks["contact_force"].hide()
-    settle()
-    assert user.window.stages_on_screen() == ("motion",)
-    before = evaluations.copy()
-    user.session.edit("loads.slider_mass_kg", 250.0, "a")
-    settle()
-    assert evaluations["dynamics"] == before["dynamics"]
-    user.window.show_view("torque")
-    wait_for(lambda: evaluations["dynamics"] > before["dynamics"])
+# -- what stands there at first ---------------------------------------------------------------------------
 
 
 def test_views_are_made_when_they_are_first_seen(whole: User) -> None:

@@ -15,7 +15,6 @@ from window_user import Open, User, plain, settle, wait_for
 from core.design import Design, Motion, Named, Segment, edited, with_drive
 from core.project import load
 from core.study import Study
-from core.study.stages import evaluations
 from kindyna_gui.look import GOOD, QUIET, WRONG
 from kindyna_gui.motion.diagram import numbered, rooms_beside
 from kindyna_gui.motion.editor import MotionEditor
@@ -624,25 +623,6 @@ def edited_to_stand(user: User) -> Design:
     """The design with a single dwell."""
     still = Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
     return with_drive(user.design, motion=still)
-
-
-# -- hidden -----------------------------------------------------------------------------------------------
-
-
-def test_nothing_is_computed_for_a_hidden_editor(user: User) -> None:
-    view, drawn = user.motion(), line(user)
-    user.window.docks["motion"].hide()
-    settle()
-    _, before = drawn.getData()
-    evaluations.clear()
-    user.session.edit("motion.segments[1].law", "cycloidal", "x")
-    settle()
-    assert not view.up_to_date
-    assert evaluations["motion"] <= 1  # for the mechanism
-    assert drawn.getData()[1] is before
-    user.window.docks["motion"].show()
-    wait_for(lambda: view.up_to_date)
-    assert drawn.getData()[1] is not before
 
 
 # -- little room ------------------------------------------------------------------------------------------

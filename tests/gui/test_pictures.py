@@ -293,15 +293,6 @@ def test_the_scale_bar_is_shown_and_hidden() -> None:
     assert not scene.overlay.bar.isVisible()
 
 
-def test_hidden_vectors_cost_no_forces() -> None:
-    from core.study import evaluations
-
-    scene = scene_of(LIFT)
-    assert evaluations["dynamics"] == 0
-    scene.set_layer("forces", True)
-    assert evaluations["dynamics"] == 1
-
-
 # -- vectors ----------------------------------------------------------------------------------------------
 
 

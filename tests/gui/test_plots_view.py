@@ -18,7 +18,7 @@ from window_user import Alone, User, settle
 from core.design import Design
 from core.output.channels import channel
 from core.output.export import files
-from core.study import Study, evaluations
+from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.exports import numbers
 from kindyna_gui.documents.session import Session
@@ -59,15 +59,6 @@ def pixel(view: PlotView, angle: float) -> QPoint:
 )
 def test_the_stages_are_those_of_the_channels(quantities: tuple[str, ...], stages: tuple[str, ...], show: Show) -> None:
     assert show(*quantities).stages == stages
-
-
-def test_the_displacement_alone_computes_neither_cam_nor_forces(show: Show) -> None:
-    view = show("displacement")
-    evaluations.clear()
-    view.session.edit("motion.stroke", 160.0, "a")
-    view.player.step(1.0)
-    assert evaluations["motion"]
-    assert not {"linkage", "cam", "dynamics"} & set(evaluations)
 
 
 def test_an_edit_is_drawn_at_once(show: Show) -> None:
@@ -295,25 +286,6 @@ def test_one_angle_for_all(whole: User) -> None:
         other = whole.window.view(name)
         assert isinstance(other, PlotView)
         assert other.plot.angle == theta
-
-
-def test_a_plot_behind_another_draws_nothing(user: User, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in ("acceleration", "jerk", "displacement"):
-        user.window.show_view(name)
-        settle()
-    drawn: list[tuple[str, ...]] = []
-    refresh, follow = PlotView.refresh, PlotView.follow
-    monkeypatch.setattr(PlotView, "refresh", lambda s, study: (drawn.append(s.quantities), refresh(s, study))[1])
-    monkeypatch.setattr(PlotView, "follow", lambda s, theta: (drawn.append(s.quantities), follow(s, theta))[1])
-    user.session.edit("motion.stroke", 160.0, "a")
-    user.window.player.step(5.0)
-    settle()
-    assert ("displacement",) in drawn
-    assert ("acceleration",) not in drawn
-    assert ("jerk",) not in drawn
-    user.window.show_view("jerk")
-    settle()
-    assert ("jerk",) in drawn
 
 
 def test_what_was_written_is_told_in_the_status_line(whole: User, tmp_path: Path) -> None:

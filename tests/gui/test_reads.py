@@ -12,7 +12,6 @@ from core.study.stages import memory
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.graph.quantities import stages_of
-from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.places import example
 from kindyna_gui.requirements import lists_links
@@ -173,15 +172,6 @@ def test_an_empty_graph_computes_what_is_ticked(alone: User) -> None:
         assert set(graph.stages) <= wanted
 
 
-def test_forces_are_read_only_while_they_are_drawn(user: User) -> None:
-    view = user.window.view("mechanism")
-    assert isinstance(view, MechanismView)
-    view.show_layer("forces", True)
-    assert view.stages == STAGES_OF_VIEWS["mechanism with forces"]
-    view.show_layer("forces", False)
-    assert view.stages == STAGES_OF_VIEWS["mechanism"]
-
-
 EDITS = {
     "name": ("name", "Another name", set()),
     "assumed": ("assumed", frozenset({"follower.rod_mm"}), set()),
@@ -228,11 +218,21 @@ def test_one_step_of_the_cam_is_computed_once_for_all_that_follow_it(user: User)
 # -- what is hidden rests -----------------------------------------------------------------------------------
 
 
-def test_what_cannot_be_seen_neither_computes_nor_draws(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in VIEWS:
-        alone.window.show_view(name)
-        settle()
+def test_what_cannot_be_seen_neither_follows_nor_computes_nor_draws(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    """First where nothing but the angle is new, then after an edit."""
+    shown = views(alone)
+    for view in shown.values():
+        view.pull()
     empty(alone)
+    followed: list[str] = []
+    with monkeypatch.context() as patch:
+        for name, view in shown.items():
+            patch.setattr(view, "follow", lambda theta, name=name: followed.append(name))
+        clear_caches()
+        alone.window.player.step(5.0)
+        settle()
+    assert followed == ["graph"]
+    assert computed() == set()
     drawn: list[str] = []
     monkeypatch.setattr(CurvePlot, "set_curves", lambda plot, *_: drawn.append("curves"))
     monkeypatch.setattr(CurvePlot, "set_angle", lambda plot, *_: drawn.append("angle"))
@@ -248,21 +248,6 @@ def test_what_cannot_be_seen_neither_computes_nor_draws(alone: User, monkeypatch
     assert set(drawn) <= {"GraphView", "PlayerBar", "angle"}
     assert computed() <= {"motion"}, "the empty graph follows no angle"
     assert painted.widgets == []
-
-
-def test_who_cannot_be_seen_does_not_follow_the_cam_though_nothing_else_is_new(alone: User, monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = views(alone)
-    for view in shown.values():
-        view.pull()
-    empty(alone)
-    followed: list[str] = []
-    for name, view in shown.items():
-        monkeypatch.setattr(view, "follow", lambda theta, name=name: followed.append(name))
-    clear_caches()
-    alone.window.player.step(5.0)
-    settle()
-    assert followed == ["graph"]
-    assert computed() == set()
 
 
 def test_a_dock_behind_another_neither_computes_nor_paints(user: User) -> None:
