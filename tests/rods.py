@@ -6,6 +6,7 @@ from core.design import Driver, Link, Linkage, Place, Side, Slider
 from core.mechanism import Mechanism, solve_mechanism
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, MotionState
+from core.numerics.derivatives import Derivatives
 
 MM = 1e-3
 
@@ -37,4 +38,4 @@ def arm_and_rod(
         linkage, {2: "arm", 3: "rod", 4: "slider"}, start=slider, coordinates={"phi": 2, "beta": 3}, angles={2: phi, 3: beta}
     )
     angles = Angles(np.zeros(1), np.zeros(1, dtype=int))
-    return solve_mechanism(mechanism, MotionState(angles, y, np.ones(1)))
+    return solve_mechanism(mechanism, MotionState(angles, Derivatives.of(y), np.ones(1)))

@@ -19,7 +19,7 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     the peak of its terms and of ω|R||F_c|, the product that T_c ω is taken from: where the cam only holds, nothing else is
     left."""
     omega = forces.omega
-    given = forces.torque * omega + forces.driver * kinematics.motion.y[1] * omega
+    given = forces.torque * omega + forces.driver * kinematics.motion.displacement[1] * omega
     terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
     terms += [omega * element.potential(kinematics)[0] for element in loading.elements]
     sizes = list(terms)

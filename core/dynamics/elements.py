@@ -125,7 +125,7 @@ class OutputForce:
 
     def size(self, kinematics: Kinematics) -> np.ndarray:
         """F (n,)."""
-        return np.asarray(self.force - self.rate * kinematics.motion.y[0])
+        return np.asarray(self.force - self.rate * kinematics.motion.displacement[0])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
         pair, along = kinematics.driver_pair, self.sense * self.size(kinematics)
@@ -137,7 +137,7 @@ class OutputForce:
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F y'."""
-        _, v, a, _ = kinematics.motion.y
+        v, a = (kinematics.motion.displacement[order] for order in (1, 2))
         force = self.size(kinematics)
         return np.array([-force * v, self.rate * v * v - force * a])
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,10 +19,11 @@ from core.dynamics.friction import JAMMED, GuideReaction, guide_reaction, jam_fa
 from core.dynamics.walk import Walk
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy
-from core.numerics.vectors import cross, dot
+from core.numerics.vectors import cross, dot, spread
 
 BEARING = "bearing"
 JAMS = 1.0  # the factor from which friction may jam
+_NONE, _NO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,12 +60,27 @@ class Forces:
     guide: GuideReaction | None = None
 
 
-@dataclass(frozen=True, eq=False)
 class _Case:
-    """Reactions of one load case, the contact force that it asks for included."""
+    """A walk of loads with the contact force (n,) that leaves nothing to the driver; without a cam, what the driver is given."""
 
-    pairs: Mapping[str, np.ndarray]
-    couples: Mapping[str, np.ndarray]
+    def __init__(self, walk: Walk, press: Walk | None) -> None:
+        self.walk, self.press = walk, press
+        self.contact = np.zeros(1) if press is None else -walk.needed / press.needed
+        self.driver = walk.needed if press is None else np.zeros(1)
+
+    def pair(self, name: str) -> np.ndarray:
+        """A pair's force (n,), with what the contact adds to it."""
+        force = self.walk.pairs.get(name, _NO_FORCE)
+        if self.press is None or name not in self.press.pairs:
+            return force
+        return force + self.contact * self.press.pairs[name]
+
+
+class _Reactions(NamedTuple):
+    """Forces and couples of all pairs, contact force, and what the driver is given, (n,) or (1,)."""
+
+    pairs: dict[str, np.ndarray]
+    couples: dict[str, np.ndarray]
     contact: np.ndarray
     driver: np.ndarray
 
@@ -89,28 +106,28 @@ def newton_euler(
         contact_jam = np.broadcast_to(np.nan_to_num(1.0 - press.needed / smooth, nan=0.0), n)
         press.needed = np.where(contact_jam < JAMS, press.needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
-    case = _case(own, press)
+    case = _Case(own, press)
     signs, rubbing = {}, {}
     for friction in loading.frictions:
         signs[friction.pair] = _direction(kinematics, friction.pair) * np.sign(omega)
-        rubbing[friction.pair] = _case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
+        rubbing[friction.pair] = _Case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
     total, guide, jam, lost = _with_friction(kinematics, loading, case, rubbing, signs)
-    pairs, contact = dict(total.pairs), total.contact
-    if cam is not None:
+    pairs, contact, torque = total.pairs, total.contact, _NONE
+    if shape is not None and cam is not None:
         pairs[BEARING] = -contact * cam[1]
-    torque = np.zeros(n) if shape is None or cam is None else -shape.sense * cross(cam[0], contact * cam[1])
-    if friction_of_cam and shape is not None:
-        lost = lost + friction_of_cam * contact * np.abs(shape.flank.sliding)
+        torque = shape.sense * cross(cam[0], pairs[BEARING])
+        if friction_of_cam:
+            lost = lost + friction_of_cam * contact * np.abs(shape.flank.sliding)
     forces = Forces(
         omega=omega,
-        pairs=pairs,
-        couples=total.couples,
-        contact=np.broadcast_to(contact, n),
+        pairs={name: spread(force, n) for name, force in pairs.items()},
+        couples={name: spread(couple, n) for name, couple in total.couples.items()},
+        contact=spread(contact, n),
         pressing=np.zeros(n, dtype=complex) if cam is None else cam[1],
-        torque=torque,
-        driver=np.broadcast_to(total.driver, n),
-        lever=np.full(n, np.inf) if press is None else np.broadcast_to(press.needed, n),
-        lost=lost * omega,
+        torque=spread(torque, n),
+        driver=spread(total.driver, n),
+        lever=np.full(n, np.inf) if press is None else spread(press.needed, n),
+        lost=spread(lost * omega, n),
         jam=np.maximum(jam, contact_jam),
         contact_jam=contact_jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact, forces.pressing),
@@ -125,20 +142,6 @@ def _pressing(shape: CamShape, friction: float) -> np.ndarray:
     if not friction:
         return flank.normal
     return flank.normal * (1.0 + 1j * shape.sense * friction * np.sign(flank.sliding))
-
-
-def _case(walk: Walk, press: Walk | None) -> _Case:
-    """A walk's reactions with the contact force that leaves nothing to the driver."""
-    if press is None:
-        return _Case(walk.pairs, walk.couples, np.zeros(1), walk.needed)
-    contact = -walk.needed / press.needed
-    names, couples = {*walk.pairs, *press.pairs}, {*walk.couples, *press.couples}
-    return _Case(
-        {name: walk.pairs.get(name, 0.0) + contact * press.pairs.get(name, 0.0) for name in names},
-        {name: walk.couples.get(name, 0.0) + contact * press.couples.get(name, 0.0) for name in couples},
-        contact,
-        np.zeros(1),
-    )
 
 
 def _unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
@@ -163,37 +166,45 @@ def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
     return force if pair.kind == REVOLUTE else dot(1j * kinematics.line(pair), force)
 
 
+def _reactions(case: _Case, rubbing: Mapping[str, _Case], signed: Mapping[str, np.ndarray]) -> _Reactions:
+    """Of the own loads, of friction of these sizes with their signs (n,), and of the contact force that both ask for."""
+    contact, driver = case.contact, case.driver
+    pairs, couples = dict(case.walk.pairs), dict(case.walk.couples)
+    for name, size in signed.items():
+        contact, driver = contact + size * rubbing[name].contact, driver + size * rubbing[name].driver
+    shares = [(size, rubbing[name].walk) for name, size in signed.items()]
+    for size, walk in shares if case.press is None else [*shares, (contact, case.press)]:
+        for total, parts in ((pairs, walk.pairs), (couples, walk.couples)):
+            for name, part in parts.items():
+                total[name] = total[name] + size * part if name in total else size * part
+    return _Reactions(pairs, couples, contact, driver)
+
+
 def _with_friction(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
-) -> tuple[_Case, GuideReaction | None, np.ndarray, np.ndarray]:
+) -> tuple[_Reactions, GuideReaction | None, np.ndarray, np.ndarray]:
     """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per
     radian of the shaft [N m]."""
-    n, guide = kinematics.theta.size, None
-    pairs, couples, contact, driver = dict(case.pairs), dict(case.couples), case.contact, case.driver
     sizes, jam = _sizes(kinematics, loading, case, rubbing, signs)
-    lost = np.zeros(n)
-    for name, size in sizes.items():
-        signed, one = signs[name] * size, rubbing[name]
-        for other, force in one.pairs.items():
-            pairs[other] = pairs.get(other, 0.0) + signed * force
-        for other, couple in one.couples.items():
-            couples[other] = couples.get(other, 0.0) + signed * couple
-        contact, driver = contact + signed * one.contact, driver + signed * one.driver
-        moves = kinematics.motion.y[1] if name == kinematics.driver_name else kinematics.slip(name) * kinematics.motion.y[1]
-        lost = lost + signed * moves
+    signed = {name: signs[name] * size for name, size in sizes.items()}
+    total, lost, guide = _reactions(case, rubbing, signed), _NONE, None
+    pairs, couples = total.pairs, total.couples
+    for name, size in signed.items():
+        slip = 1.0 if name == kinematics.driver_name else kinematics.slip(name)
+        lost = lost + size * slip * kinematics.motion.displacement[1]
         if kinematics.pairs[name].kind == REVOLUTE:
-            couples[name] = couples.get(name, 0.0) - signed
+            couples[name] = couples.get(name, 0.0) - size
         else:
-            pairs[name] = pairs[name] - signed * kinematics.line(kinematics.pairs[name])
+            pairs[name] = pairs[name] - size * kinematics.line(kinematics.pairs[name])
+    for name, pair in kinematics.pairs.items():
+        pairs.setdefault(name, _NO_FORCE)
+        if pair.kind != REVOLUTE:
+            couples.setdefault(name, _NONE)
     if loading.guide:
-        name = loading.guide
-        normal = np.broadcast_to(_normal(kinematics, name, pairs[name]), n)
-        rubs = -signs[name] * sizes[name] if name in sizes else np.zeros(n)
-        guide = GuideReaction(normal, np.broadcast_to(rubs, n), jam)
-    sliding = (name for name, pair in kinematics.pairs.items() if pair.kind != REVOLUTE)
-    pairs = {name: np.broadcast_to(pairs.get(name, 0j), n) for name in kinematics.pairs}
-    couples = {name: np.broadcast_to(couples.get(name, 0.0), n) for name in {**dict.fromkeys(sliding), **couples}}
-    return _Case(pairs, couples, contact, driver), guide, jam, lost
+        n, name = kinematics.theta.size, loading.guide
+        normal, rubs = _normal(kinematics, name, pairs[name]), -signed[name] if name in signed else _NONE
+        guide = GuideReaction(spread(normal, n), spread(rubs, n), jam)
+    return total, guide, jam, lost
 
 
 def _sizes(
@@ -203,8 +214,8 @@ def _sizes(
     n, frictions = kinematics.theta.size, loading.frictions
     if not frictions:
         return {}, np.zeros(n)
-    normals = [_normal(kinematics, f.pair, case.pairs[f.pair]) for f in frictions]
-    gains = [[_normal(kinematics, f.pair, _of(rubbing[g.pair], f.pair)) for g in frictions] for f in frictions]
+    normals = [_normal(kinematics, f.pair, case.pair(f.pair)) for f in frictions]
+    gains = [[_normal(kinematics, f.pair, rubbing[g.pair].pair(f.pair)) for g in frictions] for f in frictions]
     if len(frictions) == 1 and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
         (friction,) = frictions
         reaction = guide_reaction(normals[0], signs[friction.pair], -gains[0][0], friction.coefficient)
@@ -216,10 +227,6 @@ def _sizes(
     free = np.array([np.broadcast_to(normal, n) for normal in normals]).T.astype(complex)
     found = magnitudes(free, matrix, coefficients, jam) * coefficients
     return {f.pair: found[:, i] for i, f in enumerate(frictions)}, jam
-
-
-def _of(case: _Case, name: str) -> np.ndarray:
-    return np.asarray(case.pairs.get(name, np.zeros(1, dtype=complex)))
 
 
 def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarray, pressing: np.ndarray) -> np.ndarray:

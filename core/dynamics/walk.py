@@ -14,35 +14,35 @@ import numpy as np
 
 from core.dynamics.elements import Load
 from core.mechanism.kinematics import FRAME, REVOLUTE, Dyad, Kinematics
-from core.numerics.vectors import cross, dot
+from core.numerics.vectors import cross, dot, opposite
 
 Number = float | np.ndarray
+_NOTHING = np.zeros(1, dtype=complex)
 
 
 class Walk:
-    """Loads on each body: resultant force and moment about ``origin``, a point near the bodies, reactions of what is solved
-    included.
+    """Loads on each body, reactions of what is solved included.
 
+    force    body -> resultant (n,) [N]
     pairs    pair -> (n,) force [N] by ``on`` on ``body``, at the body's point of the pair; friction is not in it
     couples  sliding pair -> (n,) couple [N m] by ``on`` on ``body``
     needed   (n,) what the driver must be given: torque [N m] where it is pinned to the frame, force [N] along its line
     """
 
     def __init__(self, kinematics: Kinematics, loads: Iterable[Load], places: dict[str, np.ndarray] | None = None) -> None:
-        """places: where pairs stand, from the origin of moments; what one walk finds serves the next one."""
+        """places: where pairs stand; what one walk finds serves the next one."""
         self.kinematics = kinematics
-        self.origin = _near(kinematics)
         self._places = {} if places is None else places
+        self._loads: dict[str, list[Load]] = {}
         self.force: dict[str, np.ndarray] = {}
-        self.moment: dict[str, np.ndarray] = {}
         self.pairs: dict[str, np.ndarray] = {}
         self.couples: dict[str, np.ndarray] = {}
         for load in loads:
-            self.load(load.body, load.at - self.origin, load.force, load.couple)
+            self.load(load)
         for dyad in kinematics.dyads:
             if any(body in self.force for body in dyad.bodies):
                 for body in dyad.bodies:
-                    self.load(body, np.zeros(1), np.zeros(1, dtype=complex))
+                    self.force.setdefault(body, _NOTHING)
                 STATICS[dyad.kind](self, dyad)
         self.needed = self._driver()
 
@@ -52,26 +52,25 @@ class Walk:
             return np.zeros(1)
         at, force = self.at(name), self.force[driver]
         if self.kinematics.pairs[name].kind == REVOLUTE:
-            self._record(name, driver, -force)
-            return np.asarray(-self.about(driver, at))
+            self._record(name, driver, opposite(force))
+            return -self.about(driver, at)
         line = self.along(name)
         self._record(name, driver, -1j * line * dot(1j * line, force), -self.about(driver, at))
         return np.asarray(-dot(line, force))
 
-    def load(self, body: str, at: np.ndarray, force: np.ndarray, couple: Number = 0.0) -> None:
-        """A force at a place [m, from the origin of moments] and a couple on a body; the frame bears anything."""
+    def load(self, load: Load) -> None:
+        """Put a load on its body; the frame bears anything."""
+        body = load.body
         if body == FRAME:
             return
-        moment = cross(at, force) + couple
-        if body in self.force:
-            force, moment = self.force[body] + force, self.moment[body] + moment
-        self.force[body], self.moment[body] = force, moment
+        self.force[body] = self.force[body] + load.force if body in self.force else load.force
+        self._loads.setdefault(body, []).append(load)
 
     def at(self, name: str) -> np.ndarray:
-        """Where the body has its point of a pair (n,), from the origin of moments."""
+        """Where the body has its point of a pair (n,)."""
         pair = self.kinematics.pairs[name]
         if pair.point not in self._places:
-            self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point) - self.origin
+            self._places[pair.point] = self.kinematics.bodies[pair.body].place(pair.point)
         return self._places[pair.point]
 
     def along(self, name: str) -> np.ndarray:
@@ -79,25 +78,24 @@ class Walk:
         return self.kinematics.line(self.kinematics.pairs[name])
 
     def about(self, body: str, at: np.ndarray) -> np.ndarray:
-        """Moment of a body's loads about a place."""
-        return self.moment[body] - cross(at, self.force[body])
+        """Moment of a body's loads about a place: of each the arm from there, since about a far origin it would lose digits."""
+        loads = self._loads.get(body, ())
+        moments = [cross(load.at - at, load.force) for load in loads if load.at is not at]
+        return sum(moments, np.atleast_1d(sum(load.couple for load in loads)))
 
     def react(self, name: str, body: str, force: np.ndarray) -> None:
         """The pair's force on ``body``, one of its two bodies, and the opposite on the other; the couple of a sliding pair
         balances what is left of that body's moment."""
         at = self.at(name)
-        self.load(body, at, force)
-        couple: Number = 0.0
-        if self.kinematics.pairs[name].kind != REVOLUTE:
-            couple = -self.about(body, at)
-            self.moment[body] = self.moment[body] + couple
+        couple = 0.0 if self.kinematics.pairs[name].kind == REVOLUTE else -self.about(body, at)
+        self.load(Load(body, at, force, couple))
         self.pass_on(name, body, at, force, couple)
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
         at = self.at(name)
         couple = 0.0 if self.kinematics.pairs[name].kind == REVOLUTE else -self.about(body, at)
-        self.pass_on(name, body, at, -self.force[body], couple)
+        self.pass_on(name, body, at, opposite(self.force[body]), couple)
 
     def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
         """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""
@@ -105,26 +103,21 @@ class Walk:
         self._record(name, body, force, couple)
         other = pair.on if body == pair.body else pair.body
         if other != FRAME:
-            self.load(other, at, -force, -couple)
+            self.load(Load(other, at, opposite(force), -couple))
 
     def _record(self, name: str, body: str, force: np.ndarray, couple: Number = 0.0) -> None:
         """Into the tables, as by ``on`` on ``body`` of the pair."""
         pair = self.kinematics.pairs[name]
         turned = body != pair.body
-        self.pairs[name] = -force if turned else force
+        self.pairs[name] = opposite(force) if turned else force
         if pair.kind != REVOLUTE:
             self.couples[name] = np.asarray(-couple if turned else couple)
 
 
-def _near(kinematics: Kinematics) -> complex:
-    """A point near the bodies: moments about one far away would lose digits."""
-    pair = kinematics.driver_pair
-    return complex(kinematics.bodies[pair.body].place(pair.point).flat[0])
-
-
 def _cut_force(c1: np.ndarray, c2: np.ndarray, q1: np.ndarray, q2: np.ndarray) -> np.ndarray:
     """F with dot(c1, F) = -q1 and dot(c2, F) = -q2."""
-    return (1j * c2 * q1 - 1j * c1 * q2) / cross(c1, c2)
+    inverse = 1.0 / cross(c1, c2)
+    return 1j * (c2 * (q1 * inverse) - c1 * (q2 * inverse))
 
 
 def _rrr(walk: Walk, dyad: Dyad) -> None:
@@ -171,11 +164,11 @@ def _rpp(walk: Walk, dyad: Dyad) -> None:
 
 def _group(walk: Walk, dyad: Dyad) -> None:
     """All reactions of a group at once, by the balance of each of its bodies."""
-    kinematics, size = walk.kinematics, 3 * len(dyad.bodies)
+    kinematics, size, near = walk.kinematics, 3 * len(dyad.bodies), walk.at(dyad.pairs[0])
     matrix = np.zeros((kinematics.theta.size, size, size))
     columns: list[tuple[str, np.ndarray, np.ndarray]] = []
     for i, name in enumerate(dyad.pairs):
-        pair, at = kinematics.pairs[name], walk.at(name)
+        pair, at = kinematics.pairs[name], walk.at(name) - near
         one = np.ones_like(at)
         pulls = ((one, 0.0), (1j * one, 0.0)) if pair.kind == REVOLUTE else ((1j * walk.along(name), 0.0), (0.0 * one, 1.0))
         for k, (pull, couple) in enumerate(pulls):
@@ -185,8 +178,8 @@ def _group(walk: Walk, dyad: Dyad) -> None:
                     matrix[:, row, 2 * i + k], matrix[:, row + 1, 2 * i + k] = sign * pull.real, sign * pull.imag
                     matrix[:, row + 2, 2 * i + k] = sign * (cross(at, pull) + couple)
         columns.append((name, *(pull for pull, _ in pulls)))  # type: ignore[arg-type]
-    loads = [part for b in dyad.bodies for part in (walk.force[b].real, walk.force[b].imag, walk.moment[b])]
-    found = np.linalg.solve(matrix, -np.array(loads).T[..., None])[..., 0].T
+    loads = [part for b in dyad.bodies for part in (walk.force[b].real, walk.force[b].imag, walk.about(b, near))]
+    found = np.linalg.solve(matrix, -np.array(np.broadcast_arrays(*loads)).T[..., None])[..., 0].T
     for i, (name, first, second) in enumerate(columns):
         pair = kinematics.pairs[name]
         force = found[2 * i] * first + found[2 * i + 1] * second

@@ -137,7 +137,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
 def _refusal(follower: CamSlider, start: float, motion: MotionState, lost: np.ndarray) -> NoAssembly:
     """Why arm and rod do not reach the slider, or lie in line, at the angles that are lost (n,)."""
     g, where = si(follower), angle_ranges(motion.theta, lost)
-    r = np.hypot(start + motion.y[0][lost], g.guide_height) * 1e3
+    r = np.hypot(start + motion.displacement[0][lost], g.guide_height) * 1e3
     low, high = abs(g.slider_arm - g.rod) * 1e3, (g.slider_arm + g.rod) * 1e3
     if not ((r > high * (1.0 + EPS_LENGTH)) | (r < low * (1.0 - EPS_LENGTH))).any():
         return NoAssembly(

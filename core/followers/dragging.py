@@ -76,7 +76,7 @@ def _turned_arm(design: Design, kinematics: Kinematics, pivot: complex, pin: com
     along = cmath.exp(1j * g.guide_angle)
     arm, end = (pin - pivot) / along, (slider - pivot) / along
     sigma = math.copysign(1.0, (arm * end.conjugate()).imag)
-    start = complex(end.real - float(kinematics.motion.y[0, 0]), end.imag)
+    start = complex(end.real - float(kinematics.motion.displacement[0][0]), end.imag)
     l1, l2, r = abs(arm), abs(end - arm), abs(start)
     k = area4_of(r, l1, l2)
     if not k > 0.0:
@@ -116,7 +116,7 @@ def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Offset and base radius: the roller has gone as far as the motion says."""
     g = si(design.drive.mechanism)
     place = to * cmath.exp(-1j * g.direction)
-    back = place.real - float(kinematics.motion.y[0, 0])
+    back = place.real - float(kinematics.motion.displacement[0][0])
     if back <= 0.0:
         raise NoAssembly(
             f"in the base position the {design.drive.face.noun} would stand {-back * 1e3:.9g} mm behind the cam centre",
@@ -134,7 +134,7 @@ def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     """Arm, side and base radius: the pivot stays, the arm has turned as far as the motion says."""
     follower = design.drive.mechanism
     assert isinstance(follower, Oscillating)
-    pivot, turned = _at(kinematics, "pivot"), SIDES[follower.side] * float(kinematics.motion.y[0, 0])
+    pivot, turned = _at(kinematics, "pivot"), SIDES[follower.side] * float(kinematics.motion.displacement[0][0])
     first = (to - pivot) * cmath.exp(-1j * turned)  # in the base position
     side = "left" if (first / -pivot).imag > 0.0 else "right"
     return {

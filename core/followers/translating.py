@@ -87,7 +87,7 @@ STARTS: Mapping[type, Callable[[Translating, float], float]] = MappingProxyType(
 
 def _require_radius(base: float, noun: str, motion: MotionState) -> None:
     """Raises NoCam where the round's centre crosses the cam centre."""
-    place = base + motion.y[0]
+    place = base + motion.displacement[0]
     if (place <= 0.0).any():
         raise NoCam(
             f"the {noun} centre passes the cam centre: no cam radius is left",

@@ -34,12 +34,12 @@ def peaks(law: Law) -> Peaks:
     best, edges = np.zeros(4), []
     for i, width in enumerate(np.diff(table.starts, append=1.0)):
         best = np.maximum(best, _piece_peaks(table, i, width))
-        edges.append(table.evaluate(np.full(2, i), np.array([0.0, width])))
+        edges.append(table.rows(np.full(2, i), np.array([0.0, width]))(2))
     jerk_is_infinite = any(
-        not math.isclose(left[2, 1], right[2, 0], rel_tol=1e-9, abs_tol=1e-9 * best[1])
+        not math.isclose(left[1], right[0], rel_tol=1e-9, abs_tol=1e-9 * best[1])
         for left, right in pairwise(edges)
     )
-    at_an_end = max(abs(edges[0][2, 0]), abs(edges[-1][2, 1])) > 1e-9 * max(best[1], 1.0)
+    at_an_end = max(abs(edges[0][0]), abs(edges[-1][1])) > 1e-9 * max(best[1], 1.0)
     cv, ca, cj, cm = best.tolist()
     return Peaks(cv, ca, math.inf if jerk_is_infinite else cj, cm, at_an_end)
 
@@ -49,7 +49,8 @@ def _piece_peaks(table: PieceTable, i: int, width: float) -> np.ndarray:
     low, high, best, each = np.zeros(4), np.full(4, width), np.zeros(4), np.arange(4)
     for count in (GRID, *[17] * 12):
         w = np.linspace(low, high, count)
-        _, v, a, j = table.evaluate(np.full(w.size, i), w.ravel()).reshape(4, count, 4)
+        row = table.rows(np.full(w.size, i), w.ravel())
+        v, a, j = (row(order).reshape(count, 4) for order in (1, 2, 3))
         sampled = np.abs(np.stack((v[:, 0], a[:, 1], j[:, 2], (v * a)[:, 3]), axis=1))
         top = sampled.argmax(axis=0)
         best = np.maximum(best, sampled[top, each])

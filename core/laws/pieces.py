@@ -7,15 +7,16 @@ A piece starting at u0 is  s(u) = sum_k c_k w**k + sum_j A_j sin(f_j w + p_j),  
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import comb
+from typing import Any, NamedTuple
 
 import numpy as np
 
-ORDERS = 4  # value, first, second and third derivative
+from core.numerics.derivatives import ORDERS, Derivatives
 
 
 @dataclass(frozen=True)
@@ -106,69 +107,72 @@ class PieceTable:
         waves = [(amplitude * frequency**order).sum(axis=0) for order in range(ORDERS)]
         return np.array([np.abs(rows).sum(axis=0) for rows in self.derivatives]) + np.array(waves)
 
-    def at(self, u: np.ndarray) -> np.ndarray:
-        """Value and three derivatives at ``u`` (n,): shape (4, n); at a join the right-hand limit."""
-        index = np.clip(np.searchsorted(self.starts, u, side="right") - 1, 0, None)
-        return self.evaluate(index, u - self.starts[index])
+    def at(self, u: np.ndarray) -> Derivatives:
+        """Value and three derivatives at ``u`` (n,); at a join the right-hand limit."""
+        index = np.searchsorted(self.starts, u, side="right") - 1
+        np.maximum(index, 0, out=index)
+        return Derivatives(self.rows(index, u - self.starts[index]))
 
-    def evaluate(self, index: np.ndarray, w: np.ndarray) -> np.ndarray:
-        """Value and three derivatives by w at ``w`` (n,) of the pieces ``index`` (n,): shape (4, n)."""
+    def rows(self, index: np.ndarray, w: np.ndarray) -> Callable[[int], np.ndarray]:
+        """order -> the value (n,) or its derivative by w, at ``w`` (n,) of the pieces ``index`` (n,); sines and cosines are
+        shared by the orders."""
         runs = _runs_of(index)
-        out = np.empty((ORDERS, w.size))
-        if runs is None:
-            self._anywhere(index, w, out)
-        else:
-            for piece, part in runs:
-                self._on_one(piece, w[part], out[:, part])
-        return out
+        where = [(self._taken(index), slice(None))] if runs is None else [(self._pieces[i], part) for i, part in runs]
+        parts = [
+            (part, w[part], piece, [f * w[part] + phase for f, phase in piece.angles]) for piece, part in where
+        ]
+        known: dict[int, list[list[np.ndarray]]] = {}
 
-    def _on_one(self, piece: int, w: np.ndarray, out: np.ndarray) -> None:
-        """The same on one piece, into ``out`` (4, n)."""
-        for order, powers in enumerate(self._powers[piece]):
-            total = out[order]
-            total.fill(powers[-1])
-            for c in powers[-2::-1]:
-                total *= w
-                total += c
-        for a, f, phase in self._waves[piece]:
-            angle = f * w + phase
-            sin, cos = a * np.sin(angle), a * np.cos(angle)
-            _add_wave(f, sin, cos, out)
+        def row(order: int) -> np.ndarray:
+            odd = order % 2
+            if odd not in known:
+                known[odd] = [[(np.cos if odd else np.sin)(angle) for angle in angles] for _, _, _, angles in parts]
+            out = np.empty(w.size)
+            for (part, along, piece, _), waves in zip(parts, known[odd], strict=True):
+                total, powers = out[part], piece.powers[order]
+                total[...] = powers[0]
+                for c in powers[1:]:
+                    total *= along
+                    total += c
+                for gain, wave in zip(piece.gains[order], waves, strict=True):
+                    total += gain * wave
+            return out
 
-    def _anywhere(self, index: np.ndarray, w: np.ndarray, out: np.ndarray) -> None:
-        for order, rows in enumerate(self.derivatives):
-            taken = rows[:, index]
-            total = taken[-1].copy()
-            for row in taken[-2::-1]:
-                total *= w
-                total += row
-            out[order] = total
-        for amplitude, frequency, phase in zip(*self.sines, strict=True):
-            a, f = amplitude[index], frequency[index]
-            angle = f * w + phase[index]
-            _add_wave(f, a * np.sin(angle), a * np.cos(angle), out)
+        return row
 
     @cached_property
-    def _powers(self) -> list[list[list[float]]]:
-        """Of each piece and order the coefficients, none of them a leading 0."""
+    def _pieces(self) -> list[_Coefficients]:
+        """Of each piece, in plain numbers."""
+        columns = zip(*(rows.T.tolist() for rows in self.derivatives), strict=True)
         return [
-            [np.trim_zeros(rows[:, i], "b").tolist() or [0.0] for rows in self.derivatives]
-            for i in range(self.derivatives[0].shape[1])
+            _coefficients([_descending(c) for c in orders], [wave for wave in waves if wave[0]])
+            for orders, waves in zip(columns, self.sines.T.tolist(), strict=True)
         ]
 
-    @cached_property
-    def _waves(self) -> list[list[list[float]]]:
-        """Of each piece amplitude, frequency and phase of its sines."""
-        return [[q.tolist() for q in self.sines[:, :, i].T if q[0]] for i in range(self.sines.shape[2])]
+    def _taken(self, index: np.ndarray) -> _Coefficients:
+        """Of the pieces ``index`` (n,), each number as (n,)."""
+        return _coefficients([list(rows[::-1, index]) for rows in self.derivatives], self.sines[:, :, index].swapaxes(0, 1))
 
 
-def _add_wave(f: np.ndarray | float, sin: np.ndarray, cos: np.ndarray, out: np.ndarray) -> None:
-    """A sine of amplitude times sin, cos and of frequency f, added with its derivatives to ``out`` (4, n)."""
-    out[0] += sin
-    out[1] += f * cos
-    f2 = f * f
-    out[2] -= f2 * sin
-    out[3] -= f2 * f * cos
+class _Coefficients(NamedTuple):
+    """powers and gains: of value and derivatives the coefficients, the highest first, and the sines' amplitudes with their
+    signs; angles: frequency and phase of each sine. Numbers, or (n,)."""
+
+    powers: list[list[Any]]
+    gains: list[list[Any]]
+    angles: list[tuple[Any, Any]]
+
+
+def _coefficients(powers: list[list[Any]], sines: Iterable[Any]) -> _Coefficients:
+    gains = [(a, f * a, -(f * f) * a, -(f * f * f) * a) for a, f, _ in sines]
+    return _Coefficients(powers, [[gain[order] for gain in gains] for order in range(ORDERS)], [(f, phase) for _, f, phase in sines])
+
+
+def _descending(coefficients: list[float]) -> list[float]:
+    """The highest first, and not 0 where there are others."""
+    while len(coefficients) > 1 and coefficients[-1] == 0.0:
+        coefficients.pop()
+    return coefficients[::-1]
 
 
 _RUN = 100  # as many cam angles cost as much as one more pass over a piece

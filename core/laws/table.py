@@ -11,6 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, integrate, moved
+from core.numerics.derivatives import Derivatives
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,14 @@ class Law:
     def _table(self) -> PieceTable:
         return PieceTable(self.pieces)
 
-    def __call__(self, u: np.ndarray) -> np.ndarray:
-        """s, s', s'', s''' by u at ``u`` (n,) in 0...1: shape (4, n); at a join inside the law the right-hand limit."""
+    def at(self, u: np.ndarray) -> Derivatives:
+        """s, s', s'', s''' by u at ``u`` (n,) in 0...1, each made when it is read; at a join inside the law the right-hand
+        limit."""
         return self._table.at(np.atleast_1d(np.asarray(u, dtype=float)))
+
+    def __call__(self, u: np.ndarray) -> np.ndarray:
+        """All four (4, n)."""
+        return self.at(u).all
 
     @cached_property
     def symmetric(self) -> bool:

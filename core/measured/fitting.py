@@ -116,7 +116,7 @@ def fit(table: Table, error: float | None = None, lowest: float | None = None, k
     solved = _solved(table, stated, out)
     motion = _motion(table, solved)
     compiled = program(motion)
-    ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).y[0] / motion.scale
+    ends = compiled.state(Angles(compiled.starts, np.arange(compiled.starts.size))).displacement[0] / motion.scale
     low, high = float(ends.min()), float(ends.max())
     wanted = lowest if lowest is not None else (0.0 if table.layout.order else low)
     moved = Motion(motion.start + (wanted - low), motion.segments, motion.unit) if wanted != low else motion
@@ -290,5 +290,5 @@ def _motion(table: Table, solved: _Solved) -> Motion:
 def _measured(motion: Motion, order: int, angles: np.ndarray) -> np.ndarray:
     """s⁽ᵏ⁾ of the motion (n,) by degrees at cam angles [deg], in its own unit."""
     compiled: Program = program(motion)
-    y = compiled.state(compiled.angles(np.deg2rad(angles))).y[order]
+    y = compiled.state(compiled.angles(np.deg2rad(angles))).displacement[order]
     return y * (np.pi / 180.0) ** order / motion.scale

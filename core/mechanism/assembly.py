@@ -22,7 +22,7 @@ from core.mechanism.plan import Joint, Plan
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, difference, product
-from core.numerics.vectors import cross, dot
+from core.numerics.vectors import cross, dot, spread
 
 Points = Mapping[int, Mapping[str, complex]]
 
@@ -35,22 +35,20 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
     takes. The cam's follower is a body of its own where the reference is not its link's origin. Raises NoAnswer, naming
     the angles, where links do not meet.
     """
-    plan, n = mechanism.plan, motion.theta.size
+    plan, y, n = mechanism.plan, motion.displacement, motion.theta.size
     q = _driver(mechanism, motion)
     if course is None:
-        course = course_for(mechanism, float(motion.y[0].min()), float(motion.y[0].max()))
+        course = course_for(mechanism, float(y[0].min()), float(y[0].max()))
     solved = course.solve(q)
     _require(mechanism, course, solved, motion)
     if mechanism.require is not None:
         mechanism.require(motion)
-    names, points = mechanism.pair_names, _points(mechanism)
-    own = {link: _spread(pose, points[link], n) for link, pose in solved.poses.items()}
-    bodies = {name: _placed(own[link], mechanism) for link, name in mechanism.bodies.items()}
+    points, reference, ground = _points(mechanism), mechanism.reference, mechanism.ground
+    bodies = {name: _body(solved.poses[link], points[link], mechanism, n) for link, name in mechanism.bodies.items()}
     output = mechanism.bodies[plan.linkage.driver.link]
-    reference, follower, ground, carrier = mechanism.reference, output, names[plan.driver], output
+    follower = carrier = output
     if reference is not None:
         follower, carrier = reference.body, mechanism.bodies[reference.link]
-        ground = _ground(plan, names, reference.link)
         if follower not in bodies:
             bodies[follower] = _at_reference(bodies[carrier], points[reference.link][reference.point])
     return Kinematics(
@@ -62,9 +60,9 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         follower_body=follower,
         ground=ground,
         travel=lambda: _travel(mechanism, course, q[0], bodies, ground),
-        coordinates=lambda: {name: _coordinate(own, plan, what) for name, what in mechanism.coordinates.items()},
+        coordinates=lambda: {name: _coordinate(solved, plan, what, n) for name, what in mechanism.coordinates.items()},
         base=mechanism.base,
-        residual=lambda: _residual(plan, own),
+        residual=lambda: np.broadcast_to(_residual(plan, solved), n),
         condition=lambda: np.broadcast_to(condition(plan, solved), n),
         singular=lambda: _singular(mechanism, solved, n),
         carrier=carrier,
@@ -85,18 +83,18 @@ def unit_speed_kinematics(linkage: Linkage, positions: np.ndarray, course: Cours
     """The linkage with its driver at these positions (n,) [rad or m] and derivatives by the driver's own coordinate:
     what needs directions only, such as instant centres, stands in a dwell of the motion too."""
     state = MotionState(
-        Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions).all, np.ones(positions.size)
+        Angles(positions, np.zeros(positions.size, dtype=int)), at_driver(positions), np.ones(positions.size)
     )
     return solve_mechanism(mechanism_of(linkage), state, course)
 
 
 def _driver(mechanism: Mechanism, motion: MotionState) -> Derivatives:
     """q = start + sense y with its derivatives by the motion's angle."""
-    y, start, sense = motion.y, mechanism.start, mechanism.sense
+    y, start, sense = motion.displacement, mechanism.start, mechanism.sense
     if mechanism.linkage.driver.kind == CRANK:
         return at_driver(y[0])
     if start == 0.0 and sense == 1.0:
-        return Derivatives.of(y)
+        return y
     return Derivatives(lambda order: sense * y[order] if order else start + sense * y[0])
 
 
@@ -145,30 +143,30 @@ def _points(mechanism: Mechanism) -> Points:
         if not joint.revolute:
             for held in (joint.first, joint.second):
                 found[held.link].setdefault(mechanism.points.get(joint.name, joint.name), held.point)
-    return found
+    return {link: MappingProxyType(points) for link, points in found.items()}
 
 
-def _spread(pose: Pose, points: Mapping[str, complex], n: int) -> Pose:
-    origin, turn = (rows.spread(n).without_warnings() for rows in (pose.origin, pose.turn))
-    return Pose(origin, turn, MappingProxyType(dict(points)), lambda: np.broadcast_to(pose.unit, n))
-
-
-def _placed(pose: Pose, mechanism: Mechanism) -> Pose:
-    """A body of the own frame in the global one."""
+def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: int) -> Pose:
+    """A link of the own frame as a body in the global one, with a value at each of the n positions. Rates that are infinite
+    at a dead centre warn nobody."""
     place, turn = mechanism.place, mechanism.turn
-    if place == 0.0 and turn == 0.0:
-        return pose
-    origin, angle = pose.origin, pose.turn
-    if turn == 0.0:
-        moved = Derivatives(lambda order: origin[order] if order else place + origin[0], origin.constant)
-        return Pose(moved, angle, pose.points, lambda: pose.unit)
-    along = cmath.rect(1.0, turn)
+    along = cmath.rect(1.0, turn) if turn else 1.0
+
+    def origin(order: int) -> np.ndarray:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            row = pose.origin[order]
+            row = row * along if turn else row
+            return spread(row + place if place and not order else row, n)
+
+    def angle(order: int) -> np.ndarray:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            row = pose.turn[order]
+            return spread(row + turn if turn and not order else row, n)
+
     return Pose(
-        Derivatives(lambda order: origin[order] * along if order else place + origin[0] * along, origin.constant),
-        Derivatives(lambda order: angle[order] if order else angle[0] + turn, angle.constant),
-        pose.points,
-        lambda: pose.unit * along,
-    )
+        Derivatives(origin, pose.origin.constant), Derivatives(angle, pose.turn.constant), points,
+        lambda: spread(pose.unit * along if turn else pose.unit, n),
+    )  # fmt: skip
 
 
 def _at_reference(pose: Pose, at: complex) -> Pose:
@@ -180,15 +178,7 @@ def _at_reference(pose: Pose, at: complex) -> Pose:
 def _by_driver(mechanism: Mechanism, course: Course, q: np.ndarray, points: Points) -> Mapping[str, Pose]:
     """Every body at the driver's positions (n,), its derivatives by the driver's coordinate."""
     poses = course.solve(at_driver(q)).poses
-    return {
-        name: _placed(_spread(poses[link], points[link], q.size), mechanism) for link, name in mechanism.bodies.items()
-    }
-
-
-def _ground(plan: Plan, names: Mapping[Joint, str], link: int) -> str:
-    """The pair that holds a link on the frame; empty where none does."""
-    held = (names[j] for j in plan.joints if {j.first.link, j.second.link} == {FRAME_LINK, link})
-    return next(held, "")
+    return {name: _body(poses[link], points[link], mechanism, q.size) for link, name in mechanism.bodies.items()}
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -227,30 +217,30 @@ def _name(mechanism: Mechanism, link: int) -> str:
     return mechanism.bodies.get(link, FRAME)
 
 
-def _coordinate(own: Mapping[int, Pose], plan: Plan, what: int | str) -> np.ndarray:
+@np.errstate(divide="ignore", invalid="ignore", over="ignore")
+def _coordinate(solved: Solved, plan: Plan, what: int | str, n: int) -> np.ndarray:
     """The angle of a link, or the slide of a sliding pair, in the own frame (4, n)."""
     if isinstance(what, int):
-        return own[what].angle
+        return solved.poses[what].turn.spread(n).all
     joint = next(j for j in plan.joints if j.name == what)
-    return _slide(own, joint)
+    return _slide(solved, joint).spread(n).all
 
 
-def _slide(own: Mapping[int, Pose], joint: Joint) -> np.ndarray:
-    """How far the sliding link's point has gone along the line (4, n) [m]."""
+def _slide(solved: Solved, joint: Joint) -> Derivatives:
+    """How far the sliding link's point has gone along the line [m]."""
     line, point = (joint.first, joint.second) if str(joint.second.link) == joint.name else (joint.second, joint.first)
-    g, along = line_of(own, line)
-    gap = difference(own[point.link].carried(point.point), g)
-    return product(along, gap, dot).all
+    g, along = line_of(solved.poses, line)
+    return product(along, difference(solved.poses[point.link].carried(point.point), g), dot)
 
 
-def _residual(plan: Plan, own: Mapping[int, Pose]) -> np.ndarray:
+def _residual(plan: Plan, solved: Solved) -> np.ndarray:
     """How far the pairs are open at worst (n,), relative to the size of the linkage."""
-    worst = np.zeros(1)
+    worst, poses = np.zeros(1), solved.poses
     for joint in plan.joints:
-        one, other = (own[held.link].carried(held.point)[0] for held in (joint.first, joint.second))
+        one, other = (poses[held.link].carried(held.point)[0] for held in (joint.first, joint.second))
         gap = other - one
         if not joint.revolute:
-            gap = cross(joint.first.along * own[joint.first.link].unit, gap)
+            gap = cross(joint.first.along * poses[joint.first.link].unit, gap)
         worst = np.maximum(worst, np.abs(gap))
     return worst / plan.size
 

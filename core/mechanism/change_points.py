@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
 from core.mechanism.kinematics import Pose
-from core.numerics.derivatives import Chain, Derivatives
+from core.numerics.derivatives import Chain, Derivatives, Rows
 from core.numerics.vectors import unit
 
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
@@ -83,7 +83,7 @@ class Bridge:
 def _over(pose: Pose, rows: Chain, first: int, there: np.ndarray) -> Pose:
     """A pose (n,) that is x, y, angle of the chain from row ``first`` on where the driver stands on the bridge."""
 
-    def spliced(part: Derivatives, on: Callable[[np.ndarray], np.ndarray]) -> Derivatives:
+    def spliced(part: Derivatives, on: Callable[[Rows], np.ndarray]) -> Derivatives:
         part = part.without_warnings()
 
         def row(order: int) -> np.ndarray:

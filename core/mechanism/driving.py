@@ -8,6 +8,7 @@ import numpy as np
 
 from core.mechanism.driver_ranges import TURN, Course
 from core.motion import SNAP, Angles, Join, MotionState, Program, degrees
+from core.numerics.derivatives import Derivatives
 
 
 class CrankProgram:
@@ -45,9 +46,9 @@ class CrankProgram:
 
     def state(self, angles: Angles) -> MotionState:
         """The crank's angle and its derivatives by itself."""
-        y = np.zeros((4, angles.theta.size))
-        y[0], y[1] = angles.theta, 1.0
-        return MotionState(angles, y, np.ones(angles.theta.size))
+        one = np.ones(angles.theta.size)
+        none = np.zeros(angles.theta.size)
+        return MotionState(angles, Derivatives.of((angles.theta, one, none, none)), one)
 
 
 @lru_cache(maxsize=32)
@@ -56,6 +57,6 @@ def swept(program: Program) -> tuple[float, float]:
     still is given a little room."""
     from core.motion.extremes import piecewise_angles
 
-    y = program.state(piecewise_angles(program)).y[0]
+    y = program.state(piecewise_angles(program)).displacement[0]
     room = 1e-9 * float(np.ptp(y)) or 1e-6
     return float(y.min()) - room, float(y.max()) + room

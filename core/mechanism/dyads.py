@@ -72,13 +72,13 @@ class DyadSolution:
 def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution:
     """Two rods between pins P_a, P_b: the triangle r, L_a, L_b by its area K/4.
 
-    With d = P_a - P_b: A = -d(r² + L_a² - L_b² + iσK)/(2r²), B = A + d from P_b, A × B = σK/2; iA α - iB β = -D.
+    With d = P_b - P_a: A = d(r² + L_a² - L_b² + iσK)/(2r²), B = A - d from P_b, A × B = σK/2; iA α - iB β = D.
     """
     outer_a, inner, outer_b = joints
     a, b = pin_of(bodies, outer_a.first), pin_of(bodies, outer_b.first)
     rod_a, rod_b = inner.first.point - outer_a.second.point, inner.second.point - outer_b.second.point
     la, lb = abs(rod_a), abs(rod_b)
-    d = difference(a, b)
+    d = difference(b, a)
     sides = brackets(d[0].real, d[0].imag, la, lb)
     square, product_of_brackets = sides.square, sides.stretched * sides.folded
     if not product_of_brackets.min() >= 0.0:
@@ -89,16 +89,17 @@ def _rrr(bodies: Bodies, joints: tuple[Joint, ...], side: Sides) -> DyadSolution
     k = side * area
     to_a, to_b = np.empty(square.size, dtype=complex), np.empty(square.size, dtype=complex)
     sum_and_difference = (la + lb) * (la - lb)
-    to_b.real, to_a.real = sum_and_difference - square, sum_and_difference + square
+    np.subtract(sum_and_difference, square, out=to_b.real)
+    np.add(sum_and_difference, square, out=to_a.real)
     to_b.imag = to_a.imag = k
-    scale = d[0] * (-0.5 / square)
+    scale = d[0] * (0.5 / square)
     to_b *= scale
     to_a *= scale
 
     def known(order: int, turns: Chain) -> np.ndarray:
         if order == 1:
-            return -d[1]
-        return centripetal(to_b, turns.part(1), order) - centripetal(to_a, turns.part(0), order) - d[order]
+            return d[1]
+        return centripetal(to_b, turns.part(1), order) - centripetal(to_a, turns.part(0), order) + d[order]
 
     turns = loop(1j * to_a, -1j * to_b, -0.5 * k, known)
 

@@ -8,8 +8,8 @@ import numpy as np
 
 from core.mechanism.kinematics import Pose
 from core.mechanism.plan import Held
-from core.numerics.derivatives import Chain, Derivatives, difference, earlier, scaled, sum_of, turning
-from core.numerics.vectors import by_real, cross
+from core.numerics.derivatives import Chain, Derivatives, Rows, difference, earlier, scaled, sum_of, turning
+from core.numerics.vectors import cross
 
 Bodies = Mapping[int, Pose]
 
@@ -76,7 +76,7 @@ def centripetal(u: np.ndarray, angle: Derivatives, order: int) -> np.ndarray:
         return np.zeros_like(u)
     w = angle[1]
     if order == 2:
-        return by_real(-(w * w), u)
+        return -(w * w) * u
     factor = np.empty(u.shape, dtype=complex)
     factor.real, factor.imag = -3.0 * w * angle[2], -(w * w * w)
     return factor * u
@@ -92,13 +92,9 @@ def loop(
     """
     inverse = 1.0 / determinant
 
-    def follow(order: int, x: Chain) -> np.ndarray:
+    def follow(order: int, x: Chain) -> Rows:
         right = known(order, x)
-        x1, x2 = cross(right, c2), cross(c1, right)
-        rows = np.empty((2, max(x1.size, x2.size, inverse.size)))
-        np.multiply(x1, inverse, out=rows[0])
-        np.multiply(x2, inverse, out=rows[1])
-        return rows
+        return cross(right, c2) * inverse, cross(c1, right) * inverse
 
     return Chain(follow)
 

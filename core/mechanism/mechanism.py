@@ -89,6 +89,13 @@ class Mechanism:
             names[joint] = f"{name}_{self.bodies[joint.second.link]}" if taken else name
         return MappingProxyType(names)
 
+    @cached_property
+    def ground(self) -> str:
+        """The pair that holds the reference's link, or the driver, on the frame; empty where none does."""
+        link = self.linkage.driver.link if self.reference is None else self.reference.link
+        held = (name for j, name in self.pair_names.items() if {j.first.link, j.second.link} == {FRAME_LINK, link})
+        return next(held, "")
+
 
 def body_name(link: int) -> str:
     """The name of a link of a [linkage] among the bodies."""

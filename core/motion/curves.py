@@ -78,9 +78,10 @@ def _turning(pieces: tuple[Piece, ...]) -> Shape:
     table = PieceTable(parts)
     ends = [*(p.start for p in parts[1:]), 1.0]
     middle = np.array([0.5 * (e - p.start) for p, e in zip(parts, ends, strict=True)])
-    rows = table.evaluate(np.arange(len(parts)), middle)
-    stands = np.abs(rows[1]) <= 1e-12 * max(float(np.abs(rows[:2]).max()), 1e-300)
-    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(rows[1]))))
+    row = table.rows(np.arange(len(parts)), middle)
+    place, speed = row(0), row(1)
+    stands = np.abs(speed) <= 1e-12 * max(float(np.abs([place, speed]).max()), 1e-300)
+    return Shape(tuple(parts), 1.0, tuple(float(w) for w in np.where(stands, 0.0, np.sign(speed))))
 
 
 def _turns(pieces: tuple[Piece, ...]) -> list[list[float]]:

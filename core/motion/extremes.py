@@ -229,5 +229,5 @@ def true_stroke(motion: Motion) -> float:
     if all(isinstance(segment.curve, Named | Scca) for segment in motion.segments):
         return stroke(motion)
     compiled = program(motion)
-    y = find_extremes(lambda angles: {"y": compiled.state(angles).y[0]}, compiled)["y"]
+    y = find_extremes(lambda angles: {"y": compiled.state(angles).displacement[0]}, compiled)["y"]
     return float(f"{(y.high.value - y.low.value) / motion.scale:.{DIGITS}g}")

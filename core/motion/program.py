@@ -13,6 +13,7 @@ from core.findings import ERROR, WARNING, Finding
 from core.laws import Piece, PieceTable
 from core.motion.curves import shape_of
 from core.numerics.compensated_sum import two_sum
+from core.numerics.derivatives import Derivatives
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import unit
 
@@ -50,12 +51,17 @@ class Join:
 
 @dataclass(frozen=True, eq=False)
 class MotionState:
-    """The motion at ``angles``: y and its three derivatives by cam angle (4, n) [m or rad], and the sign of its
+    """The motion at ``angles``: displacement y and its three derivatives by cam angle [m or rad], and the sign of its
     velocity as the segment states it (n,): 0 in a dwell, never toggled by rounding."""
 
     angles: Angles
-    y: np.ndarray
+    displacement: Derivatives
     velocity_sign: np.ndarray
+
+    @property
+    def y(self) -> np.ndarray:
+        """All four (4, n)."""
+        return self.displacement.all
 
     @property
     def theta(self) -> np.ndarray:
@@ -102,10 +108,16 @@ class Program:
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles; exact derivatives, no interpolation."""
         at = angles.piece
-        y = self._table.evaluate(at, (angles.theta - self.starts[at]) / self._span[at])
-        y *= self._gain[:, at]
-        y[0] += self._base[at]
-        return MotionState(angles, y, self.velocity_signs[at])
+        curve = self._table.rows(at, (angles.theta - self.starts[at]) / self._span[at])
+
+        def row(order: int) -> np.ndarray:
+            y = curve(order)
+            y *= self._gain[order, at]
+            if not order:
+                y += self._base[at]
+            return y
+
+        return MotionState(angles, Derivatives(row), self.velocity_signs[at])
 
     @cached_property
     def joins(self) -> tuple[Join, ...]:

@@ -133,7 +133,7 @@ def _state(motion: Motion, index: int, at_deg: float) -> np.ndarray:
     """s, v, a, j of a segment at an angle from its start (4,): the motion's unit, per degree; s from its start."""
     segment = motion.segments[index]
     shape = shape_of(segment, len(motion.segments) == 1, f"motion.segments[{index}]")
-    y = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg]))[:, 0]
+    y = PieceTable(shape.pieces).at(np.array([at_deg / segment.span_deg])).all[:, 0]
     return shape.gain * y / segment.span_deg ** np.arange(4)
 
 

@@ -14,16 +14,26 @@ def two_sum(a: F, b: F) -> tuple[F, F]:
     """a + b rounded, and what rounding took (Knuth)."""
     total = a + b
     part = total - a
-    return total, (a - (total - part)) + (b - part)
+    rest = b - part
+    part -= total
+    part += a
+    rest += part
+    return total, rest
 
 
 def _square(a: F) -> tuple[F, F]:
     """a² rounded, and what rounding took (Dekker)."""
-    far = _SPLITTER * a
-    high = far - (far - a)
+    high = _SPLITTER * a
+    high -= high - a
     low = a - high
     square = a * a
-    return square, ((high * high - square) + 2.0 * high * low) + low * low
+    rest = high * high
+    rest -= square
+    high *= 2.0 * low
+    rest += high
+    low *= low
+    rest += low
+    return square, rest
 
 
 def square_of(high: F, low: F) -> tuple[F, F]:

@@ -75,20 +75,24 @@ class Derivatives:
         return Derivatives(row, self.constant)
 
 
-class Chain:
-    """Quantities whose derivatives follow from the lower ones of all of them: c[k] is their row (m, n) of order k.
+Rows = np.ndarray | tuple[np.ndarray, ...]
+"""Of several quantities, a row (n,) each."""
 
-    follow  order, chain -> the row of this order, asked for once. The chain is handed over: a function that held it would
+
+class Chain:
+    """Quantities whose derivatives follow from the lower ones of all of them: c[k] are their rows (n,) of order k.
+
+    follow  order, chain -> the rows of this order, asked for once. The chain is handed over: a function that held it would
             be in a circle with it, and all its rows in memory until Python comes to look for circles.
     """
 
     __slots__ = ("_follow", "_rows")
 
-    def __init__(self, follow: Callable[[int, Chain], np.ndarray]) -> None:
+    def __init__(self, follow: Callable[[int, Chain], Rows]) -> None:
         self._follow = follow
-        self._rows: dict[int, np.ndarray] = {}
+        self._rows: dict[int, Rows] = {}
 
-    def __getitem__(self, order: int) -> np.ndarray:
+    def __getitem__(self, order: int) -> Rows:
         if order not in self._rows:
             self._rows[order] = self._follow(order, self)
         return self._rows[order]
@@ -106,12 +110,12 @@ def constant(value: complex | np.ndarray) -> Derivatives:
 
 def sum_of(a: Derivatives, b: Derivatives) -> Derivatives:
     """a + b."""
-    return _joined(a, b, np.add, np.positive)
+    return _joined(b, a, np.add) if a.constant else _joined(a, b, np.add)
 
 
 def difference(a: Derivatives, b: Derivatives) -> Derivatives:
     """a - b."""
-    return _joined(a, b, np.subtract, np.negative)
+    return _joined(a, b, np.subtract)
 
 
 def scaled(a: Derivatives, by: complex) -> Derivatives:
@@ -119,11 +123,9 @@ def scaled(a: Derivatives, by: complex) -> Derivatives:
     return Derivatives(lambda order: a[order] * by, a.constant)
 
 
-def _joined(a: Derivatives, b: Derivatives, both: np.ufunc, second: np.ufunc) -> Derivatives:
+def _joined(a: Derivatives, b: Derivatives, both: np.ufunc) -> Derivatives:
     def row(order: int) -> np.ndarray:
-        if order and b.constant:
-            return a[order]
-        return np.asarray(second(b[order]) if order and a.constant else both(a[order], b[order]))
+        return a[order] if order and b.constant else both(a[order], b[order])
 
     return Derivatives(row, a.constant and b.constant)
 

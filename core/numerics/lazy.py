@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import fields, is_dataclass
 from functools import lru_cache
 from typing import Any, Generic, TypeVar, cast
@@ -16,27 +16,27 @@ def locked(value: T) -> T:
     """The value, every array in it read-only from now on; what is made later is locked then."""
     if isinstance(value, np.ndarray):
         value.flags.writeable = False
-    elif isinstance(value, Mapping):
-        for part in value.values():
-            locked(part)
-    elif isinstance(value, tuple):
-        for part in value:
-            locked(part)
-    elif is_dataclass(value):
-        held = vars(value)
-        for name in _field_names(cast(Hashable, type(value))):
-            part = held.get(name)
-            if part is not None and type(part) not in _PLAIN:
+    else:
+        for part in _parts_of(cast(Hashable, type(value)))(value):
+            if type(part) not in _PLAIN:
                 locked(part)
     return value
 
 
-_PLAIN = frozenset({float, int, str, bool, complex})
+_PLAIN = frozenset({float, int, str, bool, complex, type(None)})
 
 
 @lru_cache(maxsize=256)
-def _field_names(kind: Any) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(kind))
+def _parts_of(kind: Any) -> Callable[[Any], Iterable[Any]]:
+    """What a value of this kind holds."""
+    if issubclass(kind, Mapping):
+        return lambda value: value.values()
+    if issubclass(kind, tuple):
+        return iter
+    if is_dataclass(kind):
+        names = [field.name for field in fields(kind)]
+        return lambda value: map(vars(value).get, names)
+    return lambda value: ()
 
 
 class Lazy(Generic[T]):

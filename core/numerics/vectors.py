@@ -15,12 +15,26 @@ class Rows(Protocol):
 
 def cross(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
     """a × b, the component out of the plane."""
-    return np.asarray(a.real * b.imag - a.imag * b.real)
+    out = a.real * b.imag
+    out -= a.imag * b.real
+    return np.asarray(out)
 
 
 def dot(a: np.ndarray | complex, b: np.ndarray | complex) -> np.ndarray:
     """a · b."""
-    return np.asarray(a.real * b.real + a.imag * b.imag)
+    out = a.real * b.real
+    out += a.imag * b.imag
+    return np.asarray(out)
+
+
+def opposite(u: np.ndarray) -> np.ndarray:
+    """-u, in a third of the time that numpy takes to change the signs of complex numbers."""
+    return 0.0 - u
+
+
+def spread(row: np.ndarray, n: int) -> np.ndarray:
+    """A value at each of n positions, of which a row of one takes no memory."""
+    return row if row.size == n else np.broadcast_to(row, n)
 
 
 def unit(angle: np.ndarray) -> np.ndarray:
@@ -28,14 +42,6 @@ def unit(angle: np.ndarray) -> np.ndarray:
     out = np.empty(np.shape(angle), dtype=complex)
     np.cos(angle, out=out.real)
     np.sin(angle, out=out.imag)
-    return out
-
-
-def by_real(factor: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """Real times complex (n,): half the work of numpy's product, which makes the real factor complex first."""
-    out = np.empty(np.broadcast_shapes(factor.shape, u.shape), dtype=complex)
-    np.multiply(factor, u.real, out=out.real)
-    np.multiply(factor, u.imag, out=out.imag)
     return out
 
 
@@ -48,15 +54,10 @@ def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:
     if order == 0:
         return u
     a1 = angle[1]
+    factor = np.empty(max([angle[k].size for k in range(1, order + 1)]), dtype=complex)
     if order == 1:
-        if a1.size == 1:
-            return u * (1j * a1)
-        out = np.empty(a1.size, dtype=complex)
-        np.multiply(u.real, a1, out=out.imag)
-        np.multiply(u.imag, -a1, out=out.real)
-        return out
-    factor = np.empty(max(angle[k].size for k in range(1, order + 1)), dtype=complex)
-    if order == 2:
+        factor.real, factor.imag = 0.0, a1
+    elif order == 2:
         np.multiply(-a1, a1, out=factor.real)
         factor.imag = angle[2]
     else:

@@ -181,7 +181,7 @@ def profile_table(study: Study, shaft: Stability) -> str:
 
 
 def _profile(study: Study, shaft: Stability) -> list[np.ndarray]:
-    sizes, y = shaft.coefficients.sizes, study.motion.y
+    sizes, y = shaft.coefficients.sizes, study.motion.displacement
     parts = (y[0] - sizes.lowest) / sizes.stroke, y[1] / sizes.slope, y[2] / sizes.curvature
     return [study.angle_degrees, *parts]
 

@@ -25,7 +25,7 @@ def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
     proof: dict[str, Residual] = {}
     if "motion" in stages:
         last = study.program.joins[-1]
-        stroke = float(np.ptp(study.motion.y[0])) or 1.0
+        stroke = float(np.ptp(study.motion.displacement[0])) or 1.0
         proof["motion_closure"] = Residual(abs(float(last.jump[0])) / stroke, 1e-9 * max(1.0, 1.0 / stroke))
     if "linkage" in stages:
         proof["loop_closure"] = _worst(study.linkage.residual, EPS * study.linkage.condition)
@@ -58,7 +58,7 @@ def _three_centres(study: Study) -> Residual:
     """Kennedy's theorem at some of the angles, for enough triples of bodies to hold every centre (``proving_triples``);
     a triple whose bound would be meaningless is left out where it is so."""
     step = max(1, study.theta.size // _POSITIONS)
-    kinematics = unit_speed_kinematics(study.mechanism.linkage, study.drive.y[0, ::step], study.course)
+    kinematics = unit_speed_kinematics(study.mechanism.linkage, study.drive.displacement[0][::step], study.course)
     found = moving_collinearity(kinematics, study.course.plan.size)
     bound = 16.0 * EPS * study.linkage.condition[::step] * found.error_bound
     well = bound <= _MEANINGLESS

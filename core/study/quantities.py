@@ -95,7 +95,7 @@ _FORCES: Mapping[str, frozenset[str]] = MappingProxyType(
 
 
 def _of_motion(order: int) -> Callable[[Study], np.ndarray]:
-    return lambda s: s.motion.y[order] * s.omega**order
+    return lambda s: s.motion.displacement[order] * s.omega**order
 
 
 def _singular(code: str) -> Callable[[Study], np.ndarray]:

@@ -153,9 +153,9 @@ class Study:
 
         def compute() -> Any:
             evaluations[name] += 1
-            return locked(function(*parts))
+            return function(*parts)
 
-        return memory.get(name, parts, compute) if self.angles.kept else compute()
+        return memory.get(name, parts, compute) if self.angles.kept else locked(compute())
 
     @contextmanager
     def _located(self, stage: str) -> Iterator[None]:
@@ -224,7 +224,7 @@ class Study:
         them too; bodies are named as in ``linkage``."""
 
         def compute(linkage: Linkage, state: MotionState, course: Course) -> CentreTable:
-            return all_centres(unit_speed_kinematics(linkage, state.y[0], course), course.plan.size)
+            return all_centres(unit_speed_kinematics(linkage, state.displacement[0], course), course.plan.size)
 
         if self.by_crank:  # its kinematics are by the crank's angle already
             return self._stage("centres", all_centres, self.linkage, self.course.plan.size)

@@ -26,7 +26,7 @@ def _reach(study: Study) -> float:
 
 
 def _motion(study: Study) -> float:
-    return float(np.abs(study.motion.y[0]).max())
+    return float(np.abs(study.motion.displacement[0]).max())
 
 
 def _one(study: Study) -> float:

@@ -11,7 +11,8 @@ from core.laws import LAWS
 
 
 def ours(u: np.ndarray, setting: None) -> Channels:
-    return LAWS[LAW](u)[:3]
+    curve = LAWS[LAW].at(u)
+    return [curve[order] for order in range(3)]
 
 
 def branches(u: np.ndarray, setting: None) -> Channels:

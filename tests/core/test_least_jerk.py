@@ -21,7 +21,7 @@ Condition = tuple[float, int, float]
 def shape(pieces: Sequence[Piece], order: int) -> np.ndarray:
     """s, s' or s'' at the start of each piece."""
     table = PieceTable(pieces)
-    return table.evaluate(np.arange(len(pieces)), np.zeros(len(pieces)))[order]
+    return table.rows(np.arange(len(pieces)), np.zeros(len(pieces)))(order)
 
 
 # -- against a minimiser that shares nothing with the code ------------------------------------------------

@@ -46,6 +46,7 @@ from core.findings import ERROR, WARNING
 from core.followers import LAYOUT_TABLE
 from core.mechanism import solve_mechanism
 from core.mechanism.triangle import area4_of, brackets, opposite_angle
+from core.numerics.derivatives import Derivatives
 from core.study import Study
 
 DESIGNS = {**LAYOUT_DESIGNS, "lift": LIFT, "pusher": PUSHER}
@@ -413,7 +414,7 @@ def test_arm_and_rod_exactly_in_line_are_told_with_the_cam_angle() -> None:
     y = study.motion.y.copy()
     y[0, 3] = g.slider_arm + g.rod - base
     assert base + y[0, 3] == g.slider_arm + g.rod
-    still = replace(study.motion, y=y)
+    still = replace(study.motion, displacement=Derivatives.of(y))
     with pytest.raises(NoAssembly, match="dead centre") as caught:
         solve_mechanism(study.mechanism, still)
     assert caught.value.cam_angles == ((pytest.approx(135.0), pytest.approx(135.0)),)

@@ -18,6 +18,7 @@ from core.errors import NoAnswer
 from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
 from core.motion import Angles, MotionState
+from core.numerics.derivatives import Derivatives
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import LAYERS, MechanismScene
@@ -520,7 +521,7 @@ class Quick:
             "slot": Pair(SLIDING, "rocker", "block", "A", 1 + 0j),
         }
         n, one = SAMPLES, np.ones(SAMPLES)
-        motion = MotionState(Angles(self.theta, np.zeros(n, dtype=int)), np.zeros((4, n)), np.zeros(n))
+        motion = MotionState(Angles(self.theta, np.zeros(n, dtype=int)), Derivatives.of(np.zeros((4, n))), np.zeros(n))
         self.linkage = Kinematics(motion, bodies, pairs, (), "block", "crank", "O2", one + 0j, {}, {}, 0.0 * one, one)
 
     @property

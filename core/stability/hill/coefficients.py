@@ -31,6 +31,7 @@ from core.errors import NoStability
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import find_extremes
+from core.numerics.derivatives import Derivatives
 from core.stability.panels import NODES, Panels, fit, to_legendre
 
 FIXED, RETUNED = "fixed", "retuned"
@@ -84,7 +85,7 @@ def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Si
 
     def quantities(angles: Angles) -> dict[str, np.ndarray]:
         kinematics = kinematics_at(angles)
-        y = kinematics.motion.y
+        y = kinematics.motion.displacement
         return {"inertia": loading.inertia(kinematics)[0], "y": y[0], "slope": np.abs(y[1]), "curvature": np.abs(y[2])}
 
     extremes = find_extremes(quantities, program)
@@ -122,7 +123,10 @@ def coefficients(
     def functions(angles: Angles) -> np.ndarray:
         kinematics = kinematics_at(angles)
         d, d1, d2 = loading.inertia(kinematics) / size.inertia
-        u = _valve_spring(kinematics.motion.y, size, spring_factor) if retuned else loading.potential(kinematics) / (stiffness * q)
+        if retuned:
+            u = _valve_spring(kinematics.motion.displacement, size, spring_factor)
+        else:
+            u = loading.potential(kinematics) / (stiffness * q)
         # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
         big = 1.0 + heaviest * d
         return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])
@@ -130,7 +134,7 @@ def coefficients(
     return Coefficients(fit(functions, program, 5), size, spring, q)
 
 
-def _valve_spring(y: np.ndarray, size: Sizes, factor: float) -> np.ndarray:
+def _valve_spring(y: Derivatives, size: Sizes, factor: float) -> np.ndarray:
     """U = a X''m X X'/(X_m X'm²) and ψ = U' (2, n), X counted from its lowest place (Kim1990 (7), (13))."""
     x = y[0] - size.lowest
     gain = factor * size.curvature / (size.stroke * size.slope**2)

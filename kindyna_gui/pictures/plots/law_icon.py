@@ -42,11 +42,12 @@ def curves_of(slug: str) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     for i, (start, end) in enumerate(zip(starts, [*starts[1:], 1.0], strict=True)):
         w = np.linspace(0.0, end - start, SAMPLES)
         places.append(start + w)
-        rows.append(shape.gain * table.evaluate(np.full(w.size, i), w))
-    u, y = np.concatenate(places), np.concatenate(rows, axis=1)
-    height = y[0] + (1.0 if shape.gain < 0.0 else 0.0)
-    largest = float(np.abs(y[2]).max())
-    acceleration = y[2] / largest if largest > 1e-9 else np.zeros_like(u)
+        row = table.rows(np.full(w.size, i), w)
+        rows.append(shape.gain * np.array([row(0), row(2)]))
+    u, (height, y2) = np.concatenate(places), np.concatenate(rows, axis=1)
+    height += 1.0 if shape.gain < 0.0 else 0.0
+    largest = float(np.abs(y2).max())
+    acceleration = y2 / largest if largest > 1e-9 else np.zeros_like(u)
     return (u, height), (u, acceleration)
 
 
