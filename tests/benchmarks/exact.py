@@ -142,7 +142,7 @@ def _sizes(theta: float, segment: int) -> list[float]:
     return sizes
 
 
-def _moved(figures: Figures, sections: Sequence[str], theta: float) -> tuple[list[Any], list[float]]:
+def with_weights(figures: Figures, sections: Sequence[str], theta: float) -> tuple[list[Any], list[float]]:
     """Values at one angle, and for each the sum of |weight d/dp| over all numbers: design, cam angle, motion."""
     segment = _segment(theta)
     way, sizes = _way(segment), _sizes(theta, segment)
@@ -185,7 +185,7 @@ def _rows(at: Sequence[float], values: Sequence[Sequence[Any]], condition: float
 
 def _along_the_turn(name: str) -> dict[str, Any]:
     figures, sections = ALONG_THE_TURN[name]
-    told = [_moved(figures, sections, theta) for theta in angles()]
+    told = [with_weights(figures, sections, theta) for theta in angles()]
     values = [t[0] for t in told]
     scale = [float(max(abs(v) for v in channel)) for channel in zip(*values, strict=True)]
     condition = max(reach / s for t in told for reach, s in zip(t[1], scale, strict=True))

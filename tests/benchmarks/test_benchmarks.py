@@ -89,10 +89,10 @@ def test_the_exact_values_are_those_that_are_made() -> None:
     for name in ("law", "blending"):
         made = MADE[name]()
         assert json.loads(json.dumps(made)) == stored[name]
-    from benchmarks.exact import _moved, linkage
+    from benchmarks.exact import linkage, with_weights
 
     theta = stored["linkage"]["at"][4]
-    values, _ = _moved(linkage, ("follower",), theta)
+    values, _ = with_weights(linkage, ("follower",), theta)
     there = exact("linkage")
     for value, high, low in zip(values, there.high[:, 4], there.low[:, 4], strict=True):
         assert abs(complex(value - complex(high)) - complex(low)) <= 1e-30 * abs(complex(value))

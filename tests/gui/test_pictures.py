@@ -1,7 +1,5 @@
 """The drawing of a mechanism: everything stands where the kinematics says, moves without being made anew, and is legible."""
 
-import statistics
-import time
 from dataclasses import replace
 from math import pi
 from types import SimpleNamespace
@@ -158,18 +156,6 @@ def test_nothing_is_made_anew_in_motion() -> None:
     after = list(scene.items())
     assert len(before) == len(after)
     assert all(one is other for one, other in zip(before, after, strict=True))
-
-
-def test_a_frame_is_quick() -> None:
-    scene = scene_of(LIFT, 3600)
-    for layer in LAYERS:
-        scene.set_layer(layer, True)
-    times = []
-    for i in range(0, 3600, 30):
-        start = time.perf_counter()
-        scene.set_index(i)
-        times.append(time.perf_counter() - start)
-    assert statistics.median(times) < 2e-3
 
 
 def test_index_fraction_and_angle_say_the_same() -> None:
