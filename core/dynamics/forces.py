@@ -98,6 +98,7 @@ def newton_euler(
     rate = Rate(omega, acceleration)
     n, friction_of_cam = kinematics.theta.size, loading.contact_friction
     cam = None if shape is None else (shape.flank.contact, _pressing(shape, friction_of_cam))
+    pressing = np.zeros(n, dtype=complex) if cam is None else cam[1]
     places: dict[str, np.ndarray] = {}
     press = None if cam is None else Walk(kinematics, [Load(kinematics.carrier, cam[0], -cam[1])], places)
     contact_jam = np.zeros(n)
@@ -123,14 +124,14 @@ def newton_euler(
         pairs={name: spread(force, n) for name, force in pairs.items()},
         couples={name: spread(couple, n) for name, couple in total.couples.items()},
         contact=spread(contact, n),
-        pressing=np.zeros(n, dtype=complex) if cam is None else cam[1],
+        pressing=pressing,
         torque=spread(torque, n),
         driver=spread(total.driver, n),
         lever=np.full(n, np.inf) if press is None else spread(press.needed, n),
         lost=spread(lost * omega, n),
         jam=np.maximum(jam, contact_jam),
         contact_jam=contact_jam,
-        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact, forces.pressing),
+        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact, pressing),
         guide=guide,
     )
     return limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces

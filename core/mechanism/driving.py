@@ -55,8 +55,8 @@ class CrankProgram:
 def swept(program: Program) -> tuple[float, float]:
     """Lowest and highest driver position [rad or m] of a motion: its pieces turn at their ends only. A motion that stands
     still is given a little room."""
-    from core.motion.extremes import piecewise_angles
-
-    y = program.state(piecewise_angles(program)).displacement[0]
+    pieces = np.arange(program.starts.size)
+    ends = Angles(np.concatenate((program.starts, program.ends)), np.concatenate((pieces, pieces)))
+    y = program.state(ends).displacement[0]
     room = 1e-9 * float(np.ptp(y)) or 1e-6
     return float(y.min()) - room, float(y.max()) + room

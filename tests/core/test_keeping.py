@@ -111,11 +111,20 @@ def test_a_linkage_makes_no_derivative_that_nobody_reads() -> None:
         assert rocker.turn.made == tuple(range(1, order + 1)), "the angle itself is not needed"
 
 
+def test_forces_ask_for_no_jerk() -> None:
+    there = Study(LIFT).at_theta(np.linspace(0.1, 6.0, 24))
+    assert there.motion.displacement.made == ()
+    _ = there.dynamics.torque
+    assert there.motion.displacement.made == (0, 1, 2)
+    assert there.linkage.follower.turn.made == (1, 2)
+
+
 @pytest.mark.parametrize("make", [
     lambda theta: Study(LIFT, 24).linkage.follower.z,
     lambda theta: Study(LIFT, 24).cam.flank.pitch_curvature_slope,
+    lambda theta: Study(LIFT).at_theta(theta).dynamics.torque,
     *(lambda theta, case=case: case.course.solve(at_driver(theta * 0.0 + case.q)).poses[3].z for case in CASES),
-], ids=["linkage", "cam", *(case.name for case in CASES)])  # fmt: skip
+], ids=["linkage", "cam", "forces", *(case.name for case in CASES)])  # fmt: skip
 def test_what_nobody_holds_any_more_is_freed_at_once(make: Callable[[np.ndarray], np.ndarray]) -> None:
     """Results in a circle with the functions that make them would stay in memory until Python looks for circles."""
     theta = np.linspace(0.1, 6.0, 24)
