@@ -16,6 +16,7 @@ from core.mechanism.kinematics import Kinematics
 from core.motion.extremes import Range
 
 Extremes = Mapping[str, Range]
+LeastAt = Callable[[str, float], float]
 
 
 class FaceRow(NamedTuple):
@@ -24,7 +25,8 @@ class FaceRow(NamedTuple):
     envelope      kinematics, face, cam, sense of rotation -> the cam's shape; raises NoCam
     limits        quantities whose refined extremes its findings are taken from
     undercut      extremes, face -> whether the profile has a cusp, or crosses itself where it is curved too much
-    findings      extremes, face, cam -> what is exceeded, the pressure angle aside
+    findings      extremes, face, cam, least_at -> what is exceeded, the pressure angle aside; least_at: quantity, base radius
+                  [mm] -> the quantity's refined least value with that one, NaN where there is no cam
     proof         name of its tangency in the certificate
     own_distance  shape, face -> (n,) [m] distance of the profile's own points from the face, which should be 0
     gaps          shape, face, positions -> (m,) [m] least distance of any profile point from the face, by brute force
@@ -35,7 +37,7 @@ class FaceRow(NamedTuple):
     envelope: Callable[[Kinematics, Any, Any, float], CamShape]
     limits: tuple[str, ...]
     undercut: Callable[[Extremes, Any], bool]
-    findings: Callable[[Extremes, Any, Any], list[Finding]]
+    findings: Callable[[Extremes, Any, Any, LeastAt], list[Finding]]
     proof: str
     own_distance: Callable[[CamShape, Any], np.ndarray]
     gaps: Callable[[CamShape, Any, int], np.ndarray]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from functools import cache
 from math import degrees
 
@@ -11,14 +12,19 @@ import numpy as np
 
 from core.cam.shape import CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
 from core.cam.sizes import size_of
-from core.design import Flat, OffsetFlat, TiltedFlat, si
+from core.design import DiskCam, Flat, OffsetFlat, TiltedFlat, si
 from core.errors import NoCam, angle_ranges
 from core.findings import ERROR, Finding
+from core.followers.reach import rounded
 from core.instant_centres import cam_follower_centre
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.motion.extremes import Range
 from core.numerics.vectors import cross, dot
 
+LeastAt = Callable[[str, float], float]
+ROUNDS = 12  # of a search for a base radius
+DIGITS = 5  # of a base radius that would do
+NEAR = 1e-4  # of that: what is less above the limit will do
 MARGIN = 0.1  # of a drawn face beyond where it touches, parts of that
 THICK = 0.06  # of a drawn face, parts of the cam's size
 
@@ -138,17 +144,48 @@ def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> np.ndarray:
     return m * np.array([1j * low, 1j * high, thick + 1j * high, thick + 1j * low, 1j * low])
 
 
-def findings(extremes: Mapping[str, Range], face: Flat, cam: object) -> list[Finding]:
+def findings(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:
     """A radius of curvature that is not positive, and a face that the contact leaves."""
-    return [*_undercut(extremes, face, cam), *_too_narrow(extremes, face)]
+    return [*_undercut(extremes, face, cam, least_at), *_too_narrow(extremes, face)]
 
 
-def _undercut(extremes: Mapping[str, Range], face: Flat, cam: object) -> list[Finding]:
+def _undercut(
+    extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt
+) -> list[Finding]:
     if not is_undercut(extremes, face):
         return []
     least = extremes["profile_radius"].low
     values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": "enlarge the base radius"}
+    wanted = _base_radius(cam.base_radius_mm, 1e3 * least.value, least_at)
+    if wanted:
+        values |= {"base_radius_mm": wanted, "remedy": f"a base radius of {wanted:.5g} mm would do"}
     return [Finding("undercut", ERROR, size_of(cam, "", 0.0)[0], degrees(least.theta), values)]
+
+
+def _base_radius(base: float, least: float, least_at: LeastAt) -> float:
+    """The base radius [mm], to a few digits and upwards, that keeps the radius of curvature positive; 0 where none was found.
+
+    least: the least radius of curvature with the base radius ``base`` [mm], which grows as that does under a face that slides,
+    and about so under one that swings: by secants.
+    """
+    below, above, radius = (base, least), None, base - least
+    for _ in range(ROUNDS):
+        radius = float(rounded(radius, math.ceil, DIGITS))
+        if above and radius >= above[0]:
+            return above[0]
+        found = 1e3 * least_at("profile_radius", radius)
+        if math.isnan(found) or radius <= below[0]:
+            break
+        if found > 0.0:
+            above = (radius, found)
+        else:
+            below = (radius, found)
+        far = above or (radius - found, 0.0)
+        radius = below[0] - below[1] * (far[0] - below[0]) / (far[1] - below[1])
+        if above and above[0] - radius < NEAR * radius:
+            return above[0]
+        radius *= 1.0 + 0.5 * NEAR
+    return above[0] if above else 0.0
 
 
 def _too_narrow(extremes: Mapping[str, Range], face: Flat) -> list[Finding]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from core.cam.faces import row_of
+from core.cam.faces import LeastAt, row_of
 from core.cam.sizes import ENTRIES
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
@@ -25,9 +25,9 @@ ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit
 NO_DRIVE = 89.0  # from here on the cam cannot move the follower, whatever the force
 
 
-def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any) -> list[Finding]:
+def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, least_at: LeastAt) -> list[Finding]:
     """What the refined extremes of pressure angle [rad] and of the face's own quantities exceed; ground: kind of the pair
-    that holds the follower."""
+    that holds the follower; least_at: quantity, base radius [mm] -> its refined least value with that one."""
     found = []
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
     angle = degrees(worst.value)
@@ -36,7 +36,7 @@ def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any) ->
         severity = ERROR if angle > NO_DRIVE else WARNING
         row = ENTRIES[type(cam)]
         found.append(Finding(row.pressure, severity, row.size, degrees(worst.theta), values))
-    return found + row_of(face).findings(extremes, face, cam)
+    return found + row_of(face).findings(extremes, face, cam, least_at)
 
 
 def undercut(extremes: Mapping[str, Range], face: Any) -> bool:

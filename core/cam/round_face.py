@@ -119,7 +119,7 @@ def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> np.ndar
     return np.array([0.0, size * (1.0 + 0.4j), size * (1.0 - 0.4j), 0.0])
 
 
-def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object) -> list[Finding]:
+def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_at: object) -> list[Finding]:
     """The pitch curve's smallest radius against that of the round."""
     if not is_undercut(extremes, face):
         return []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,7 +13,7 @@ import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape
-from core.design import Design, Linkage
+from core.design import Design, Linkage, with_drive
 from core.dynamics import Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -449,7 +450,17 @@ class Study:
     def _cam_findings(self) -> list[Finding]:
         kinematics = self.linkage
         ground = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
-        return cam.findings(self._cam_extremes, ground, self.design.drive.face, self.design.drive.cam)
+        drive = self.design.drive
+        return cam.findings(self._cam_extremes, ground, drive.face, drive.cam, self._least_at)
+
+    def _least_at(self, name: str, base_radius_mm: float) -> float:
+        """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
+        design = with_drive(self.design, cam=replace(self.design.drive.cam, base_radius_mm=base_radius_mm))
+        other = Study(design, self.samples)
+        try:
+            return find_extremes(lambda angles: {name: quantity(name).value(other.at(angles))}, other.program)[name].low.value
+        except NoAnswer:
+            return math.nan
 
     def _dynamics_findings(self) -> list[Finding]:
         if "cam" not in self.stages:
