@@ -163,8 +163,12 @@ class Reader:
             values[slot.within].update(zip(slot.names, read, strict=False))
         if extra := table.keys() - {slot.key for slot in entries}:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
-            for key in sorted(extra - (_FACE_KEYS if unsure else set()), key=str):
-                self.faults.append(unknown_key(f"{path}.{spelled(key)}", key, table[key], known))
+            for key in sorted(extra - (_FACE_KEYS.keys() if unsure else set()), key=str):
+                at = f"{path}.{spelled(key)}"
+                if path in ("cam", "follower") and key in _FACE_KEYS:
+                    self.faults.append(Fault(at, table[key], f'only with face = "{_FACE_KEYS[key]}"', " | ".join(known)))
+                else:
+                    self.faults.append(unknown_key(at, key, table[key], known))
         own = values.pop("") | {name: part(**values[name]) for name, part in inside}
         return kind(**own, unit=self.unit) if kind is Motion else kind(**own)
 
@@ -266,7 +270,8 @@ class Reader:
 # -- the kind of the design -------------------------------------------------------------------------------
 
 
-_FACE_KEYS = {slot.key for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)}
+_FACE_KEYS = {slot.key: face.face for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)}
+"""Key of a face's own entry -> the face's word."""
 
 
 def _face_word(table: Tables, row: FollowerKind | None) -> str | None:

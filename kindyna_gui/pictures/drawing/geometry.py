@@ -157,7 +157,7 @@ class Geometry:
         if self.shape is None:
             return 0.0
         radius: float = self.study.design.drive.face.radius_mm
-        return radius if radius > 1e-9 * abs(self.pitch[0]) else 0.0
+        return radius if radius and radius > 1e-9 * abs(self.pitch[0]) else 0.0
 
     @property
     def face_angle(self) -> np.ndarray:
