@@ -150,8 +150,8 @@ def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rol
 class CamSlider:
     """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
 
-    face: Rolling | Knife | Shoe = faces_of(None, brief=True)
     layout: str = choice("Layout", LAYOUTS, help="a...h: cam left/right, roller above/below, slider right/left")
+    face: Rolling | Knife | Shoe = faces_of(None, brief=True)
     slider_arm_mm: float = length("Slider arm L1", help="pivot to the rod's pin")
     rod_mm: float = length("Rod L2", help="arm's pin to slider pin")
     guide_height_mm: float = coordinate(
