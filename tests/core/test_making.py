@@ -381,6 +381,10 @@ def test_a_whole_motion_takes_the_turn(run: Run, tmp_path: Path) -> None:
     design = project.load(path)
     assert design.assumed == ("loads.preload_n",), "a motion that was made is not assumed"
     assert design.drive.mechanism == PUSHER.drive.mechanism
+    made = path.read_bytes()
+    line = run.refused("blend", *PICKER, "--constant-velocity", *settings(h1=1, h3=25), "--into", path)
+    assert "feasible: 0 < h3 <= 19 mm" in line
+    assert path.read_bytes() == made
 
 
 def test_a_blend_over_360_degrees_leaves_no_dwell(run: Run, tmp_path: Path) -> None:
@@ -390,20 +394,6 @@ def test_a_blend_over_360_degrees_leaves_no_dwell(run: Run, tmp_path: Path) -> N
     motion = check_whole(project.load(path), path)
     assert [s.curve.law for s in motion.segments] == ["h5", "h6"]
     assert not any(jumps(motion))
-
-
-def test_from_outside_into_a_file(tmp_path: Path) -> None:
-    path = tmp_path / "picker.toml"
-    project.save(PUSHER, path)
-    wanted = ("--constant-velocity", "--set", "h1=1", "--set")
-    done = outside("blend", *PICKER, *wanted, "h3=1", "--into", path)
-    assert (done.returncode, done.stderr) == (0, "")
-    made = path.read_bytes()
-    refused = outside("blend", *PICKER, *wanted, "h3=25", "--into", path)
-    assert (refused.returncode, refused.stdout) == (2, "")
-    assert "feasible: 0 < h3 <= 19 mm" in refused.stderr
-    assert path.read_bytes() == made
-    assert math.fsum(s.span_deg for s in project.load(path).drive.motion.segments) == pytest.approx(360.0, abs=1e-9)
 
 
 def test_a_missing_or_broken_design_is_refused(run: Run, tmp_path: Path) -> None:

@@ -336,46 +336,6 @@ def check_picker(motion: Motion) -> None:
     assert [s.rise for s in motion.segments] == pytest.approx([0.0, 1.0, 18.0, 1.0, -20.0, 0.0], abs=1e-12)
 
 
-def test_the_card_picker_is_designed_with_the_mouse_alone(open_user: Open) -> None:
-    """Nothing but clicks, from a new design to the undo step."""
-    user: User = open_user()
-    user.choose("File", "New", "Translating follower")
-    view = user.motion()
-    for row in (1, 2, 0):  # nothing but a dwell
-        view.choose(row)
-        view.bar.buttons["delete"].click()
-    still = user.design
-    user.choose("Make", "Blend...")
-    dialog = user.window.findChild(BlendDialog)
-    assert isinstance(dialog, BlendDialog)
-    assert dialog.isModal()
-    wizard = Wizard(dialog, user.session)
-    wizard.answered()
-    assert wizard.curves == "P1–P2", "a motion without settings is answered at once"
-    wizard.click(wizard.questions.kind.types["DRRD"])
-    wizard.click(wizard.questions.kind.constants["rise"], QPoint(8, 8))
-    for name in ("h1", "h3"):
-        wizard.tick(name)
-        box = wizard.rows[name].box
-        value = box.number
-        assert value is not None
-        wizard.arrow(box, value < 1.0, round(abs(value - 1.0) / box.step_of(value)))
-        assert box.number == 1.0
-    wizard.answered()
-    assert wizard.curves == "C1–CV1–H2–P2"
-    assert wizard.table[1] == ("CV1", "18.0000", "169.6215", "48.8468", "218.4684", "1.0000", "19.0000")
-    assert "CV1 runs at 0.106119 mm/° (38.20 mm/s) for 169.622°" in dialog.panel.figures.text()
-    assert wizard.can_put
-    wizard.click(dialog.put_button)
-    settle()
-    check_picker(user.design.drive.motion)
-    assert faults(user.design) == []
-    assert user.steps[-1] == "Blend C1-CV1-H2-P2"
-    user.session.stack.undo()
-    assert user.design == still, "one step"
-    assert user.window.findChild(BlendDialog) is None, "it is gone"
-
-
 def test_the_card_picker_is_designed_with_the_keys_alone(ask: Ask) -> None:
     wizard = ask()
     dialog = wizard.dialog

@@ -165,10 +165,14 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     for row in (1, 2, 0):  # nothing but a dwell
         editor.row(row)
         mouse.click(editor.view.bar.buttons["delete"])
+    still = user.design
     mouse.menu("Make", "Blend...")
     dialog = user.window.findChild(BlendDialog)
     assert dialog is not None
     wait_for(dialog.isVisible)
+    assert dialog.isModal()
+    wait_for(lambda: not dialog.busy)
+    assert dialog.panel.headline.text() == "P1–P2", "a motion without settings is answered at once"
     questions = dialog.questions
     mouse.click(questions.kind.types["DRRD"])
     mouse.click(questions.kind.constants["rise"], QPoint(8, questions.kind.constants["rise"].height() // 2))
@@ -179,8 +183,13 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
         mouse.click(row.check, QPoint(8, row.check.height() // 2))
         mouse.count_to(row.box, 1.0)
     wait_for(lambda: dialog.put_button.isEnabled())
+    assert dialog.panel.headline.text() == "C1–CV1–H2–P2"
+    row = dialog.panel.table.rows.rows[1].cells
+    assert row == ("CV1", "18.0000", "169.6215", "48.8468", "218.4684", "1.0000", "19.0000")
+    assert "CV1 runs at 0.106119 mm/° (38.20 mm/s) for 169.622°" in dialog.panel.figures.text()
     mouse.click(dialog.put_button)
     wait_for(lambda: len(user.design.drive.motion.segments) == 6)
+    assert user.window.findChild(BlendDialog) is None, "it is gone"
     assert user.steps[-1] == "Blend C1-CV1-H2-P2"
 
     picker = load(example("card_picker"))
@@ -192,3 +201,5 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     for got, wanted_span in zip(solved.segments, spans, strict=True):
         text = text.replace(f"span_deg = {got.span_deg!r}\n", f"span_deg = {wanted_span!r}\n")
     assert text == dumps(replace(picker, name="New translating follower"))
+    user.session.stack.undo()
+    assert user.design == still, "one step"

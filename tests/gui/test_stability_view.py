@@ -13,13 +13,11 @@ from PySide6.QtTest import QTest
 from stability_page import KIM, LEFT, TURNS, page, pixel, unhurried, wait_until
 from window_user import Open, User, settle
 
-from core.design import with_elastic
 from core.project import load
-from core.stability import EXACT, Chart, Stability, chart, flexible
+from core.stability import EXACT, Chart, Stability, chart
 from core.study import Study, evaluations
 from kindyna_gui.background import Worker
 from kindyna_gui.pictures.files import chart_file
-from kindyna_gui.places import example
 from kindyna_gui.stability.stability_view import StabilityView
 
 
@@ -261,14 +259,3 @@ def test_a_chart_of_no_machine_has_no_point() -> None:
     assert found is not None
     alone = chart(found.coefficients, None, "alone", rows=8)
     assert chart_file(alone, ".png") != chart_file(chart(found.coefficients, found.machine, "alone", rows=8), ".png")
-
-
-def test_the_lift_with_a_shaft_has_a_chart_of_its_own() -> None:
-    """A whole kinematics: its inertia by cam angle, its weight and its cylinder."""
-    lift = Study(load(example("transfer_lift")))
-    study = Study(flexible(lift.design, lift.linkage, lift.loading, lift.omega))
-    found = study.stability
-    assert found is not None
-    widths = np.diff(found.exact.edges[0], axis=1).ravel()
-    assert widths[0] > 1e-4
-    assert with_elastic(study.design, None).shaft == load(example("transfer_lift")).shaft
