@@ -240,6 +240,7 @@ def test_layers_are_switched_by_the_menu(user: User) -> None:
     view = user.window.view("mechanism")
     assert isinstance(view, MechanismView)
     assert view.scene.item("pitch").isVisible()
+    assert user.entries("View", "Layers of the drawing") == [plain(a.text()) for a in view.layer_actions()] != []
     menu = user.action("View", "Layers of the drawing").menu()
     assert menu is not None
     menu.aboutToShow.emit()  # type: ignore[attr-defined]

@@ -140,14 +140,6 @@ def test_docks_are_shown_and_hidden(whole: User) -> None:
     assert not dock.isHidden()
 
 
-def test_layers_are_those_of_the_drawing(user: User) -> None:
-    view = user.window.view("mechanism")
-    assert view is not None
-    texts = [plain(a.text()) for a in view.layer_actions()]
-    assert texts
-    assert user.entries("View", "Layers of the drawing") == texts
-
-
 def test_pictures_on_screen_can_be_exported(whole: User) -> None:
     assert whole.entries("Graph", "Export picture") == [
         "Mechanism...", "Displacement...", "Pressure angle...", "Torque..."
