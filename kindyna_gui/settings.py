@@ -1,35 +1,65 @@
-"""What the window remembers from one run to the next: its layout, recent files, the last folder."""
+"""What the window remembers from one run to the next: the layouts of its tasks, recent files, the last folder."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QMainWindow
 
-LAYOUT = 2
-"""Raised whenever docks come, go or change their place: an older layout is then forgotten."""
-
 MOST_RECENT = 8
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a task was left: the docks, the pages in the middle and the one in front, whether docks of linkages are there."""
+
+    state: QByteArray
+    pages: tuple[str, ...]
+    front: str
+    links: bool
 
 
 class Settings:
     """A thin layer over QSettings."""
 
+    VERSION = 3
+    """Of the layouts, raised whenever docks come or go: those of another version are left alone, and not used."""
+
     def __init__(self) -> None:
         self._kept = QSettings("KINDYNA", "KINDYNA")
 
-    def save_layout(self, window: QMainWindow) -> None:
+    def save_window(self, window: QMainWindow, task: str) -> None:
+        """Keep place and size of the window, and the task that is in place."""
         self._kept.setValue("window/geometry", window.saveGeometry())
-        self._kept.setValue("window/state", window.saveState(LAYOUT))
+        self._kept.setValue("window/task", task)
         self._kept.sync()
 
-    def restore_layout(self, window: QMainWindow) -> bool:
-        """False where nothing of this version was kept; then nothing changes."""
-        geometry, state = self._kept.value("window/geometry"), self._kept.value("window/state")
-        if not isinstance(geometry, QByteArray) or not isinstance(state, QByteArray):
-            return False
-        return window.restoreGeometry(geometry) and window.restoreState(state, LAYOUT)
+    def restore_geometry(self, window: QMainWindow) -> bool:
+        """False where nothing was kept; then nothing changes."""
+        geometry = self._kept.value("window/geometry")
+        return isinstance(geometry, QByteArray) and window.restoreGeometry(geometry)
+
+    @property
+    def task(self) -> str:
+        """The task of the last run; empty where there was none."""
+        return str(self._kept.value("window/task") or "")
+
+    def save_layout(self, task: str, layout: Layout) -> None:
+        """Keep the layout of a task."""
+        key = f"layout{self.VERSION}/{task}"
+        self._kept.setValue(f"{key}/docks", layout.state)
+        self._kept.setValue(f"{key}/pages", " ".join((layout.front, *layout.pages)))
+        self._kept.setValue(f"{key}/links", int(layout.links))
+
+    def layout(self, task: str) -> Layout | None:
+        """The layout of a task; None where none of this version was kept."""
+        key = f"layout{self.VERSION}/{task}"
+        state, names = self._kept.value(f"{key}/docks"), str(self._kept.value(f"{key}/pages") or "").split()
+        if not isinstance(state, QByteArray) or not names:
+            return None
+        return Layout(state, tuple(names[1:]), names[0], str(self._kept.value(f"{key}/links")) == "1")
 
     @property
     def recent(self) -> list[Path]:

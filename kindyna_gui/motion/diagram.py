@@ -72,6 +72,12 @@ class MotionDiagram(CurvePlot):
         self._view.addItem(item, ignoreBounds=True)
         return item
 
+    def show_angles(self, on: bool) -> None:
+        """The numbers along the bottom, which a plot below may have instead."""
+        self.show_numbers(on)
+        if on:
+            self._axes["bottom"].setHeight(ANGLES)
+
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def show_motion(self, study: Study, channel: Channel, before: np.ndarray | None) -> None:

@@ -19,7 +19,7 @@ STROKE = Info(
     "Stroke", "highest minus lowest position; start and rises grow along", 0.0, LONGEST_MM, open_low=True, step=1.0
 )
 NO_STROKE = "Nothing moves yet: give a segment a law and a rise first, then the stroke can be changed."
-LEAST = 74  # width of a number, pixels
+LEAST, MOST = 74, 150  # width of a number, pixels
 
 
 def stroke_of(design: Design) -> float:
@@ -42,14 +42,17 @@ class StrokeField(Field):
 
 
 class MotionHead(QWidget):
-    """The fields that belong to no segment; made anew where the motion has another unit."""
+    """The fields that belong to no segment; made anew where the motion has another unit.
+
+    troubles   what is wrong with them, for a place where it pushes nothing aside
+    """
 
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
         self.fields: dict[str, Field] = {}
         self.moves = False  # there is a stroke to be changed
-        self._place = Rebuilt(session)
+        self._place, self.troubles = Rebuilt(session), Rebuilt(session)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self._place)
@@ -75,7 +78,9 @@ class MotionHead(QWidget):
         return [*start, Spec(path, STROKE, UNITS[unit], stroke_of, can_be_assumed=False)]
 
     def _build(self, specs: list[Spec]) -> None:
-        paper = QWidget()
+        paper, troubles = QWidget(), QWidget()
+        below = QVBoxLayout(troubles)
+        below.setContentsMargins(0, 0, 0, 0)
         row = QHBoxLayout(paper)
         row.setContentsMargins(10, 5, 6, 2)
         row.setSpacing(10)
@@ -89,9 +94,13 @@ class MotionHead(QWidget):
             grid.setColumnStretch(1, 1)
             field.add_to(grid, 0)
             field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
+            field.editor.setMaximumWidth(MOST)
+            below.addWidget(field.message)
             row.addLayout(grid, 1)
             self.fields[spec.path] = field
+        row.addStretch(2)
         self._place.replace(paper)
+        self.troubles.replace(troubles)
 
     def focus_field(self, path: str) -> bool:
         """Bring the field of a path before the reader; ``motion.start`` will do for ``motion.start_mm``."""

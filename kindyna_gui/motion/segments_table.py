@@ -27,6 +27,7 @@ from kindyna_gui.motion.segments_model import COLUMNS, FROM, JOIN, LAW, Cell, Se
 
 Index = QModelIndex | QPersistentModelIndex
 ROW_CHOSEN = "#E4ECF2"  # behind the cells of the chosen segment
+USUAL_ROWS, LEAST_ROWS = 7, 5
 GAP = 6  # between the marks of a join, pixels
 INSET = 4  # of a text from the sides of its cell, pixels
 
@@ -244,13 +245,16 @@ class SegmentsTable(CellTable):
         super().resizeEvent(event)
         self.fit_columns()
 
+    def height_of(self, rows: int) -> int:
+        """Pixels for the head and so many rows."""
+        return self.horizontalHeader().sizeHint().height() + rows * self.verticalHeader().defaultSectionSize() + 4
+
     def sizeHint(self) -> QSize:
-        """All rows, where there is room for them."""
-        rows = self._model.rowCount() * self.verticalHeader().defaultSectionSize()
-        return QSize(360, self.horizontalHeader().sizeHint().height() + rows + 4)
+        """All rows, where there is room for them; never so few that the next segment would have none."""
+        return QSize(360, self.height_of(max(self._model.rowCount(), USUAL_ROWS)))
 
     def minimumSizeHint(self) -> QSize:
-        return QSize(200, self.horizontalHeader().sizeHint().height() + 2 * self.verticalHeader().defaultSectionSize())
+        return QSize(200, self.height_of(LEAST_ROWS))
 
     # -- keys ---------------------------------------------------------------------------------------------
 

@@ -8,7 +8,7 @@ from math import degrees
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QResizeEvent
-from PySide6.QtWidgets import QLabel, QSplitter, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
@@ -25,6 +25,7 @@ from kindyna_gui.look import WRONG, coloured
 from kindyna_gui.motion.actions import ACTIONS
 from kindyna_gui.motion.bar import SegmentBar
 from kindyna_gui.motion.curve_fields import CurveForm
+from kindyna_gui.motion.derivatives import DerivativePlots
 from kindyna_gui.motion.editor import MotionEditor
 from kindyna_gui.motion.grips import ANGLE_STEP, snapped, snapped_angle
 from kindyna_gui.motion.head import NO_STROKE, MotionHead
@@ -39,6 +40,42 @@ _ACTS = "motion.segments"
 """The path at which edits of whole segments are made, and refused."""
 TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
 BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
+BELOW, BELOW_BESIDE = 0.2, 0.3  # of the height, for what stands below the table: one above the other, and side by side
+LEAST_BELOW, MOST_BELOW = 66, 240  # pixels
+
+
+class Below(QScrollArea):
+    """What stands below the table of segments: the form of the chosen one, and what is missing or wrong.
+
+    Its height is that of the view's alone, so that no text moves the rows above it, nor the buttons below.
+    """
+
+    def __init__(self, *parts: QWidget) -> None:
+        super().__init__(widgetResizable=True)
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        paper = QWidget()
+        column = QVBoxLayout(paper)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(1)
+        for part in parts:
+            column.addWidget(part)
+        column.addStretch(1)
+        self.setWidget(paper)
+
+    def take_height(self, whole: int, part: float) -> None:
+        """So much of a view's height [pixels]."""
+        self.setFixedHeight(round(min(max(part * whole, LEAST_BELOW), MOST_BELOW)))
+
+    def bring(self, part: QWidget) -> None:
+        """Scroll a text that has come into sight, once it has its place; not while the keys are in what would move."""
+        QTimer.singleShot(0, part, partial(self._bring, part))
+
+    def _bring(self, part: QWidget) -> None:
+        focused = self.focusWidget()
+        if part.isVisible() and (focused is None or not focused.hasFocus()):
+            self.ensureWidgetVisible(part, 0, 0)
 
 
 class SegmentsView(View):
@@ -55,7 +92,8 @@ class SegmentsView(View):
         self.model = SegmentsModel(session, self)
         self.table = SegmentsTable(session, self.model)
         self.diagram = MotionEditor(session, player)
-        self.diagram.setMinimumSize(240, 96)
+        self.diagram.setMinimumSize(240, 90)
+        self.derivatives = DerivativePlots(self.diagram)
         self.curve = CurveForm(session, player)
         self.head = MotionHead(session)
         self.draft = DraftBar()
@@ -64,6 +102,8 @@ class SegmentsView(View):
         coloured(self.message, WRONG)
         self.message.hide()
         self.bar = SegmentBar()
+        self.below = Below(self.curve, self.draft, self.head.troubles, self.message)
+        self._parted = False  # by the user
         self._act_refused = False
         self._forgotten = False  # the motion before the last edit is not to be seen
         self._recalled: Design | None = None
@@ -79,12 +119,11 @@ class SegmentsView(View):
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(1)
         column.addWidget(self.table, 1)
-        column.addWidget(self.curve)
-        column.addWidget(self.message)
+        column.addWidget(self.below)
         column.addWidget(self.bar)
         self.splitter = QSplitter(Qt.Orientation.Vertical)
         self.splitter.setChildrenCollapsible(False)
-        self.splitter.addWidget(self.diagram)
+        self.splitter.addWidget(self.derivatives)
         self.splitter.addWidget(lower)
         self.splitter.setStretchFactor(0, 1)
         self.splitter.setStretchFactor(1, 0)
@@ -92,7 +131,6 @@ class SegmentsView(View):
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(1)
         layout.addWidget(self.head)
-        layout.addWidget(self.draft)
         layout.addWidget(self.splitter, 1)
         self.set_content_layout(layout)
 
@@ -112,6 +150,9 @@ class SegmentsView(View):
         self.diagram.menu_requested.connect(self._open_diagram_menu)
         self.diagram.settled.connect(self._draw)
         self.diagram.released.connect(self._forget_before)
+        self.derivatives.angle_moved.connect(self._turn)
+        self.derivatives.room_changed.connect(self._draw_derivatives)
+        self.splitter.splitterMoved.connect(self._part)
         self.draft.close_requested.connect(self.session.close_draft)
         self.draft.drop_requested.connect(self.session.drop_draft)
         self.session.draft_changed.connect(self.invalidate)
@@ -130,7 +171,7 @@ class SegmentsView(View):
         require_motion(study.design)
         typed = self.session.typed
         self._show_draft(typed)
-        if not self.head.fields:
+        if not self.head.fields:  # the first motion: only now it is known what its table needs
             self._sharing.start()
         before = list(self.head.fields.values())
         self.head.show_motion(typed)
@@ -154,19 +195,31 @@ class SegmentsView(View):
         draft, closing = self.session.draft, self.session.closing
         self.diagram.locked = draft is not None
         text = "" if draft is None or closing is None else closing_text(draft, closing)
-        hidden = self.draft.isHidden()
         self.draft.show_draft([] if draft is None else misses(draft, typed), text)
-        if self.draft.isHidden() != hidden:
-            self._sharing.start()  # the rows of the table keep their room
+        if draft is not None:
+            self.below.bring(self.draft)
 
     def follow(self, theta: float) -> None:
         self.diagram.set_angle(theta)
+        if self.derivatives.roomy:
+            self.derivatives.set_angle(theta, self.session.at(theta))
+
+    def _draw_derivatives(self) -> None:
+        """The plots below the diagram have come, and are to be what it is."""
+        if self.up_to_date and not self.in_trouble:
+            self.derivatives.show_study(self.session.study)
+            self.follow(self.player.theta)
+
+    def _turn(self, theta: float) -> None:
+        self.player.play(False)
+        self.player.set_theta(theta)
 
     def _draw(self) -> None:
         """The diagram, with the motion before the last edit where there is one to be seen."""
         study = self.session.study
         self.diagram.chosen = self.chosen
         self.diagram.show_motion(study, self._channel(study), self._values_before(study))
+        self.derivatives.show_study(study)
 
     @staticmethod
     def _channel(study: Study) -> Channel:
@@ -197,6 +250,8 @@ class SegmentsView(View):
     def _show_text(self, text: str) -> None:
         self.message.setText(text)
         self.message.setVisible(bool(text))
+        if text:
+            self.below.bring(self.message)
 
     def _refused(self, refusal: Refusal) -> None:
         if refusal.path == _ACTS:
@@ -212,9 +267,16 @@ class SegmentsView(View):
         super().resizeEvent(event)
         wide = self.width() >= BESIDE and self.width() > self.height()
         turned = Qt.Orientation.Horizontal if wide else Qt.Orientation.Vertical
+        self.below.take_height(self.height(), BELOW_BESIDE if wide else BELOW)
         if turned != self.splitter.orientation():
             self.splitter.setOrientation(turned)
+            self._parted = False
+        if not self._parted:
             self._sharing.start()
+
+    def _part(self, *_: object) -> None:
+        """The user has drawn the line between diagram and table."""
+        self._parted = True
 
     def _share(self) -> None:
         """The table gets what its rows need, or its texts where it stands beside; the diagram the rest."""

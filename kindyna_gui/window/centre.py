@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QTabBar, QTabWidget, QVBoxLayout, QWidget
@@ -13,17 +13,37 @@ from kindyna_gui.window.docks import PLAYER_BAR, VIEWS
 from kindyna_gui.window.player import Player
 
 
+class Page(QWidget):
+    """The place of a view behind a tab; the view is made when it first comes to the front."""
+
+    def __init__(self, name: str, make: Callable[[str], View]) -> None:
+        super().__init__()
+        self.name, self._make = name, make
+        self.view: View | None = None
+        self._column = QVBoxLayout(self)
+        self._column.setContentsMargins(0, 0, 0, 0)
+
+    def build(self) -> View:
+        """The view, made now where it is not there yet."""
+        if self.view is None:
+            self.view = self._make(self.name)
+            self._column.addWidget(self.view)
+            self.setFocusProxy(self.view)
+        return self.view
+
+
 class Centre(QWidget):
     """Pages are made when they are first shown; all but the mechanism can be closed."""
 
     def __init__(self, session: Session, player: Player, make: Callable[[str], View]) -> None:
         super().__init__()
         self._make = make
-        self._pages: dict[str, View] = {}
+        self._pages: dict[str, Page] = {}
         self.tabs = QTabWidget(documentMode=True, tabsClosable=True)
         self.tabs.setTabBarAutoHide(True)
         self.tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)  # else Tab would end in its bar while that is hidden
         self.tabs.tabCloseRequested.connect(self.tabs.removeTab)
+        self.tabs.currentChanged.connect(self._front_changed)
         self.bar = PLAYER_BAR(session, player)
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
@@ -39,27 +59,58 @@ class Centre(QWidget):
 
     def page(self, name: str) -> View | None:
         """A page by its name in ``VIEWS``; None where it has not been seen yet."""
-        return self._pages.get(name)
+        page = self._pages.get(name)
+        return page.view if page is not None else None
 
     def show_page(self, name: str) -> View:
         """Bring a page to the front, made now where it is not there yet."""
-        view = self._pages.get(name)
-        if view is None:
-            view = self._pages[name] = self._make(name)
-        if self.tabs.indexOf(view) < 0:
-            self.tabs.addTab(view, VIEWS[name].title)
-        self.tabs.setCurrentWidget(view)
+        page = self._add(name)
+        view = page.build()  # before it is shown, so that it has its size at once
+        self.tabs.setCurrentWidget(page)
         return view
+
+    def _add(self, name: str) -> Page:
+        page = self._pages.get(name)
+        if page is None:
+            page = self._pages[name] = Page(name, self._make)
+        if self.tabs.indexOf(page) < 0:
+            self.tabs.addTab(page, VIEWS[name].title)
+        return page
+
+    def _front_changed(self, index: int) -> None:
+        page = self.tabs.widget(index)
+        if isinstance(page, Page):
+            page.build()
+
+    @property
+    def open_pages(self) -> tuple[tuple[str, ...], str]:
+        """The names of the pages that are open, in their order, and of the one in front."""
+        pages = [self.tabs.widget(index) for index in range(self.tabs.count())]
+        front = self.tabs.currentWidget()
+        names = tuple(page.name for page in pages if isinstance(page, Page))
+        return names, front.name if isinstance(front, Page) else ""
+
+    def lay(self, names: Sequence[str], front: str) -> None:
+        """Open these pages and no others, this one in front; nothing else comes to the front on the way."""
+        for name in names:
+            self._add(name)
+        page = self._pages.get(front)
+        if page is not None and self.tabs.indexOf(page) >= 0:
+            page.build()
+            self.tabs.setCurrentWidget(page)
+        for name, other in self._pages.items():
+            if name not in names and name != "mechanism" and self.tabs.indexOf(other) >= 0:
+                self.tabs.removeTab(self.tabs.indexOf(other))
 
     @property
     def current(self) -> View | None:
         """The page in front."""
         page = self.tabs.currentWidget()
-        return page if isinstance(page, View) else None
+        return page.view if isinstance(page, Page) else None
 
     def views(self) -> Iterator[View]:
         """Every page there is, and the bar."""
-        yield from self._pages.values()
+        yield from (page.view for page in self._pages.values() if page.view is not None)
         yield self.bar
 
 

@@ -32,8 +32,7 @@ def _same(size: int, then: int, now: int) -> int:
 class Rule:
     """How the docks of an area take part in another size of the window: their width, and their height.
 
-    Each takes a dock's size, and the window's at that time and now. A form needs no more room in a large window; a
-    picture does.
+    Each takes a dock's size, and the window's at that time and now.
     """
 
     across: Callable[[int, int, int], int]
@@ -42,12 +41,14 @@ class Rule:
 
 RULES: Mapping[Area, Rule] = MappingProxyType(
     {
-        Area.LeftDockWidgetArea: Rule(_same, _grown),
+        Area.LeftDockWidgetArea: Rule(_grown, _grown),
         Area.RightDockWidgetArea: Rule(_grown, _grown),
         Area.TopDockWidgetArea: Rule(_grown, _same),
         Area.BottomDockWidgetArea: Rule(_grown, _same),
     }
 )
+FORMS = frozenset({"parameters"})
+"""Docks that need no more width in a large window; a picture does."""
 
 
 class Shares(QObject):
@@ -69,6 +70,19 @@ class Shares(QObject):
         if event.type() in (QEvent.Type.Resize, QEvent.Type.Show, QEvent.Type.Hide):
             self._late.start()
         return super().eventFilter(watched, event)
+
+    @property
+    def noted(self) -> tuple[Mapping[str, QSize], QSize]:
+        """The sizes of docks that the user last saw, by name, and that of the window at the time."""
+        if self._noted == self._window.size():  # tabs may have come since
+            self._sizes = {name: self._place(dock) for name, dock in self._front().items()}
+        return self._sizes, self._noted
+
+    def take_up(self, sizes: Mapping[str, QSize], window: QSize) -> None:
+        """Docks are there that are to have these sizes in a window of this one, and others in one of another."""
+        self._sizes, self._noted, self._seen = dict(sizes), window, QSize()
+        self._echo = False
+        self._late.start()
 
     def _front(self) -> dict[str, QDockWidget]:
         """The docks in sight that stand in the window, by name."""
@@ -105,7 +119,8 @@ class Shares(QObject):
         for area, rule in RULES.items():
             docks = [dock for dock in front.values() if self._window.dockWidgetArea(dock) == area]
             sizes = [self._sizes[dock.objectName()] for dock in docks]
-            across = [rule.across(size.width(), then.width(), now.width()) for size in sizes]
+            form = rule.upwards is _grown and any(dock.objectName() in FORMS for dock in docks)
+            across = [(_same if form else rule.across)(size.width(), then.width(), now.width()) for size in sizes]
             upwards = [rule.upwards(size.height(), then.height(), now.height()) for size in sizes]
             self._window.resizeDocks(docks, across, ACROSS)
             self._window.resizeDocks(docks, upwards, UPWARDS)

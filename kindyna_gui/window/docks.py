@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer, Signal
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QWidget
+from PySide6.QtWidgets import QDockWidget, QWidget
 
 from kindyna_gui.documents.session import Session
 from kindyna_gui.view import View, in_sight
@@ -35,64 +35,52 @@ def lazily(module: str, name: str, **more: Any) -> Make:
 
 @dataclass(frozen=True)
 class ViewRow:
-    """One view: its title, what makes it, where it docks, in front of or behind which other (``tab_with``), whether
-    it is there from the start, whether it is a picture worth exporting; of a plot its quantities."""
+    """One view: its title, what makes it, the side of the window that suits it, or the middle; whether it is a picture
+    worth exporting; of a plot its quantities. Where it stands in each task is in ``tasks.TASKS``."""
 
     title: str
     make: Make
     area: Qt.DockWidgetArea
-    tab_with: str = ""
-    shown: bool = True
     picture: bool = False
     quantities: tuple[str, ...] = ()
 
 
-def _plot(title: str, tab_with: str, *quantities: str, shown: bool = True) -> ViewRow:
+def _plot(title: str, *quantities: str) -> ViewRow:
     make = lazily("graph.plots_view", "PlotView", quantities=quantities)
-    return ViewRow(title, make, RIGHT, tab_with, shown, picture=True, quantities=quantities)
+    return ViewRow(title, make, RIGHT, picture=True, quantities=quantities)
 
 
 VIEWS: Mapping[str, ViewRow] = MappingProxyType(
     {
         "mechanism": ViewRow("Mechanism", lazily("linkage.mechanism_view", "MechanismView"), CENTRE, picture=True),
-        "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE, shown=False, picture=True),
-        "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE, shown=False, picture=True),
-        "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE, shown=False, picture=True),
-        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE, shown=False),
+        "graph": ViewRow("Graph", lazily("graph.graph_view", "GraphView"), CENTRE, picture=True),
+        "laws": ViewRow("Laws", lazily("motion.laws_view", "LawsView"), CENTRE, picture=True),
+        "stability": ViewRow("Stability", lazily("stability.stability_view", "StabilityView"), CENTRE, picture=True),
+        "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE),
         "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT),
-        "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT, "motion", shown=False),
-        "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT, "motion", shown=False),
+        "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT),
+        "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT),
         "polygon": ViewRow(
-            "Velocity polygon", lazily("linkage.polygon_view", "PolygonView"), LEFT, "motion", shown=False, picture=True
+            "Velocity polygon", lazily("linkage.polygon_view", "PolygonView"), LEFT, picture=True
         ),
-        "displacement": _plot("Displacement", "", "displacement"),
-        "velocity": _plot("Velocity", "displacement", "velocity"),
-        "acceleration": _plot("Acceleration", "displacement", "acceleration"),
-        "jerk": _plot("Jerk", "displacement", "jerk"),
-        "pressure_angle": _plot("Pressure angle", "", "pressure_angle"),
-        "curvature": _plot("Curvature", "pressure_angle", "pitch_curvature", "profile_curvature"),
-        "torque": _plot("Torque", "", "drive_torque", "motor_torque", "linear_motor_torque"),
-        "camshaft_speed": _plot("Camshaft speed", "torque", "camshaft_speed", shown=False),
-        "contact_force": _plot("Contact force", "torque", "contact_force"),
+        "displacement": _plot("Displacement", "displacement"),
+        "velocity": _plot("Velocity", "velocity"),
+        "acceleration": _plot("Acceleration", "acceleration"),
+        "jerk": _plot("Jerk", "jerk"),
+        "pressure_angle": _plot("Pressure angle", "pressure_angle"),
+        "curvature": _plot("Curvature", "pitch_curvature", "profile_curvature"),
+        "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
+        "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
+        "contact_force": _plot("Contact force", "contact_force"),
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
-        "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM, "findings"),
-        "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM, "findings"),
+        "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
+        "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )
-"""Every view by the name that menus and ``show_view`` use. The first of a group of tabs is in front at first."""
+"""Every view by the name that menus and ``show_view`` use."""
 
 PLAYER_BAR = lazily("window.player_bar", "PlayerBar")
-
-SIZES: Mapping[str, tuple[Qt.Orientation, float]] = MappingProxyType(
-    {
-        "parameters": (Qt.Orientation.Horizontal, 384.0),
-        "displacement": (Qt.Orientation.Horizontal, 0.3),
-        "findings": (Qt.Orientation.Vertical, 125.0),
-        "motion": (Qt.Orientation.Vertical, 0.525),
-    }
-)
-"""Width or height of docks in the first layout: pixels, or below 1 a part of the window's."""
 
 
 class Dock(QDockWidget):
@@ -156,28 +144,3 @@ class Dock(QDockWidget):
             self._no_title.hide()
         elif not on and not hidden:
             self.setTitleBarWidget(self._no_title)
-
-
-def arrange(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
-    """The first layout: every dock at its place, the groups of tabs with their first row in front."""
-    for name, dock in docks.items():
-        row = VIEWS[name]
-        dock.setFloating(False)
-        window.removeDockWidget(dock)
-        window.addDockWidget(row.area, dock, Qt.Orientation.Vertical)
-        if row.tab_with:
-            window.tabifyDockWidget(docks[row.tab_with], dock)
-        dock.setVisible(row.shown)
-    for name, dock in docks.items():
-        if not VIEWS[name].tab_with:
-            dock.raise_()
-    proportion(window, docks)
-
-
-def proportion(window: QMainWindow, docks: Mapping[str, Dock]) -> None:
-    """The sizes of the first layout; they count only once the window has its own."""
-    for name, (orientation, size) in SIZES.items():
-        whole = window.width() if orientation == Qt.Orientation.Horizontal else window.height()
-        window.resizeDocks([docks[name]], [round(size * whole if size < 1.0 else size)], orientation)
-    right = [docks[name] for name, row in VIEWS.items() if row.area == RIGHT and not row.tab_with]
-    window.resizeDocks(right, [100] * len(right), Qt.Orientation.Vertical)

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
@@ -25,24 +25,30 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
-from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Settings
-from kindyna_gui.view import View, in_sight
+from kindyna_gui.view import View
 from kindyna_gui.window import menus
 from kindyna_gui.window.centre import Centre
 from kindyna_gui.window.design_actions import Designing
 from kindyna_gui.window.dock_sizes import Shares
-from kindyna_gui.window.docks import CENTRE, VIEWS, Dock, arrange, proportion
+from kindyna_gui.window.docks import CENTRE, VIEWS, Dock
 from kindyna_gui.window.faults import Faults
+from kindyna_gui.window.layouts import Layouts
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.status_line import StatusLine
+from kindyna_gui.window.tasks import TASKS
 from kindyna_gui.window.titles import Titles
 
 if TYPE_CHECKING:
     from kindyna_gui.window.help_view import HelpWindow
 
-FIRST_SIZE = (1440, 900)
+LARGEST = QSize(1920, 1080)  # at first; on a larger screen a user may want to see something else too
 _FRAME = 40  # pixels a desktop takes for the window's own frame
+
+
+def first_size(room: QSize) -> QSize:
+    """The size of a window that nobody has sized yet, on a screen with this room."""
+    return QSize(room.width(), room.height() - _FRAME).boundedTo(LARGEST)
 
 
 class MainWindow(QMainWindow):
@@ -64,7 +70,7 @@ class MainWindow(QMainWindow):
         self.recovery = Recovery(self)
         self.exports = Exports(session, player, self)
         self.designing = Designing(self)
-        self._painted, self._begun = False, True
+        self._painted = self._begun = False
         self._help: HelpWindow | None = None
         self.setAcceptDrops(True)
         self.setDockOptions(
@@ -85,14 +91,18 @@ class MainWindow(QMainWindow):
         }
         self.actions_by_key = menus.build(self)
         self.addToolBar(menus.build_toolbar(self, self.actions_by_key))
+        self.addToolBar(menus.build_tasks(self, self.actions_by_key))
         self.status = StatusLine(session, player, lambda: self.show_view("findings"), lambda: self.show_view("log"))
         self.setStatusBar(self.status)
         self.watch = FileWatch(session, self)
         self.disk = DiskButton(self.watch, self.documents)
         self.status.insertPermanentWidget(0, self.disk)
         self.titles = Titles(self)
-        self._lay_out()
+        self.resize(first_size(self.screen().availableGeometry().size()))
         self.shares = Shares(self, self.docks.values())
+        self.layouts = Layouts(self)
+        self.layouts.changed.connect(self._task_changed)
+        self.layouts.begin()
         self._connect()
         self.faults = Faults(self)
 
@@ -106,18 +116,11 @@ class MainWindow(QMainWindow):
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 
-    def _lay_out(self) -> None:
-        room = self.screen().availableGeometry()
-        width, height = FIRST_SIZE
-        self.resize(min(width, room.width()), min(height, room.height() - _FRAME))
-        arrange(self, self.docks)
-        self._restored = self.settings.restore_layout(self)
-
     def _connect(self) -> None:
         session, player = self.session, self.player
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
-        session.file_changed.connect(self._front_dock)
+        session.file_changed.connect(self._suit_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
         session.refused.connect(self._show_refusal)
@@ -148,7 +151,10 @@ class MainWindow(QMainWindow):
         if VIEWS[name].area == CENTRE:
             return self.centre.show_page(name)
         dock = self.docks[name]
+        hidden = dock.isHidden()
         dock.show()
+        if hidden:
+            self.layouts.place(dock)
         dock.raise_()
         view = dock.build()
         view.wake()
@@ -186,18 +192,25 @@ class MainWindow(QMainWindow):
         if view is not None:
             save_picture(view, name)
 
-    def _front_dock(self) -> None:
-        """Another kind of design: the docks of linkages come with a linkage and go with it, behind or before the motion."""
-        if not self._begun:
-            return
-        self._begun = False
-        linkage = lists_links(self.session.design)
-        if self.docks["motion"].isHidden() and linkage:
-            return  # the user does without what stands at this place
-        for name in ("centres", "circle"):
-            self.docks[name].setVisible(linkage)
-        if linkage or in_sight(self.docks["motion"]):
-            self.docks["centres" if linkage else "motion"].raise_()
+    # -- tasks --------------------------------------------------------------------------------------------
+
+    def show_task(self, name: str) -> None:
+        """Show one of ``TASKS`` as it was left, with the keys at its large view."""
+        self.layouts.show(name)
+        self.actions_by_key[f"show_task:{name}"].setChecked(True)
+        large = self.view(TASKS[name].large)
+        if large is not None:
+            large.setFocus()
+
+    def _task_changed(self, name: str) -> None:
+        self.actions_by_key[f"show_task:{name}"].setChecked(True)
+        self._docks_moved()
+
+    def _suit_design(self) -> None:
+        """Another design has begun, and is in place."""
+        if self._begun:
+            self._begun = False
+            self.layouts.suit()
 
     # -- the design ---------------------------------------------------------------------------------------
 
@@ -240,10 +253,8 @@ class MainWindow(QMainWindow):
     # -- layout -------------------------------------------------------------------------------------------
 
     def reset_layout(self) -> None:
-        """All docks back to where they were at first."""
-        arrange(self, self.docks)
-        self._begun = True
-        self._front_dock()
+        """All docks of the task back to where they were at first."""
+        self.layouts.reset()
 
     def _docks_moved(self, *_: object) -> None:
         self.titles.docks_moved()
@@ -253,9 +264,8 @@ class MainWindow(QMainWindow):
 
     def showEvent(self, event: QShowEvent) -> None:
         super().showEvent(event)
-        if not self._restored and not event.spontaneous():
-            self._restored = True
-            proportion(self, self.docks)
+        if not event.spontaneous():
+            self.layouts.shown()
         if self.centre.current is not None and not event.spontaneous():
             self.centre.current.pull()
 
@@ -269,7 +279,7 @@ class MainWindow(QMainWindow):
     def _furnish(self) -> None:
         for dock in self.docks.values():
             dock.hold(False)
-        self._front_dock()
+        self.layouts.furnish()
         self.furnished.emit()
 
     def closeEvent(self, event: QCloseEvent) -> None:
@@ -277,7 +287,7 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self.player.play(False)
-        self.settings.save_layout(self)
+        self.layouts.save()
         for view in self.findChildren(View):
             view.leave()
         self.recovery.close()

@@ -9,12 +9,13 @@ from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
 from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
+from kindyna_gui.window.tasks import TASKS
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
@@ -201,11 +202,13 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&View",
         (
+            *(Item(task.title, "show_task", name, f"Ctrl+{number}", task.tip) for number, (name, task) in enumerate(TASKS.items(), 1)),
+            SEPARATOR,
             Submenu("&Docks", submenus.fill_docks),
             Submenu("&Layers of the drawing", submenus.fill_layers),
             SEPARATOR,
             Item("&Fit drawing", "fit", None, "Ctrl+0", "Bring the whole mechanism into sight", "fit"),
-            Item("&Reset layout", "reset_layout", None, None, "Put all docks back to where they were at first"),
+            Item("&Reset layout", "reset_layout", None, None, "Put all docks of this task back to where they were at first"),
         ),
     ),
     (
@@ -300,4 +303,20 @@ def build_toolbar(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
             bar.addSeparator()
         else:
             bar.addAction(actions[key])
+    return bar
+
+
+def build_tasks(window: MainWindow, actions: dict[str, QAction]) -> QToolBar:
+    """The row of tasks: the menu's entries as buttons, of which one is down."""
+    bar = QToolBar("Tasks")
+    bar.setObjectName("tasks")
+    bar.setMovable(False)
+    bar.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+    bar.toggleViewAction().setVisible(False)  # else a task in which they are hidden would have no way out to be seen
+    group = QActionGroup(window)
+    for name in TASKS:
+        action = actions[f"show_task:{name}"]
+        action.setCheckable(True)
+        group.addAction(action)
+        bar.addAction(action)
     return bar

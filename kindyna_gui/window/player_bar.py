@@ -212,6 +212,7 @@ class PlayerBar(View):
             self.speed.clear()
             for row in rows:
                 self.speed.addItem(speed_text(row), row)
+            self.speed.setMinimumWidth(self.speed.sizeHint().width())  # else a narrow bar would cut the seconds
             self.speed.view().setMinimumWidth(self.speed.view().sizeHintForColumn(0) + 24)
         if not self._chosen:
             self.player.set_speed(float(usual(study.omega).part))

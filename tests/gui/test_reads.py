@@ -29,6 +29,9 @@ ALL = ("motion", "linkage", "cam", "dynamics")
 
 @pytest.fixture
 def user(whole: User) -> User:
+    """At a window where every stage is in sight, and a form."""
+    whole.choose("View", "Dyna")
+    wait_for(lambda: whole.window.docks["contact_force"].view is not None and whole.window.view("contact_force").up_to_date)
     return whole
 
 

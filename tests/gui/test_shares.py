@@ -6,7 +6,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
 from window_user import Open, User, settle
 
-NAMES = ("parameters", "motion", "displacement", "pressure_angle", "torque", "findings")
+NAMES = ("parameters", "displacement", "pressure_angle", "torque", "findings")
 
 
 def sizes(user: User) -> dict[str, tuple[int, int]]:
@@ -21,7 +21,11 @@ def resize(user: User, width: int, height: int) -> None:
 
 @pytest.fixture
 def user(open_user: Open) -> User:
+    """With forms on the left, plots on the right, and findings below."""
     made = open_user(size=(1440, 900), whole=True)
+    made.choose("View", "Graph")
+    for name in NAMES:
+        made.window.show_view(name)
     for _ in range(3):
         settle()
     return made
@@ -74,24 +78,32 @@ def test_a_width_that_the_user_has_drawn_is_kept(user: User) -> None:
 def test_another_dock_is_no_reason_to_move_the_others(user: User) -> None:
     resize(user, 1200, 760)
     before = sizes(user)["parameters"][0]
-    user.window.docks["motion"].hide()
+    user.window.docks["torque"].hide()
     settle()
-    user.window.docks["motion"].show()
+    user.window.docks["torque"].show()
     for _ in range(3):
         settle()
     assert sizes(user)["parameters"][0] == before
 
 
 def test_the_first_layout_comes_back_from_the_menu(user: User) -> None:
-    before = {name: size[0] for name, size in sizes(user).items()}
-    user.window.resizeDocks([user.window.docks["torque"]], [560], Qt.Orientation.Horizontal)
+    names = ("displacement", "pressure_angle", "findings")
+    user.choose("View", "Kine")
     for _ in range(3):
         settle()
-    assert user.window.docks["torque"].width() == 560
+
+    def widths() -> list[int]:
+        return [user.window.docks[name].width() for name in names]
+
+    before = widths()
+    user.window.resizeDocks([user.window.docks["findings"]], [560], Qt.Orientation.Horizontal)
+    for _ in range(3):
+        settle()
+    assert user.window.docks["findings"].width() == 560
     user.choose("View", "Reset layout")
     for _ in range(3):
         settle()
-    assert {name: size[0] for name, size in sizes(user).items()} == before
+    assert widths() == before
     resize(user, 1100, 700)
     resize(user, 1440, 900)
-    assert {name: size[0] for name, size in sizes(user).items()} == before
+    assert widths() == before

@@ -1,0 +1,196 @@
+"""The layouts of the window: one for each task, each remembered as it was left.
+
+A task that has not been used yet is laid out from its row in ``TASKS``. To show another one changes where docks and pages
+stand and nothing else: what comes into view catches up by itself, what goes out of view rests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from PySide6.QtCore import QObject, QSize, Qt, Signal
+
+from core.design import Design, motion_of
+from kindyna_gui.requirements import lists_links
+from kindyna_gui.settings import Layout
+from kindyna_gui.window.docks import BOTTOM, VIEWS, Dock
+from kindyna_gui.window.tasks import TASKS, Area
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
+SMALL = QSize(200, 100)  # of a dock before it is laid out: else the place where it stood before would count
+
+
+def first_task(design: Design) -> str:
+    """The task in which a design is best begun: a motion in the motion editor, a linkage that a crank turns in its drawing."""
+    return "compo" if motion_of(design) is None else "make"
+
+
+class Layouts(QObject):
+    """Shows one task after the other.
+
+    changed (str): another task is in place, by its name in ``TASKS``
+    """
+
+    changed = Signal(str)
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._window, self._docks, self._centre = window, window.docks, window.centre
+        self._shares, self._settings = window.shares, window.settings
+        self._left: dict[str, Layout] = {}
+        self._sizes: dict[str, tuple[Mapping[str, QSize], QSize]] = {}
+        self._links: dict[str, bool] = {}  # whether a task is laid out for a linkage
+        self.current = ""
+        self._begun = False  # the window has the size in which this task was left, or has been shown
+
+    # -- from run to run ------------------------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """The task that was in place at the end of the last run, or the one for the design."""
+        self._begun = self._settings.restore_geometry(self._window)
+        design = self._window.session.design
+        kept = self._settings.task
+        suited = kept in TASKS and not (kept == "make" and motion_of(design) is None)
+        self.current = kept if suited else first_task(design)
+        self._arrange()  # docks that have no place yet could not be given the one where they were left
+        self._lay()
+        self.changed.emit(self.current)
+
+    def save(self) -> None:
+        """Keep every layout for the next run."""
+        self._leave()
+        for name, layout in self._left.items():
+            self._settings.save_layout(name, layout)
+        self._settings.save_window(self._window, self.current)
+
+    # -- tasks ----------------------------------------------------------------------------------------------
+
+    def show(self, task: str) -> None:
+        """Show a task as it was left."""
+        if task == self.current:
+            return
+        self._leave()
+        self.current = task
+        self._lay()
+        if task in self._sizes:
+            self._shares.take_up(*self._sizes[task])
+        self.changed.emit(task)
+
+    def _leave(self) -> None:
+        """Note how the task in place is left."""
+        self._left[self.current] = Layout(
+            self._window.saveState(self._settings.VERSION), *self._centre.open_pages, self._links[self.current]
+        )
+        self._sizes[self.current] = self._shares.noted
+
+    def _lay(self) -> None:
+        layout = self._left.get(self.current) or self._settings.layout(self.current)
+        if layout is None or not self._window.restoreState(layout.state, self._settings.VERSION):
+            self._arrange()
+        else:
+            self._links[self.current] = layout.links
+            self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
+        self._suit_links()
+
+    def reset(self) -> None:
+        """The first layout of the task in place."""
+        self._arrange()
+        self._suit_links()
+
+    # -- the first layout -----------------------------------------------------------------------------------
+
+    def _arrange(self) -> None:
+        """Every dock at its place, the first of each group in front."""
+        row = TASKS[self.current]
+        for dock in self._docks.values():
+            dock.setFloating(False)
+            self._window.removeDockWidget(dock)
+            dock.resize(SMALL)
+        for group, names in row.places:
+            self._window.addDockWidget(group.area, self._docks[names[0]], UPWARDS)
+            for name in names[1:]:
+                self._window.tabifyDockWidget(self._docks[names[0]], self._docks[name])
+            for name in names:
+                self._docks[name].setVisible(name in group.names)
+        self._links[self.current] = False
+        self._raise_fronts()
+        self._centre.lay(row.pages, row.front)
+        self.proportion()
+
+    def proportion(self) -> None:
+        """The sizes of the first layout; they count only once the window has its own."""
+        row, window = TASKS[self.current], self._window
+        window.layout().activate()
+        for area, side in row.sides.items():
+            shown = [group for group in row.groups if group.area == area and group.names]
+            docks: list[Dock] = [self._docks[group.names[0]] for group in shown]
+            if not docks:
+                continue
+            if area == BOTTOM:
+                window.resizeDocks(docks[:1], [side.size(window.height())], UPWARDS)
+                continue
+            window.resizeDocks(docks[:1], [side.size(window.width())], ACROSS)
+            window.resizeDocks(docks, [round(1000 * group.part) for group in shown], UPWARDS)
+
+    def shown(self) -> None:
+        """The window has come to the screen."""
+        if not self._begun:
+            self._begun = True
+            self.proportion()
+
+    def furnish(self) -> None:
+        """The docks are there: which of them stand in front counts only now."""
+        if self.current not in self._left and self._settings.layout(self.current) is None:
+            self._raise_fronts()
+
+    def _raise_fronts(self) -> None:
+        row = TASKS[self.current]
+        for group in row.groups:
+            if group.names:
+                self._docks[group.names[0]].raise_()
+        if self._links[self.current] and row.of_links:
+            self._docks[row.of_links[0]].raise_()
+
+    def place(self, dock: Dock) -> None:
+        """A dock that has come alone to its side takes the usual part of the window."""
+        area = self._window.dockWidgetArea(dock)
+        others = [each for each in self._docks.values() if each is not dock and not each.isHidden() and not each.isFloating()]
+        if dock.isFloating() or any(self._window.dockWidgetArea(each) == area for each in others):
+            return
+        side = TASKS[self.current].sides.get(area)
+        if side is not None:
+            upwards = area in (BOTTOM, Area.TopDockWidgetArea)
+            whole = self._window.height() if upwards else self._window.width()
+            self._window.resizeDocks([dock], [side.size(whole)], UPWARDS if upwards else ACROSS)
+
+    # -- kinds of design ------------------------------------------------------------------------------------
+
+    def suit(self) -> None:
+        """Another design has begun: one without a motion has nothing to be made; linkages bring docks of their own."""
+        if self.current == "make" and motion_of(self._window.session.design) is None:
+            self.show(first_task(self._window.session.design))
+        else:
+            self._suit_links()
+
+    def _suit_links(self) -> None:
+        """Docks of linkages come with a linkage and go with it, before or behind what else stands at their place."""
+        links, task = lists_links(self._window.session.design), TASKS[self.current]
+        if links == self._links[self.current] or not task.of_links:
+            return
+        front = task.of_links[0]
+        names = next(names for _, names in task.places if front in names)
+        others = [name for name in names if name not in task.of_links and not self._docks[name].isHidden()]
+        if links and not others:
+            return  # the user does without what stands at this place
+        self._links[self.current] = links
+        for name in task.of_links:
+            self._docks[name].setVisible(links)
+        if links or others:
+            self._docks[front if links else others[0]].raise_()
+
+
+__all__ = ["Layouts", "first_task"]

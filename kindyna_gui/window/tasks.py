@@ -1,0 +1,166 @@
+"""The tasks of the window as a table: what each shows large, and which docks stand beside it, of what size.
+
+They are the modules of the program of 1995. A task is a layout and nothing else: every view can be shown in every task.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from PySide6.QtCore import Qt
+
+from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, VIEWS
+
+Area = Qt.DockWidgetArea
+
+MOTION_CURVES = ("displacement", "velocity", "acceleration", "jerk")
+CAM_CURVES = ("pressure_angle", "curvature")
+FORCES = ("torque", "camshaft_speed", "contact_force")
+CHECKS = ("findings", "certificate")
+FORMS = ("parameters", "motion")
+
+
+@dataclass(frozen=True)
+class Group:
+    """Docks behind each other at one place.
+
+    names   those that are there at first, the first in front
+    more    those that come here when they are asked for
+    part    of the length of its side, next to those of the other groups
+    """
+
+    area: Area
+    names: tuple[str, ...] = ()
+    more: tuple[str, ...] = ()
+    part: float = 1.0
+
+
+@dataclass(frozen=True)
+class Side:
+    """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least."""
+
+    part: float
+    least: int = 0
+
+    def size(self, whole: int) -> int:
+        """Pixels of a window of this width or height."""
+        return max(self.least, round(self.part * whole))
+
+
+USUAL: Mapping[Area, Side] = MappingProxyType({LEFT: Side(0.25, 384), RIGHT: Side(0.303), BOTTOM: Side(0.23, 165)})
+"""Width of the sides, height of the bottom, where a task does not say otherwise."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One layout.
+
+    large      the view for which it is made, by its name in ``VIEWS``: a page in the middle, or a dock
+    groups     its docks; those that are not named come to the last one when they are asked for
+    of_links   docks that are there with linkages only, the first of them in front
+    """
+
+    title: str
+    tip: str
+    large: str
+    groups: tuple[Group, ...]
+    sides: Mapping[Area, Side] = field(default_factory=lambda: USUAL)
+    of_links: tuple[str, ...] = ()
+
+    @property
+    def pages(self) -> tuple[str, ...]:
+        """The pages in the middle at first."""
+        return ("mechanism",) if self.large == "mechanism" or VIEWS[self.large].area != CENTRE else ("mechanism", self.large)
+
+    @property
+    def front(self) -> str:
+        """The page in front at first."""
+        return self.pages[-1]
+
+    @property
+    def places(self) -> tuple[tuple[Group, tuple[str, ...]], ...]:
+        """Each group with all its docks."""
+        named = {name for group in self.groups for name in (*group.names, *group.more)}
+        others = tuple(name for name, row in VIEWS.items() if row.area != CENTRE and name not in named)
+        last = self.groups[-1]
+        return tuple((g, (*g.names, *g.more, *(others if g is last else ()))) for g in self.groups)
+
+
+_CLEAR = (
+    Group(LEFT, more=FORMS),
+    Group(RIGHT, more=MOTION_CURVES),
+    Group(RIGHT, more=CAM_CURVES),
+    Group(RIGHT, more=FORCES),
+    Group(BOTTOM, more=CHECKS),
+)
+"""Nothing beside the large view but what is asked for."""
+
+TASKS: Mapping[str, Task] = MappingProxyType(
+    {
+        "make": Task(
+            "&Make",
+            "Lay out the motion: the motion editor, with the mechanism beside it",
+            "motion",
+            (Group(LEFT, ("motion",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
+            MappingProxyType({**USUAL, LEFT: Side(0.6875)}),
+        ),
+        "compo": Task(
+            "&Compo",
+            "Compose the mechanism: its drawing, with lengths, centres and pressure angle beside it",
+            "mechanism",
+            (
+                Group(LEFT, ("parameters",), ("motion",), 0.6),
+                Group(LEFT, ("pressure_angle", "findings"), part=0.4),
+            ),
+            of_links=("centres", "circle"),
+        ),
+        "kine": Task(
+            "&Kine",
+            "See it move: the mechanism, with displacement, pressure angle and limits beside it",
+            "mechanism",
+            (
+                Group(LEFT, more=FORMS),
+                Group(RIGHT, MOTION_CURVES),
+                Group(RIGHT, CAM_CURVES),
+                Group(RIGHT, CHECKS),
+            ),
+        ),
+        "dyna": Task(
+            "D&yna",
+            "Read forces: the mechanism, with torque, contact force, loads and flywheel beside it",
+            "mechanism",
+            (
+                Group(LEFT, more=("motion",)),
+                Group(RIGHT, ("torque",), ("camshaft_speed",)),
+                Group(RIGHT, ("contact_force",)),
+                Group(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
+            ),
+        ),
+        "stability": Task(
+            "&Stability",
+            "Judge the flexible camshaft: the chart of stability, with verdicts, wind-up and speeds below it",
+            "stability",
+            _CLEAR,
+        ),
+        "graph": Task(
+            "&Graph",
+            "Compare curves: any channels over the cam angle, as pictures and files",
+            "graph",
+            _CLEAR,
+        ),
+    }
+)
+"""Every task by the name that menus and settings use, in the order of their buttons and keys."""
+
+
+def task_with(name: str) -> str:
+    """The first task in whose first layout a view can be seen; the first of all where there is none."""
+    for task, row in TASKS.items():
+        if name in row.pages or any(name == group.names[0] for group in row.groups if group.names):
+            return task
+    return next((task for task, row in TASKS.items() if any(name in group.names for group in row.groups)), next(iter(TASKS)))
+
+
+__all__ = ["TASKS", "Group", "Side", "Task", "task_with"]
