@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6.QtCore import QEvent, QObject, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QWidget
+from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QWidget
 
 from core.design import Design, Entry, Info, Unit, get, is_assumed
 from core.errors import DesignError
@@ -102,15 +102,18 @@ class Field(QObject):
         self.label.released.connect(box.setFocus)
         return box
 
-    def add_to(self, grid: QGridLayout, row: int) -> None:
-        """Take the rows ``row`` and ``row + 1`` of a grid."""
+    def add_to(self, grid: QGridLayout, row: int, below: QBoxLayout | None = None) -> None:
+        """Take the rows ``row`` and ``row + 1`` of a grid; below: the place for what is wrong, where not in the latter."""
         grid.addWidget(self.label, row, 0)
         grid.addWidget(self.editor, row, 1, 1, 2 if self.spec.info.choices else 1)
         if self.unit is not None:
             grid.addWidget(self.unit, row, 2)
         if self.mark is not None:
             grid.addWidget(self.mark, row, COLUMNS - 1)
-        grid.addWidget(self.message, row + 1, 0, 1, COLUMNS)
+        if below is None:
+            grid.addWidget(self.message, row + 1, 0, 1, COLUMNS)
+        else:
+            below.addWidget(self.message)
 
     # -- from the session ---------------------------------------------------------------------------------
 
@@ -230,6 +233,9 @@ class Field(QObject):
         return tuple(widget for widget in every if widget is not None)
 
 
+NAME_TIP = "Name of the design, as reports show it"
+
+
 class NameField(NameBox):
     """The name of the design."""
 
@@ -238,7 +244,7 @@ class NameField(NameBox):
         self._session = session
         self.setPlaceholderText("Name of the design")
         self.setAccessibleName("Name")
-        self.setToolTip("Name of the design, as reports show it")
+        self.setToolTip(NAME_TIP)
         self.editingFinished.connect(self._enter)
         session.restored.connect(self._restored)
 
@@ -250,6 +256,7 @@ class NameField(NameBox):
         if not self.refused and self.text() != design.name:
             self.setText(design.name)
             self.setCursorPosition(0)
+            self.setToolTip(f"{design.name}\n{NAME_TIP}")
 
     def _enter(self) -> None:
         name = self.text()

@@ -92,10 +92,9 @@ class MotionHead(QWidget):
             grid.setHorizontalSpacing(5)
             grid.setVerticalSpacing(2)
             grid.setColumnStretch(1, 1)
-            field.add_to(grid, 0)
+            field.add_to(grid, 0, below)
             field.editor.setMinimumWidth(LEAST)  # both stand side by side in a narrow dock
             field.editor.setMaximumWidth(MOST)
-            below.addWidget(field.message)
             row.addLayout(grid, 1)
             self.fields[spec.path] = field
         row.addStretch(2)

@@ -12,7 +12,7 @@ REACH = 9.0  # pixels from the machine's point
 
 
 class StabilityChart(ChartPlot):
-    """The chart with its reactions; all points are (η, Q).
+    """The chart with its reactions; all points are (η, Q). ``mouse_at``: where the mouse was last [pixels].
 
     hovered   (object): the point under the mouse, None where it is beside the chart
     picked    (float, float): a click
@@ -27,6 +27,7 @@ class StabilityChart(ChartPlot):
     def __init__(self, parent: QWidget | None = None) -> None:
         super().__init__(parent)
         self._pulling = False
+        self.mouse_at = QPointF()
         self.setMouseTracking(True)
         self.viewport().setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -54,6 +55,7 @@ class StabilityChart(ChartPlot):
             self.picked.emit(*point)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        self.mouse_at = event.position()
         point = self.point_at(event.position())
         if self._pulling:
             if point is not None:

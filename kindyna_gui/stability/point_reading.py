@@ -6,15 +6,17 @@ from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer, Signal
+from PySide6.QtGui import QPalette
 from PySide6.QtWidgets import QLabel
 
 from core.stability import EXACT, Stability, Verdict
 from kindyna_gui.background import Background
 from kindyna_gui.look import QUIET, coloured
+from kindyna_gui.stability.chart import StabilityChart
 from kindyna_gui.stability.texts import point_text, tongue_of, waiting_text
 
 UNSEEN = 1e-6  # of η: a tongue's edge may be off by that
-LINES = 3
+EDGE, MARGIN = 6, 4  # between the text and the axes, and around it, pixels
 REST_MS = 220  # the mouse rests, before what takes long is begun
 
 
@@ -22,18 +24,22 @@ class Reading(QLabel):
     """Three lines: the place, its tongue and the linear models; the steady response; the history from rest.
 
     The latter two take a second and more: they are computed beside the window, and given up where the mouse moves on.
+    It stands over the chart, in that half where the mouse is not, and lets the mouse through.
 
     changed   something that was still to come has come, or is given up
     """
 
     changed = Signal()
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self.setMinimumWidth(1)
-        self.setMinimumHeight(LINES * self.fontMetrics().lineSpacing() + 2)  # else the chart jumps
-        self.setAlignment(Qt.AlignmentFlag.AlignTop)
+    def __init__(self, chart: StabilityChart) -> None:
+        super().__init__(chart)
+        self._chart = chart
+        self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.setWordWrap(True)
+        self.setMargin(MARGIN)
+        self.setBackgroundRole(QPalette.ColorRole.Base)
+        self.setAutoFillBackground(True)
+        self.hide()
         coloured(self, QUIET)
         self.background = Background(self)
         self.background.result.connect(self._answered)
@@ -58,7 +64,21 @@ class Reading(QLabel):
         """Something else than a point."""
         self.stop()
         self.point, self.verdicts = None, ()
+        self._write(text)
+
+    def _write(self, text: str) -> None:
         self.setText(text)
+        self.setVisible(bool(text))
+        if text:
+            self._place(max(self.fontMetrics().horizontalAdvance(line) for line in text.splitlines()))
+
+    def _place(self, width: int) -> None:
+        """Below the upper edge of the chart, or above the lower one, away from the mouse."""
+        box = self._chart.getViewBox().sceneBoundingRect().toRect()
+        self.resize(min(width + 2 * MARGIN + 2, box.width() - 2 * EDGE), 1)
+        self.resize(self.width(), self.heightForWidth(self.width()))
+        low = self._chart.mouse_at.y() < box.center().y()
+        self.move(box.left() + EDGE, box.bottom() - EDGE - self.height() if low else box.top() + EDGE)
 
     def show_point(self, found: Stability, point: tuple[float, float]) -> None:
         """Tell of a point (η, Q)."""
@@ -93,7 +113,7 @@ class Reading(QLabel):
         assert self._found is not None
         if self.point is not None:
             first = point_text(*self.point, self._found.machine, self.verdicts, self._tongue)
-            self.setText(f"{first}\n{waiting_text(self.verdicts, self.busy)}")
+            self._write(f"{first}\n{waiting_text(self.verdicts, self.busy)}")
 
 
 __all__ = ["Reading"]

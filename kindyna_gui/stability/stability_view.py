@@ -38,6 +38,7 @@ from kindyna_gui.window.player import Player
 
 COARSE, FINE = 10, 64  # rows of Q: first, and once there is time
 UNSEEN = 1e-3  # of η: an edge off by less is not seen in the coarse chart
+SHARES = (9, 4)  # of the height: chart, pages
 PAUSE_MS = 150  # of editing, before what takes long is begun
 SOON_MS = 15  # after an edit: all that is on screen is painted first
 ANEW = "The chart is being computed anew …"
@@ -64,7 +65,8 @@ class StabilityView(View):
         self.chosen: ChartPoint | None = None
         self.picked: tuple[float, float] | None = None  # None: the machine's own point is chosen
         self.wanted: tuple[float, float] | None = None  # where the machine's point has been drawn to
-        self.chart, self.reading, self.pages = StabilityChart(), Reading(), StabilityPages()
+        self.chart, self.pages = StabilityChart(), StabilityPages()
+        self.reading = Reading(self.chart)
         self.chart.setMinimumHeight(180)
         self.anew, self.fine, self.point_jobs, self.means = Background(), Background(), Background(), Background()
         self._soon_anew = QTimer(self, singleShot=True, interval=SOON_MS)
@@ -88,30 +90,27 @@ class StabilityView(View):
         self.use.setToolTip("Put the stiffness and inertia that this point needs into the design, as one step")
         self.use.hide()
         tools = QHBoxLayout()
-        tools.setContentsMargins(8, 4, 8, 0)
+        tools.setContentsMargins(8, 2, 8, 0)
         tools.addWidget(self.head, 1)
         tools.addWidget(self.progress)
+        tools.addWidget(self.use)
         for text, box in (("across", self.across), ("upwards", self.upwards)):
             name = QLabel(text)
             coloured(name, QUIET)
             tools.addWidget(name)
             tools.addWidget(box)
-        foot = QHBoxLayout()
-        foot.setContentsMargins(8, 0, 8, 2)
-        foot.addWidget(self.reading, 1)
-        foot.addWidget(self.use)
         upper = QWidget()
         column = QVBoxLayout(upper)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
         column.addLayout(tools)
         column.addWidget(self.chart, 1)
-        column.addLayout(foot)
         parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
         parted.addWidget(upper)
         parted.addWidget(self.pages)
-        parted.setStretchFactor(0, 3)
-        parted.setStretchFactor(1, 2)
+        for index, share in enumerate(SHARES):
+            parted.setStretchFactor(index, share)
+        parted.setSizes([1000 * share for share in SHARES])
         layout = QVBoxLayout()
         layout.setContentsMargins(0, 0, 0, 0)
         layout.addWidget(parted)

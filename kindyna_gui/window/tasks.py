@@ -103,7 +103,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "&Make",
             "Lay out the motion: the motion editor, with the mechanism beside it",
             "motion",
-            (Group(LEFT, ("motion",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
+            (Group(LEFT, ("motion",)), Group(BOTTOM, more=("parameters",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
             MappingProxyType({**USUAL, LEFT: Side(0.6875)}),
         ),
         "compo": Task(

@@ -36,7 +36,7 @@ watch = Watch()
 window.view("mechanism").canvas.viewport().installEventFilter(watch)
 window.show()
 end = time.monotonic() + 60.0
-shown = ("mechanism", "parameters", "displacement", "pressure_angle", "torque", "findings")
+shown = ("mechanism", "motion", "findings")
 while time.monotonic() < end:
     app.processEvents()
     views = {name: window.docks[name].view for name in shown if name in window.docks}
@@ -65,9 +65,10 @@ LATER = {
     "kindyna_gui.graph.graph_panel", "kindyna_gui.graph.graph_view", "kindyna_gui.headless", "kindyna_gui.window.help_view",
     "kindyna_gui.documents.export_dialogs", "kindyna_gui.pictures.film",
     "kindyna_gui.linkage.menus", "kindyna_gui.pictures.drawing.construct", "kindyna_gui.pictures.files", "kindyna_gui.screenshots",
-    "kindyna_gui.selftest", "kindyna_gui.stability.stability_view",
+    "kindyna_gui.selftest", "kindyna_gui.stability.stability_view", "kindyna_gui.graph.plots_view",
+    "kindyna_gui.forms.parameters_view",
 }  # fmt: skip
-DOCKS_BRING = {"pyqtgraph", "kindyna_gui.graph.plots_view", "kindyna_gui.forms.parameters_view"}
+DOCKS_BRING = {"pyqtgraph", "kindyna_gui.graph.live_plot", "kindyna_gui.motion.segments_view"}
 STANDARD_NOT = {"difflib", "importlib.metadata", "hmac", "secrets", "unittest"}
 
 
@@ -123,7 +124,7 @@ def test_of_the_standard_library_nothing_is_loaded_for_a_rare_need(loaded: set[s
 
 def test_views_that_nobody_sees_yet_and_what_menus_bring_are_not_loaded(loaded: set[str]) -> None:
     assert among(LATER, loaded) == set()
-    assert {"kindyna_gui.linkage.mechanism_view", "kindyna_gui.forms.parameters_view", "core.study"} <= loaded
+    assert {"kindyna_gui.linkage.mechanism_view", "kindyna_gui.motion.segments_view", "core.study"} <= loaded
     # a name that does not exist guards nothing
     for name in LATER | DOCKS_BRING - {"pyqtgraph"}:
         path = ROOT.joinpath(*name.split("."))

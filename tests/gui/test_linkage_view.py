@@ -178,6 +178,7 @@ def test_empty_plots_name_the_angle_too(open_user: Open) -> None:
 def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
     """Titles, tabs, the menu of docks and that of pictures alike; a cam has its own names back."""
     user = open_user(example("four_bar"), whole=True)
+    user.choose("View", "Kine")
     docks = ("displacement", "velocity", "acceleration", "pressure_angle", "torque", "contact_force")
     wanted = {
         "four_bar": ("Angle", "Angular velocity", "Angular accel.", "Transmission angle", "Driver torque", "Joint forces"),

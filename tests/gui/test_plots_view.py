@@ -276,20 +276,22 @@ def test_a_file_that_cannot_be_written_is_told(
 
 
 def test_one_angle_for_all(whole: User) -> None:
-    view = whole.window.view("pressure_angle")
+    whole.choose("View", "Dyna")
+    for name in ("displacement", "pressure_angle"):
+        view = whole.see(name)
     assert isinstance(view, PlotView)
     QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view, 300.0))
     settle()
     theta = whole.window.player.theta
     assert degrees(theta) == pytest.approx(300.0, abs=1.0)
-    for name in ("displacement", "torque"):
+    for name in ("torque", "contact_force"):
         other = whole.window.view(name)
         assert isinstance(other, PlotView)
         assert other.plot.angle == theta
 
 
 def test_what_was_written_is_told_in_the_status_line(whole: User, tmp_path: Path) -> None:
-    view = whole.window.view("displacement")
+    view = whole.see("displacement")
     assert isinstance(view, PlotView)
     whole.picks("table_to_save", tmp_path / "d.csv")
     act(view, "Export numbers...")
@@ -306,9 +308,12 @@ def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(whol
             return False
 
     watch = Watch()
+    whole.choose("View", "Dyna")
+    whole.window.docks["displacement"].setParent(None)
+    whole.window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, whole.window.docks["displacement"])
     whole.number("follower.rod_mm")
-    for name in ("displacement", "pressure_angle", "torque"):
-        view = whole.window.view(name)
+    for name in ("displacement", "torque", "contact_force"):
+        view = whole.see(name)
         assert isinstance(view, PlotView)
         view.plot.viewport().setObjectName(name)
         view.plot.viewport().installEventFilter(watch)
@@ -316,7 +321,7 @@ def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(whol
     painted.clear()
     assert whole.session.edit("follower.rod_mm", 850.0, "a")
     settle()
-    assert sorted(painted) == ["pressure_angle", "torque"]
+    assert sorted(painted) == ["contact_force", "torque"]
 
 
 def test_a_plot_after_edits_is_what_a_fresh_plot_shows(show: Show) -> None:

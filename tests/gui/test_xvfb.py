@@ -20,6 +20,7 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication
 from kindyna_gui.window import main_window
 from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.motion.segments_view import SegmentsView
 
 open_window = main_window.open_window
 
@@ -41,8 +42,12 @@ def use(app, window):
         assert app.platformName() == "xcb", app.platformName()
         assert QTest.qWaitForWindowExposed(window)
         wait_for(window.isActiveWindow)
+        assert wait_for(lambda: isinstance(window.view("motion"), SegmentsView) and window.view("motion").up_to_date)
+        assert window.width() > 1900 and window.height() > 1000, window.size()
+        QTest.keyClick(window, Qt.Key.Key_3, Qt.KeyboardModifier.ControlModifier)
         assert wait_for(lambda: isinstance(window.view("displacement"), PlotView)
                               and bool(window.view("displacement").plot.readings())), "no displacement"
+        window.show_view("torque")
         assert wait_for(lambda: window.view("torque") is not None and window.view("torque").up_to_date)
         QTest.keyClick(window, Qt.Key.Key_Space)
         assert window.player.playing
@@ -74,7 +79,7 @@ def display() -> Iterator[str]:
         pytest.skip("Xvfb is not installed")
     read, write = os.pipe()
     server = subprocess.Popen(
-        [XVFB, "-displayfd", str(write), "-screen", "0", "1440x900x24", "-nolisten", "tcp", "-noreset"],
+        [XVFB, "-displayfd", str(write), "-screen", "0", "1920x1080x24", "-nolisten", "tcp", "-noreset"],
         pass_fds=(write,),
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,

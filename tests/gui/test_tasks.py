@@ -1,0 +1,435 @@
+"""kindyna_gui.window.tasks, layouts: six layouts, each remembered as it was left; nothing is computed for what is not seen."""
+
+from collections import Counter
+
+import pytest
+from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QSettings, QSize, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QAbstractItemView, QApplication, QToolBar, QToolButton, QWidget
+from window_user import Open, User, settle, wait_for
+
+from core.study import STAGES, clear_caches, evaluations
+from core.study.stages import memory
+from kindyna_gui.motion.segments_model import SPAN
+from kindyna_gui.motion.segments_view import SegmentsView
+from kindyna_gui.places import example
+from kindyna_gui.view import View
+from kindyna_gui.window.docks import CENTRE, VIEWS
+from kindyna_gui.window.main_window import LARGEST, first_size
+from kindyna_gui.window.tasks import TASKS
+
+TITLES = ["Make", "Compo", "Kine", "Dyna", "Stability", "Graph"]
+KEYS = (Qt.Key.Key_1, Qt.Key.Key_2, Qt.Key.Key_3, Qt.Key.Key_4, Qt.Key.Key_5, Qt.Key.Key_6)
+CTRL = Qt.KeyboardModifier.ControlModifier
+SMALL, USUAL = (1280, 720), (1440, 900)
+ROWS = {SMALL: 5, USUAL: 7}
+
+
+def buttons(user: User) -> list[QToolButton]:
+    bar = user.window.findChild(QToolBar, "tasks")
+    assert isinstance(bar, QToolBar)
+    return [bar.widgetForAction(action) for action in bar.actions()]  # type: ignore[misc]
+
+
+def press(user: User, task: str) -> None:
+    """The task's keys, and all that follows."""
+    user.press(KEYS[list(TASKS).index(task)], modifier=CTRL)
+    rest(user)
+
+
+def rest(user: User) -> None:
+    for _ in range(3):
+        QTest.qWait(1)
+        settle()
+    wait_for(lambda: all(view.up_to_date for view in user.window.findChildren(View) if view.on_screen() and not view.pause_ms))
+
+
+def places(user: User) -> dict[str, QRect]:
+    """Where everything stands that can be seen of the layout."""
+    found = {name: dock.geometry() for name, dock in user.window.docks.items() if dock.view is not None and dock.view.on_screen()}
+    return {**found, "middle": user.window.centre.geometry()}
+
+
+# -- switching ----------------------------------------------------------------------------------------------
+
+
+def test_tasks_are_buttons_under_the_menus_keys_and_entries(whole: User) -> None:
+    assert [button.text() for button in buttons(whole)] == TITLES
+    assert all(button.isVisible() and button.toolTip() for button in buttons(whole))
+    assert [button.isChecked() for button in buttons(whole)] == [True, *[False] * 5], "a motion is begun where it is made"
+    bar = buttons(whole)[0].parent()
+    assert isinstance(bar, QWidget)
+    assert bar.mapTo(whole.window, QPoint(0, 0)).y() == whole.window.menuBar().height()
+    for number, (name, button) in enumerate(zip(TASKS, buttons(whole), strict=True)):
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        rest(whole)
+        large = whole.window.view(TASKS[name].large)
+        assert large is not None
+        assert large.on_screen()
+        assert large.isAncestorOf(QApplication.focusWidget()) or large is QApplication.focusWidget(), "keys go on there"
+        assert [each.isChecked() for each in buttons(whole)] == [i == number for i in range(6)]
+        press(whole, "graph" if name == "compo" else "compo")
+        press(whole, name)
+        assert button.isChecked()
+        assert whole.action("View", TITLES[number]).isChecked()
+        assert whole.action("View", TITLES[number]).shortcut().toString() == f"Ctrl+{number + 1}"
+
+
+def test_every_dock_has_one_place_in_every_task() -> None:
+    docks = {name for name, row in VIEWS.items() if row.area != CENTRE}
+    for task in TASKS.values():
+        named = Counter(name for _, names in task.places for name in names)
+        assert set(named) == docks
+        assert set(named.values()) == {1}
+
+
+def test_a_linkage_without_a_motion_begins_in_its_drawing(open_user: Open) -> None:
+    user = open_user(example("lecture_six_bar"), whole=True)
+    assert user.window.layouts.current == "compo"
+    wait_for(lambda: user.window.docks["centres"].view is not None and user.window.docks["centres"].view.on_screen())
+    user.choose("File", "Examples", "Transfer lift")
+    assert user.window.docks["centres"].isHidden()
+    press(user, "make")
+    user.choose("File", "Examples", "Four bar")
+    assert user.window.layouts.current == "compo", "there is nothing to be made of a crank"
+    wait_for(lambda: user.window.docks["centres"].view.on_screen())  # type: ignore[union-attr]
+
+
+def whole_turns() -> Counter[str]:
+    """How often each stage has been computed for a whole turn, rather than at the angle at hand."""
+    return Counter({name: memory.computed[name] for name in (*STAGES, "flywheel")})
+
+
+class Refreshed:
+    """Counts how often each view is made up to date."""
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        self.names: list[str] = []
+        pull = View.pull
+
+        def noted(view: View) -> None:
+            stale = not view.up_to_date
+            pull(view)
+            if stale:
+                self.names.append(type(view).__name__)
+
+        patch.setattr(View, "pull", noted)
+
+
+def test_switching_computes_nothing_that_does_not_come_into_view(whole: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole.window.session.stages_on_screen = tuple  # the count of findings is another matter
+    whole.window.docks["findings"].hide()
+    whole.window.docks["certificate"].hide()
+    whole.window.show_view("pressure_angle")
+    clear_caches()
+    assert whole.session.edit("follower.rod_mm", 846.0, "Change rod")
+    rest(whole)
+    assert set(evaluations) == {"motion", "linkage", "cam"}, "what the mechanism and the pressure angle need"
+    refreshed = Refreshed(monkeypatch)
+    before = evaluations.copy()
+    press(whole, "compo")
+    assert evaluations == before, "mechanism, forms and pressure angle need nothing new"
+    assert refreshed.names == ["ParametersView"], "the drawing and the pressure angle show this design already"
+    refreshed.names.clear()
+    press(whole, "make")
+    press(whole, "compo")
+    assert evaluations == before
+    assert refreshed.names == []
+    press(whole, "stability")
+    assert evaluations == before, "the shaft is rigid"
+    turns = whole_turns()
+    press(whole, "dyna")
+    assert whole_turns() - turns == Counter(dynamics=1, flywheel=1)
+    assert refreshed.names == ["StabilityView", "PlotView", "PlotView"]
+    after = evaluations.copy()
+    for task in (*TASKS, *TASKS):
+        if task not in ("kine", "graph"):
+            press(whole, task)
+    assert evaluations == after
+
+
+class Painted(QObject):
+    def __init__(self, widgets: list[QWidget]) -> None:
+        super().__init__()
+        self.count = 0
+        for widget in widgets:
+            widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        self.count += event.type() == QEvent.Type.Paint
+        return False
+
+
+def test_what_another_task_shows_rests(whole: User) -> None:
+    """It is neither painted nor computed while the design changes and the cam turns."""
+    press(whole, "dyna")
+    press(whole, "make")
+    whole.window.docks["findings"].hide()
+    whole.window.docks["certificate"].hide()
+    whole.window.session.stages_on_screen = tuple
+    rest(whole)
+    views = [whole.window.view(name) for name in ("torque", "contact_force", "parameters")]
+    painted = Painted([widget for view in views if view is not None for widget in (view, *view.findChildren(QWidget))])
+    before = evaluations.copy()
+    assert whole.session.edit("follower.rod_mm", 847.0, "Change rod")
+    whole.window.player.step(5.0)
+    rest(whole)
+    assert painted.count == 0
+    assert "dynamics" not in evaluations - before
+    assert not any(view.up_to_date for view in views if view is not None)
+
+
+# -- layouts ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("size", [SMALL, USUAL])
+def test_each_task_shows_its_large_view_at_half_of_the_window(open_user: Open, size: tuple[int, int]) -> None:
+    user = open_user(size=size, whole=True)
+    for name, task in TASKS.items():
+        press(user, name)
+        assert user.window.size().toTuple() == size, name
+        large = user.window.view(task.large)
+        assert large is not None
+        assert large.width() * large.height() >= 0.5 * size[0] * size[1], name
+        for view in user.window.findChildren(View):
+            if view.on_screen():
+                least = view.minimumSizeHint()
+                assert least.width() <= view.width(), f"{type(view).__name__} is clipped in {name}"
+                assert least.height() <= view.height(), f"{type(view).__name__} is clipped in {name}"
+
+
+def test_the_chart_of_stability_has_half_of_the_window(open_user: Open) -> None:
+    user = open_user(example("kim_1990"), size=SMALL, whole=True)
+    press(user, "stability")
+    view = user.window.view("stability")
+    chart = view.chart  # type: ignore[union-attr]
+    assert chart.width() * chart.height() >= 0.5 * SMALL[0] * SMALL[1]
+    below = view.pages.mapTo(view, QPoint(0, 0)).y() - chart.mapTo(view, QPoint(0, 0)).y() - chart.height()  # type: ignore[union-attr]
+    assert below <= 10, "nothing but the line that parts them stands between chart and verdicts"
+    view._stop()  # type: ignore[union-attr]
+
+
+def test_a_first_window_uses_the_screen() -> None:
+    assert first_size(QSize(1920, 1080)).width() == 1920
+    assert first_size(QSize(1920, 1080)).height() >= 1000
+    assert first_size(QSize(1440, 900)).width() == 1440
+    assert first_size(QSize(3840, 2160)) == LARGEST
+
+
+def test_reset_twice_moves_nothing(open_user: Open) -> None:
+    user = open_user(size=USUAL, whole=True)
+    for name in TASKS:
+        press(user, name)
+        first = places(user)
+        for _ in range(2):
+            user.choose("View", "Reset layout")
+            rest(user)
+            assert places(user) == first, name
+
+
+def test_each_task_is_found_as_it_was_left(open_user: Open) -> None:
+    user = open_user(size=USUAL, whole=True)
+    left: dict[str, dict[str, QRect]] = {}
+    for name in TASKS:
+        press(user, name)
+        if name == "compo":
+            user.window.docks["pressure_angle"].close()
+            user.window.resizeDocks([user.window.docks["parameters"]], [470], Qt.Orientation.Horizontal)
+        if name == "kine":
+            user.choose("Kine", "Velocity")
+            user.choose("Make", "Law table")
+        rest(user)
+        left[name] = places(user)
+    for name in reversed(TASKS):
+        press(user, name)
+        assert places(user) == left[name], name
+    press(user, "kine")
+    assert user.window.view("laws").on_screen()  # type: ignore[union-attr]
+    press(user, "dyna")
+    assert not user.window.view("laws").on_screen()  # type: ignore[union-attr]
+    press(user, "make")
+    user.choose("View", "Reset layout")
+    press(user, "compo")
+    assert places(user) == left["compo"], "only the task in place is laid out anew"
+
+
+def test_each_task_is_found_again_in_the_next_session(open_user: Open) -> None:
+    user = open_user(size=USUAL, whole=True)
+    press(user, "compo")
+    user.window.docks["pressure_angle"].close()
+    press(user, "kine")
+    user.choose("Kine", "Velocity")
+    user.choose("Make", "Law table")
+    rest(user)
+    press(user, "dyna")
+    user.window.close()
+    again = open_user(size=None)
+    assert again.window.layouts.current == "dyna"
+    assert [button.text() for button in buttons(again) if button.isChecked()] == ["Dyna"]
+    press(again, "compo")
+    assert again.window.docks["pressure_angle"].isHidden()
+    press(again, "kine")
+    assert again.window.view("velocity").on_screen()  # type: ignore[union-attr]
+    assert again.window.view("laws").on_screen()  # type: ignore[union-attr]
+    assert again.window.view("graph") is None
+
+
+def test_settings_that_make_no_sense_are_passed_over(open_user: Open, whole: User) -> None:
+    whole.window.close()
+    kept = QSettings("KINDYNA", "KINDYNA")
+    for key in kept.allKeys():
+        kept.setValue(key, "nonsense")
+    kept.sync()
+    again = open_user(size=None)
+    assert again.window.layouts.current == "make"
+    press(again, "compo")
+    assert again.window.view("parameters").on_screen()  # type: ignore[union-attr]
+
+
+# -- the motion table ---------------------------------------------------------------------------------------
+
+
+def motion(user: User) -> SegmentsView:
+    view = user.see("motion")
+    assert isinstance(view, SegmentsView)
+    rest(user)
+    return view
+
+
+def rows_in_sight(view: SegmentsView) -> int:
+    return view.table.viewport().height() // view.table.verticalHeader().defaultSectionSize()
+
+
+@pytest.mark.parametrize("size", [SMALL, USUAL])
+def test_the_motion_table_shows_its_rows_in_every_task(open_user: Open, size: tuple[int, int]) -> None:
+    """With a message below it, and without; a rise that does not come back leaves the motion unfinished."""
+    user = open_user(size=size, whole=True)
+    for name in TASKS:
+        press(user, name)
+        view = motion(user)
+        assert user.window.size().toTuple() == size, name
+        assert rows_in_sight(view) >= ROWS[size], name
+        user.enter_cell(1, SPAN, "0")
+        rest(user)
+        assert view.message.isVisible(), name
+        assert rows_in_sight(view) >= ROWS[size], name
+        assert view.table.verticalScrollBar().maximum() == 0, name
+        user.press(Qt.Key.Key_Escape)
+        user.enter_cell(1, SPAN, "300")
+        rest(user)
+        assert view.draft.isVisible(), name
+        assert view.draft.close_button.visibleRegion().boundingRect().height() > 10, f"{name}: it can be reached"
+        assert rows_in_sight(view) >= ROWS[size], name
+        user.session.drop_draft()
+        rest(user)
+
+
+def where(view: SegmentsView) -> list[QPoint]:
+    """Of what the mouse may be over: the rows, the diagram, the fields above, the buttons below."""
+    heads = [field.editor for field in view.head.fields.values()]
+    widgets = [view.table.viewport(), view.diagram, *heads, *view.bar.buttons.values(), view.derivatives]
+    at = [widget.mapTo(view.window(), QPoint(0, 0)) for widget in widgets]
+    sizes = [QPoint(widget.width(), widget.height()) for widget in widgets if widget is not view.table.viewport()]
+    return [*at, *sizes, QPoint(0, view.table.verticalScrollBar().value())]
+
+
+@pytest.mark.parametrize("task", ["make", "compo"])
+def test_no_text_moves_what_is_under_the_mouse(open_user: Open, task: str) -> None:
+    user = open_user(size=SMALL, whole=True)
+    press(user, task)
+    view = motion(user)
+    before = where(view)
+    for row in range(view.model.rowCount()):  # a dwell takes nothing more, a modified sine its crossover
+        view.choose(row)
+        rest(user)
+        assert where(view) == before, f"row {row + 1} is chosen"
+    user.enter_cell(3, SPAN, "0")
+    rest(user)
+    assert view.message.isVisible()
+    assert where(view) == before, "something is refused"
+    user.press(Qt.Key.Key_Escape)
+    user.enter_cell(3, SPAN, "300")
+    rest(user)
+    assert view.draft.isVisible()
+    assert where(view) == before, "the motion does not come back"
+    user.session.drop_draft()
+    user.enter("motion.stroke_mm", "-3")
+    rest(user)
+    assert view.head.fields["motion.stroke_mm"].message.isVisible()
+    assert where(view) == before, "a stroke is refused"
+    user.press(Qt.Key.Key_Escape)
+    for law in ("polynomial", "spline"):
+        assert user.session.edit("motion.segments[3].law", law, "Change law")
+        user.session.end_gesture()
+        view.choose(3)
+        rest(user)
+        assert where(view) == before, law
+
+
+def test_a_second_double_click_hits_the_same_row_under_a_text(open_user: Open) -> None:
+    """The first edit is refused, with a sentence below the table; the mouse stays where it is."""
+    user = open_user(size=SMALL, whole=True)
+    view = motion(user)
+    table = view.table
+    place = table.visualRect(view.model.index(3, SPAN)).center()
+    on_screen = table.viewport().mapToGlobal(place)
+
+    def double_click() -> tuple[int, int]:
+        at = table.viewport().mapFromGlobal(on_screen)
+        QTest.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        QTest.mouseDClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        wait_for(lambda: table.state() == QAbstractItemView.State.EditingState)
+        return table.currentIndex().row(), table.currentIndex().column()
+
+    assert double_click() == (3, SPAN)
+    user.type("0")
+    user.press(Qt.Key.Key_Return)
+    rest(user)
+    assert view.message.isVisible()
+    assert double_click() == (3, SPAN)
+    user.type("41.5")
+    user.press(Qt.Key.Key_Return)
+    rest(user)
+    assert not view.message.isVisible()
+
+
+def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis(open_user: Open) -> None:
+    user = open_user(size=SMALL, whole=True)
+    view = motion(user)
+    assert [plot.isVisible() for plot in view.derivatives.plots] == [True] * 3
+    user.turn(60.0)
+    study = user.session.at(user.window.player.theta)
+    assert [plot.angle for plot in view.derivatives.plots] == [user.window.player.theta] * 3
+    assert all(plot.readings() for plot in view.derivatives.plots)
+    assert study.motion.y[1] != 0.0
+    scale = view.diagram.scale_now()
+    for angle in (0.0, 120.0, 360.0):
+        over = {round(plot.mapTo(view, plot.pixel_at(angle).toPoint()).x()) for plot in view.derivatives.plots}
+        here = view.diagram.mapTo(view, view.diagram.place_of(angle, (scale.low + scale.high) / 2.0).toPoint()).x()
+        assert all(abs(x - here) <= 1 for x in over), angle
+    QTest.mouseClick(view.derivatives.plots[1].viewport(), Qt.MouseButton.LeftButton, pos=view.derivatives.plots[1].pixel_at(90.0).toPoint())
+    assert user.window.player.theta == pytest.approx(1.5708, abs=0.03)
+    user.window.docks["motion"].setFloating(True)
+    user.window.docks["motion"].resize(384, 420)
+    wait_for(lambda: not view.derivatives.roomy)
+    before = view.derivatives.plots[0].angle
+    user.turn(200.0)
+    assert view.derivatives.plots[0].angle == before, "what cannot be seen rests"
+    assert view.diagram.angle == user.window.player.theta
+
+
+def test_the_certificate_shows_more_than_three_rows(open_user: Open) -> None:
+    user = open_user(size=SMALL, whole=True)
+    table = user.see("certificate").table  # type: ignore[attr-defined]
+    rest(user)
+    heights = [table.rowHeight(row) for row in range(table.model().rowCount())]
+    assert len(heights) >= 4
+    assert sum(heights[:4]) <= table.viewport().height()
+
+
+def test_a_long_name_is_not_cut(open_user: Open) -> None:
+    for name in ("kim_1990", "rear_suspension", "four_bar_coupler_cam"):
+        user = open_user(example(name), size=SMALL, whole=True)
+        press(user, "compo")
+        box = user.parameters().name
+        assert box.fontMetrics().horizontalAdvance(box.text()) <= box.width() - 12, name
