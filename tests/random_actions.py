@@ -18,6 +18,7 @@ from PySide6.QtWidgets import (
     QDockWidget,
     QLineEdit,
     QMenu,
+    QToolBar,
     QWidget,
 )
 from random_choices import AREAS, CTRL, KEYS, NO, NUMBERS, QUESTIONS, SHIFT, SIZES, K
@@ -27,6 +28,9 @@ from kindyna_gui.linkage.canvas import Canvas, joints_now
 from kindyna_gui.motion.diagram import MotionDiagram
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
+from kindyna_gui.window.tasks import TASKS
+
+DIGITS = (K.Key_1, K.Key_2, K.Key_3, K.Key_4, K.Key_5, K.Key_6)
 
 
 class Actions:
@@ -282,6 +286,23 @@ class Actions:
         name = self.rng.choice(list(VIEWS))
         self.note(f"  {name}")
         self.window.show_view(name)
+
+    def task(self) -> None:
+        """Another task, by its button or its keys, there and back again; now and then in its first layout."""
+        for _ in range(self.rng.randrange(1, 4)):
+            number, name = self.rng.choice(list(enumerate(TASKS)))
+            kind = self.rng.choice(("button", "keys", "keys"))
+            self.note(f"  {name} by {kind}")
+            if kind == "button":
+                bar = self.window.findChild(QToolBar, "tasks")
+                button = bar.widgetForAction(bar.actions()[number])
+                QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+            else:
+                QTest.keyClick(QApplication.focusWidget() or self.window, DIGITS[number], CTRL)
+            QTest.qWait(self.rng.choice((0, 1, 20)))
+        if self.rng.random() < 0.1:
+            self.note("  Reset layout")
+            self.window.reset_layout()
 
     def in_dialog(self, dialog: QWidget, rng: Random) -> None:
         """One action on the widgets of a dialog."""

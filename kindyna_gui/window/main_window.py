@@ -165,8 +165,10 @@ class MainWindow(QMainWindow):
         yield from self.centre.views()
 
     def stages_on_screen(self) -> tuple[str, ...]:
-        """The stages that views on screen read, in the order they need each other."""
+        """The stages that views on screen read, in the order they need each other; with the motion, from which all are computed."""
         wanted = {stage for view in self._views() if view.on_screen() for stage in view.stages}
+        if wanted:
+            wanted.add("motion")
         return tuple(stage for stage in self.session.study.stages if stage in wanted)
 
     def focus_field(self, path: str) -> None:

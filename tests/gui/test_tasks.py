@@ -407,7 +407,8 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
         over = {round(plot.mapTo(view, plot.pixel_at(angle).toPoint()).x()) for plot in view.derivatives.plots}
         here = view.diagram.mapTo(view, view.diagram.place_of(angle, (scale.low + scale.high) / 2.0).toPoint()).x()
         assert all(abs(x - here) <= 1 for x in over), angle
-    QTest.mouseClick(view.derivatives.plots[1].viewport(), Qt.MouseButton.LeftButton, pos=view.derivatives.plots[1].pixel_at(90.0).toPoint())
+    plot = view.derivatives.plots[1]
+    QTest.mouseClick(plot.viewport(), Qt.MouseButton.LeftButton, pos=plot.pixel_at(90.0).toPoint())
     assert user.window.player.theta == pytest.approx(1.5708, abs=0.03)
     user.window.docks["motion"].setFloating(True)
     user.window.docks["motion"].resize(384, 420)
