@@ -112,7 +112,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "mechanism",
             (
                 Group(LEFT, ("parameters",), ("motion",), 0.6),
-                Group(LEFT, ("pressure_angle", "findings"), part=0.4),
+                Group(LEFT, ("pressure_angle",), part=0.4),
             ),
             of_links=("centres", "circle"),
         ),
@@ -124,7 +124,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(LEFT, more=FORMS),
                 Group(RIGHT, MOTION_CURVES),
                 Group(RIGHT, CAM_CURVES),
-                Group(RIGHT, CHECKS),
+                Group(RIGHT, CHECKS, part=0.7),
             ),
         ),
         "dyna": Task(

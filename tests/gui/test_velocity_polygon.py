@@ -94,7 +94,7 @@ def test_the_polygon_follows_the_crank_and_only_while_it_is_seen(six_bar: User, 
     settle()
     assert view.sheet.vectors()["V_A"][1] == pytest.approx(before * np.exp(1j * math.radians(10.0)), abs=1e-12)
     assert len(computed) == 1
-    six_bar.window.show_view("motion")
+    six_bar.window.show_view("centres")
     settle()
     six_bar.window.player.step(10.0)
     settle()
