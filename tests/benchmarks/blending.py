@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+from itertools import count
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,40 +17,58 @@ HEIGHT, SPAN = 20.0, 300.0
 REQUEST = Request(
     type="DRRD", stroke=HEIGHT, start=30.0, end=330.0, constant="rise", settings={"h1": 1.0, "h3": 1.0}
 )
+_OTHER = count(1)
 
 
-def ours(given: Any, setting: None) -> Channels:
-    found = blend(REQUEST).solution
+def given(at: np.ndarray) -> SimpleNamespace:
+    return SimpleNamespace(request=REQUEST, h1=1.0, h3=1.0)
+
+
+def again(there: SimpleNamespace) -> SimpleNamespace:
+    """Another request of the kind, which nobody has had before."""
+    h1 = 1.0 + 1e-7 * next(_OTHER)
+    return SimpleNamespace(request=replace(REQUEST, settings={"h1": h1, "h3": 1.0}), h1=h1, h3=1.0)
+
+
+def ours(there: Any, setting: None) -> Channels:
+    found = blend(there.request).solution
     return [np.array([v]) for v in (*found.spans, found.speed)]
 
 
-def joins(x: np.ndarray) -> list[float]:
+def joins(x: Any, h1: float, h3: float) -> list[float]:
     """What must vanish: the spans' sum, velocities at two joins, the acceleration at the top."""
-    b1, b2, b3, b4, speed = x
-    h1, h3 = 1.0, 1.0
-    h2 = HEIGHT - h1 - h3
+    b1, b2, b3, b4, speed = x.tolist()
     return [
         (b1 + b2 + b3 + b4 - SPAN) / SPAN,
         2.0 * h1 / b1 - speed,
-        h2 / b2 - speed,
-        np.pi / 2 * h3 / b3 - speed,
-        np.pi**2 / 4 * h3 / b3**2 - 216.0 / 41.0 * HEIGHT / b4**2,
+        (HEIGHT - h1 - h3) / b2 - speed,
+        math.pi / 2 * h3 / b3 - speed,
+        math.pi**2 / 4 * h3 / b3**2 - 216.0 / 41.0 * HEIGHT / b4**2,
     ]
 
 
 START = np.array([60.0, 100.0, 60.0, 80.0, 0.1])
 
 
-def newton(given: Any, tolerance: float) -> Channels:
+def newton(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import fsolve
 
-    return [np.array([v]) for v in fsolve(joins, START, xtol=tolerance)]
+    return [np.array([v]) for v in fsolve(joins, START, (there.h1, there.h3), xtol=tolerance)]
 
 
-def least_squares(given: Any, tolerance: float) -> Channels:
+def least_squares(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import root
 
-    return [np.array([v]) for v in root(joins, START, method="lm", options={"xtol": tolerance, "ftol": tolerance}).x]
+    told = root(joins, START, (there.h1, there.h3), method="lm", options={"xtol": tolerance, "ftol": tolerance})
+    return [np.array([v]) for v in told.x]
+
+
+def on_paper(there: Any, setting: None) -> Channels:
+    """With V the slope of the constant velocity, spans are 2h1/V, h2/V, (π/2)h3/V and √(216/41 h h3)/V."""
+    h1, h3 = there.h1, there.h3
+    widths = (2.0 * h1, HEIGHT - h1 - h3, math.pi / 2 * h3, math.sqrt(216.0 / 41.0 * HEIGHT * h3))
+    speed = sum(widths) / SPAN
+    return [np.array([v]) for v in (*(w / speed for w in widths), speed)]
 
 
 TOLERANCES = (1e-12, 1e-2, 1e-4, 1e-6, 1e-8)
@@ -54,15 +76,20 @@ TOLERANCES = (1e-12, 1e-2, 1e-4, 1e-6, 1e-8)
 KERNEL = Kernel(
     "blending",
     "Blending: spans and speed",
-    given=lambda theta: None,
+    given=given,
+    again=again,
     grid=lambda n: np.zeros(n),
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("Newton (fsolve)", newton, TOLERANCES, "xtol"),
         Method("least squares (root, lm)", least_squares, TOLERANCES, "xtol"),
+        Method("solved on paper", on_paper, special=True),
     ),
     roundings=8,
     digits=1.5e-15,
+    handed="type, stroke, span and two heights of a request that was never asked before; Newton and least squares also the"
+    " sequence of curves, its equations and a start near the solution",
+    warm="what KINDYNA knows of the sequences of a type",
     sizes=(1,),
     usual=1,
     between=1,

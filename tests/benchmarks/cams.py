@@ -5,7 +5,27 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from benchmarks.plain import PIVOT, ROLLER_RADIUS, SENSE, differences, given, pitch, splined, tabled, turn
+from benchmarks.linkages import by_hand as linkage_by_hand
+from benchmarks.plain import (
+    FEW,
+    ON_GRID,
+    PIVOT,
+    POINTS,
+    ROLLER_RADIUS,
+    SENSE,
+    STEPS,
+    again,
+    by_table,
+    differences,
+    differences_on,
+    given,
+    hermite,
+    knots,
+    motion_at,
+    pitch,
+    splined,
+    turn,
+)
 from benchmarks.table import Channels, Kernel, Method
 
 from core.cam import envelope
@@ -38,12 +58,33 @@ def printed(there: Any, setting: None) -> Channels:
     return contact * along * _back(there), np.arccos(cosine)
 
 
+def _solved(there: Any, order: int) -> np.ndarray:
+    """The roller's centre or a derivative of it."""
+    return np.asarray(there.kinematics.follower.origin[order])
+
+
+def _size(z: np.ndarray) -> np.ndarray:
+    return np.asarray(np.sqrt(z.real * z.real + z.imag * z.imag))
+
+
+def _between(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The unsigned angle between two lines."""
+    across = a.real * b.imag - a.imag * b.real
+    return np.arctan2(np.abs(across), np.abs(a.real * b.real + a.imag * b.imag))
+
+
+def by_hand(there: Any, setting: None) -> Channels:
+    """The offset of the pitch curve along its normal, in the global frame."""
+    centre = _solved(there, 0)
+    tangent = _solved(there, 1) - (1j * SENSE) * centre
+    normal = tangent * (-1j * SENSE / _size(tangent))
+    return (centre + ROLLER_RADIUS * normal) * _back(there), _between(normal, there.kinematics.travel)
+
+
 def _by_tangent(curve: np.ndarray, tangent: np.ndarray, there: Any) -> Channels:
-    """The offset of the pitch curve, and the angle between its normal and the way of the roller."""
-    inwards = -1j * SENSE * tangent / np.abs(tangent)
-    way = there.kinematics.travel * _back(there)
-    across, along = (inwards.conjugate() * way).imag, (inwards.conjugate() * way).real
-    return curve + ROLLER_RADIUS * inwards, np.arctan2(np.abs(across), np.abs(along))
+    """The offset of the pitch curve, and the angle between its normal and the way of the roller, in the cam's frame."""
+    inwards = tangent * (-1j * SENSE / _size(tangent))
+    return curve + ROLLER_RADIUS * inwards, _between(inwards, there.kinematics.travel * _back(there))
 
 
 def finite_differences(there: Any, step: float) -> Channels:
@@ -51,30 +92,74 @@ def finite_differences(there: Any, step: float) -> Channels:
     return _by_tangent(curve, tangent, there)
 
 
-def spline_normal(there: Any, points: int) -> Channels:
-    """A cubic spline through points of the pitch curve, which is how a drawing program offsets it."""
-    curve = splined(points, pitch)
+def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
+    """The tangent by differences between the places that are given."""
+    curve = _solved(there, 0) * _back(there)
+    return _by_tangent(curve, differences_on(curve, there.theta[1] - there.theta[0], *setting, orders=1)[0], there)
+
+
+def _spline_on(there: Any, every: int) -> Any:
+    """A cubic spline through every so manieth of the places that are given."""
+    from scipy.interpolate import CubicSpline
+
+    curve, at = (_solved(there, 0) * _back(there))[::every], there.theta[::every]
+    return CubicSpline(np.append(at, at[0] + 2.0 * np.pi), np.append(curve, curve[:1]), bc_type="periodic")
+
+
+def spline_on_grid(there: Any, every: int) -> Channels:
+    return from_curve(there, _spline_on(there, every))
+
+
+def cubic(there: Any, points: int) -> Any:
+    return splined(points, pitch)
+
+
+def quintic(there: Any, points: int) -> Any:
+    """The pitch curve with two derivatives from the linkage by hand."""
+    at = knots(points)
+    r, v, a = linkage_by_hand(motion_at(at), None)[3:6]
+    back = np.exp(-1j * SENSE * at)
+    return hermite(at, r * back, (v - 1j * SENSE * r) * back, (a - 2j * SENSE * v - r) * back)
+
+
+def from_curve(there: Any, curve: Any) -> Channels:
     return _by_tangent(curve(there.theta), curve(there.theta, 1), there)
 
 
-def table(there: Any, points: int) -> Channels:
-    return tabled(points, lambda theta: list(ours(given(theta), None)), there.theta)
+def at_knots(theta: np.ndarray) -> Channels:
+    """What a table of profile and pressure angle holds: all by hand."""
+    pin, _, _, r, v, _, _ = linkage_by_hand(motion_at(theta), None)
+    back = np.exp(-1j * SENSE * theta)
+    normal = (v - 1j * SENSE * r) * (-1j * SENSE)
+    normal /= _size(normal)
+    return (r + ROLLER_RADIUS * normal) * back, _between(normal, 1j * (r - PIVOT))
 
+
+ON_SPLINE = (1, 2, 4, 10, 20)
+HANDED = "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
+KEPT = "tables and splines"
 
 PROFILE = Kernel(
     "profile",
     "Profile and pressure angle",
     given=given,
+    again=again,
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
+        Method("numpy by hand", by_hand),
         Method("instant centre, printed (18)-(20)", printed),
-        Method("finite differences", finite_differences, (1e-5, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7), "step"),
-        Method("cubic spline of the pitch curve", spline_normal, (3600, 90, 360, 36_000), "points"),
-        Method("linear table", table, (3600, 90, 360, 36_000), "points"),
+        Method("differences between the given places", on_grid, ON_GRID, "order, every", on_grid=True),
+        Method("cubic spline through the given places", spline_on_grid, ON_SPLINE, "every", on_grid=True),
+        Method("finite differences, places by hand", finite_differences, (1e-5, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7), "step"),
+        Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
+        Method("quintic table of the pitch curve", from_curve, FEW, "points", keeps=quintic),
+        by_table(at_knots),
     ),
     roundings=34 + 10 + 12 + 24,  # as in the cam's own tests, and 24 of the motion
     digits=8e-15,
+    handed=HANDED,
+    warm=KEPT,
 )
 
 # -- curvature --------------------------------------------------------------------------------------------
@@ -86,7 +171,15 @@ def our_curvature(there: Any, setting: None) -> Channels:
 
 
 def _bend(tangent: np.ndarray, turning: np.ndarray) -> Channels:
-    return (-SENSE * (tangent.conjugate() * turning).imag / np.abs(tangent) ** 3,)
+    """-d Im(t̄ w)/|t|³."""
+    across = tangent.real * turning.imag - tangent.imag * turning.real
+    square = tangent.real * tangent.real + tangent.imag * tangent.imag
+    return (across / (square * np.sqrt(square)) * -SENSE,)
+
+
+def bend_by_hand(there: Any, setting: None) -> Channels:
+    centre, speed, gain = (_solved(there, order) for order in range(3))
+    return _bend(speed - (1j * SENSE) * centre, gain - (2j * SENSE) * speed - centre)
 
 
 def bend_by_differences(there: Any, step: float) -> Channels:
@@ -94,31 +187,52 @@ def bend_by_differences(there: Any, step: float) -> Channels:
     return _bend(tangent, turning)
 
 
-def three_points(there: Any, step: float) -> Channels:
-    """The circle through three neighbouring points."""
-    a, b, c = (pitch(there.theta + k * step) for k in (-1, 0, 1))
-    area = ((b - a).conjugate() * (c - a)).imag
-    return (-SENSE * 2.0 * area / (np.abs(b - a) * np.abs(c - b) * np.abs(a - c)),)
+def bend_on_grid(there: Any, setting: tuple[int, int]) -> Channels:
+    """By differences between the places that are given."""
+    curve = _solved(there, 0) * _back(there)
+    return _bend(*differences_on(curve, there.theta[1] - there.theta[0], *setting))
 
 
-def bend_of_spline(there: Any, points: int) -> Channels:
-    curve = splined(points, pitch)
+def three_points(there: Any, every: int) -> Channels:
+    """The circle through three of the places that are given."""
+    b = _solved(there, 0) * _back(there)
+    before, after = b - np.roll(b, every), np.roll(b, -every) - b
+    area = before.real * after.imag - before.imag * after.real
+    return (-SENSE * 2.0 * area / (_size(before) * _size(after) * _size(before + after)),)
+
+
+def bend_of_curve(there: Any, curve: Any) -> Channels:
     return _bend(curve(there.theta, 1), curve(there.theta, 2))
 
 
-STEPS = (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6)
+def bend_of_spline(there: Any, every: int) -> Channels:
+    return bend_of_curve(there, _spline_on(there, every))
+
+
+def bend_at_knots(theta: np.ndarray) -> Channels:
+    _, _, _, r, v, a, _ = linkage_by_hand(motion_at(theta), None)
+    return _bend(v - 1j * SENSE * r, a - 2j * SENSE * v - r)
+
 
 CURVATURE = Kernel(
     "curvature",
     "Curvature of the pitch curve",
     given=given,
+    again=again,
     grid=turn,
     methods=(
         Method("KINDYNA", our_curvature, ours=True),
-        Method("finite differences", bend_by_differences, STEPS, "step"),
-        Method("circle through three points", three_points, STEPS, "step"),
-        Method("cubic spline of the pitch curve", bend_of_spline, (3600, 90, 360, 36_000), "points"),
+        Method("numpy by hand", bend_by_hand),
+        Method("differences between the given places", bend_on_grid, ON_GRID, "order, every", on_grid=True),
+        Method("circle through three given places", three_points, ON_SPLINE, "every", on_grid=True),
+        Method("cubic spline through the given places", bend_of_spline, ON_SPLINE, "every", on_grid=True),
+        Method("finite differences, places by hand", bend_by_differences, STEPS, "step"),
+        Method("cubic spline of the pitch curve", bend_of_curve, POINTS, "points", keeps=cubic),
+        Method("quintic table of the pitch curve", bend_of_curve, FEW, "points", keeps=quintic),
+        by_table(bend_at_knots),
     ),
     roundings=34 + 10 + 12 + 24,
     digits=1.2e-14,
+    handed=HANDED,
+    warm=KEPT,
 )

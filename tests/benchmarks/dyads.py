@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from benchmarks import peers
 from benchmarks.exact_dyads import LENGTHS
-from benchmarks.plain import differences, splined, tabled, turn
+from benchmarks.plain import (
+    FEW,
+    ON_GRID,
+    POINTS,
+    STEPS,
+    by_table,
+    differences,
+    differences_on,
+    hermite,
+    knots,
+    splined,
+    turn,
+)
 from benchmarks.table import Channels, Kernel, Method
 from linkages import four_bar
 
@@ -18,8 +31,7 @@ GROUND, CRANK, COUPLER, ROCKER = LENGTHS
 
 
 def given(theta: np.ndarray) -> SimpleNamespace:
-    """The course of the linkage is found once, as it is in a study."""
-    return SimpleNamespace(theta=theta, q=at_driver(theta), course=course_of(four_bar(*LENGTHS).drive.mechanism))
+    return SimpleNamespace(theta=theta, mechanism=four_bar(*LENGTHS).drive.mechanism)
 
 
 def _on_rocker(turned: np.ndarray, speed: Any, gain: Any) -> Channels:
@@ -30,7 +42,7 @@ def _on_rocker(turned: np.ndarray, speed: Any, gain: Any) -> Channels:
 
 def ours(there: Any, setting: None) -> Channels:
     """Joint B of the rocker, as any view asks for it."""
-    pose = there.course.solve(there.q).poses[4]
+    pose = course_of(there.mechanism).solve(at_driver(there.theta)).poses[4]
     return _on_rocker(pose.unit, pose.turn[1], pose.turn[2])
 
 
@@ -57,11 +69,47 @@ def half_angle(there: Any, setting: None) -> Channels:
     return _on_rocker(np.exp(1j * psi), *_rates(there.theta, phi, psi))
 
 
+@np.errstate(invalid="ignore", divide="ignore")
+def by_hand(there: Any, setting: None) -> Channels:
+    """Two circles that meet; the loop equation's two derivatives by unit vectors of coupler and rocker."""
+    a = np.empty(there.theta.shape, dtype=complex)
+    a.real, a.imag = CRANK * np.cos(there.theta), CRANK * np.sin(there.theta)
+    d = GROUND - a
+    square = d.real * d.real + d.imag * d.imag
+    along = (0.5 * (COUPLER**2 - ROCKER**2)) / square + 0.5
+    arm = np.empty_like(a)  # the coupler
+    arm.real, arm.imag = along, np.sqrt(COUPLER**2 / square - along * along)
+    arm *= d
+    rocker = arm - d
+    across = arm.real * rocker.imag - arm.imag * rocker.real
+    coupler_speed = (rocker.real * a.imag - rocker.imag * a.real) / across
+    speed = (arm.real * a.imag - arm.imag * a.real) / across
+    # what the acceleration is along the coupler
+    gain = (a.real * arm.real + a.imag * arm.imag) + coupler_speed * coupler_speed * COUPLER**2
+    gain -= speed * speed * (rocker.real * arm.real + rocker.imag * arm.imag)
+    turning = np.empty_like(a)
+    turning.real, turning.imag = -speed * speed, gain / across
+    return [GROUND + rocker, 1j * speed * rocker, turning * rocker]
+
+
+def newton_at_once(there: Any, steps: int) -> Channels:
+    """Newton's method for all angles at once, each from one pose."""
+    theta = there.theta
+    ax, ay = CRANK * np.cos(theta), CRANK * np.sin(theta)
+    phi, psi = np.full(theta.shape, 0.8), np.full(theta.shape, 1.8)
+    for _ in range(steps):
+        c, s, cb, sb = np.cos(phi), np.sin(phi), np.cos(psi), np.sin(psi)
+        f, g = ax + COUPLER * c - GROUND - ROCKER * cb, ay + COUPLER * s - ROCKER * sb
+        across = s * cb - c * sb
+        phi, psi = phi + (f * cb + g * sb) / (COUPLER * across), psi + (f * c + g * s) / (ROCKER * across)
+    return _on_rocker(np.exp(1j * psi), *_rates(theta, phi, psi))
+
+
 def _loop(x: np.ndarray, c: float, s: float) -> list[float]:
-    phi, psi = x
+    phi, psi = x.tolist()
     return [
-        c + COUPLER * np.cos(phi) - GROUND - ROCKER * np.cos(psi),
-        s + COUPLER * np.sin(phi) - ROCKER * np.sin(psi),
+        c + COUPLER * math.cos(phi) - GROUND - ROCKER * math.cos(psi),
+        s + COUPLER * math.sin(phi) - ROCKER * math.sin(psi),
     ]
 
 
@@ -71,7 +119,7 @@ def newton(there: Any, tolerance: float) -> Channels:
 
     x, found = np.array([0.8, 1.4]), []
     for theta in there.theta.tolist():
-        x = fsolve(_loop, x, args=(CRANK * np.cos(theta), CRANK * np.sin(theta)), xtol=tolerance)
+        x = fsolve(_loop, x, args=(CRANK * math.cos(theta), CRANK * math.sin(theta)), xtol=tolerance)
         found.append(x)
     phi, psi = np.array(found).T
     return _on_rocker(np.exp(1j * psi), *_rates(there.theta, phi, psi))
@@ -90,13 +138,44 @@ def finite_differences(there: Any, step: float) -> Channels:
     return differences(joint, there.theta, step)
 
 
-def table(there: Any, points: int) -> Channels:
-    return tabled(points, lambda theta: list(ours(given(theta), None)), there.theta)
+def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
+    """Between the crank angles that are given."""
+    b = joint(there.theta)
+    return [b, *differences_on(b, there.theta[1] - there.theta[0], *setting)]
 
 
-def spline(there: Any, points: int) -> Channels:
-    curve = splined(points, joint)
+def cubic(there: Any, points: int) -> Any:
+    return splined(points, joint)
+
+
+def quintic(there: Any, points: int) -> Any:
+    at = knots(points)
+    return hermite(at, *by_hand(SimpleNamespace(theta=at), None))
+
+
+def from_curve(there: Any, curve: Any) -> Channels:
     return [curve(there.theta, order) for order in range(3)]
+
+
+def fourier(there: Any, points: int) -> Any:
+    """Harmonics of the joint, which a crank that turns round has."""
+    numbers = np.fft.fftfreq(points, 1.0 / points)
+    c = np.fft.fft(joint(turn(points))) / points
+    return numbers, c
+
+
+def from_harmonics(there: Any, kept: Any) -> Channels:
+    """The trigonometric polynomial and its derivatives, by matrices of e^{ikθ}."""
+    numbers, c = kept
+    order = np.argsort(numbers)
+    numbers, c = numbers[order], c[order]
+    rows = np.stack((c, 1j * numbers * c, -numbers * numbers * c))
+    z = np.exp(1j * there.theta)
+    told = np.zeros((3, z.size), dtype=complex)
+    for k in range(numbers.size - 1, -1, -1):  # Horner
+        told *= z
+        told += rows[:, k, None]
+    return list(told * np.exp(1j * numbers[0] * there.theta))
 
 
 KERNEL = Kernel(
@@ -106,16 +185,23 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("tangent of the half angle (Freudenstein)", half_angle),
+        Method("numpy by hand", by_hand, special=True),
+        Method("tangent of the half angle (Freudenstein)", half_angle, special=True),
+        Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5, 7), "steps"),
         Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-5), "xtol", one_by_one=True),
-        Method("finite differences", finite_differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
-        Method("linear table", table, (3600, 90, 360, 36_000), "points"),
-        Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
+        Method("finite differences", finite_differences, STEPS, "step"),
+        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
+        Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
+        Method("quintic table", from_curve, FEW, "points", keeps=quintic),
+        Method("harmonics", from_harmonics, (64, 8, 16, 32, 128), "points", keeps=fourier),
         Method("pylinkage, compiled by numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
         Method("its formulas alone in a loop of one's own, compiled", peers.dyad, needs=("pylinkage", "numba")),
         Method("its formulas alone in a loop of one's own", peers.dyad_plain, needs=("pylinkage",), one_by_one=True),
-        Method("mechanism", peers.four_bar, needs=("mechanism",), one_by_one=True),
+        Method("mechanism", peers.four_bar, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4,  # as of the cam's own linkage, whose triangle it is
     digits=2e-15,
+    handed="crank angles, lengths, and on which side the joint lies",
+    warm="tables, splines and harmonics; what KINDYNA knows of the linkage and its order of solution",
 )

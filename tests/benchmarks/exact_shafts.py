@@ -22,6 +22,7 @@ ORDER = 64  # of a power series
 STEPS = 18  # of a half turn: a series then gains a digit and more with every term
 ETAS = (0.31373, 0.73131, 1.0479, 1.31057, 2.0137, 2.71828, 3.30119, 4.12345, 5.49517)
 SPEED = 1.3  # η of the wind-up
+SPEEDS = tuple(0.5371 + 0.1733 * k for k in range(16))  # of many at once
 TIMES = (0.13731, 0.41379, 0.77317, 1.19319, 1.83173, 2.44197, 3.07391, 3.91317, 4.62193, 4.97131)
 TURNS = 5
 PRINTED = Path(__file__).parents[1] / "validation" / "kim1990_tongues.json"
@@ -146,9 +147,9 @@ def edges() -> list[Any]:
 # -- the wind-up ------------------------------------------------------------------------------------------
 
 
-def _series(y: Any, beta: Any, momentum: Any, step: Any, moves: bool) -> tuple[Row, Row]:
+def _series(y: Any, beta: Any, momentum: Any, step: Any, moves: bool, eta: Any) -> tuple[Row, Row]:
     """β and Π = D (1 - β') in powers of r over a step: β' = 1 - Π/D, Π' = 2πQ (C (1-β')² - U) + 4π²η²β + 4πζηβ'."""
-    eta, pi = MP.convert(SPEED), MP.pi
+    eta, pi = MP.convert(eta), MP.pi
     b, p, speed = [beta], [momentum], []
     theta: Row = [2 * pi * (y - beta)]  # θ = 2π (y - β)
     s: Row = [MP.sin(2 * theta[0])]
@@ -193,14 +194,14 @@ def _join(y: Any, step: Any, b: Row, goal: Any) -> Any:
     return r
 
 
-def windup() -> list[list[Any]]:
+def windup(eta: float = SPEED) -> list[list[Any]]:
     """β at ``TIMES`` from rest at y = 0 on: values by time."""
     step = MP.one / (2 * STEPS)
     y, beta, momentum, half = MP.zero, MP.zero, MP.one, 0
     found = []
     times = [MP.mpf(t) for t in TIMES]
     while times:
-        b, p = _series(y, beta, momentum, step, half % 2 == 0)
+        b, p = _series(y, beta, momentum, step, half % 2 == 0, eta)
         goal = (half + 1) * MP.pi
         crosses = 2 * MP.pi * (y + step - _value(b, MP.one)) > goal
         r = _join(y, step, b, goal) if crosses else MP.one
@@ -239,8 +240,16 @@ def windup_values() -> Told:
     return TIMES, values, 2.0 * float(MP.pi) * SPEED * TURNS, _largest(values)
 
 
+def windups_values() -> Told:
+    """The same at each of ``SPEEDS``, as channels."""
+    channels = [[row[0] + 0j for row in windup(eta)] for eta in SPEEDS]
+    values = [list(row) for row in zip(*channels, strict=True)]
+    return TIMES, values, 2.0 * float(MP.pi) * max(SPEEDS) * TURNS, _largest(values)
+
+
 OF_SHAFTS: dict[str, Callable[[], Told]] = {
     "tongues": tongue_values,
     "monodromy": monodromy_values,
     "wind-up": windup_values,
+    "wind-ups": windups_values,
 }

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from benchmarks.exact import FITTED
-from benchmarks.plain import turn
+from benchmarks.plain import knots, turn
 from benchmarks.table import Channels, Kernel, Method
 
 from core.design import si
@@ -20,8 +20,6 @@ from core.study import Study
 SHAFT = si(FITTED.shaft)
 SLOPE, MEAN, FLYWHEEL = SHAFT.motor_slope, SHAFT.speed, SHAFT.flywheel_inertia
 SHOTS = 40  # turns until one ends as it began
-
-Rate = Callable[[float, float], float]
 
 
 def given(theta: np.ndarray) -> SimpleNamespace:
@@ -34,24 +32,16 @@ def given(theta: np.ndarray) -> SimpleNamespace:
     return SimpleNamespace(theta=theta, program=study.program, load=load)
 
 
-def ours(there: Any, setting: None) -> Channels:
-    """Torque and inertia on panels, and the speed by collocation."""
-    curve = load_curve(there.load, there.program)
+def our_load(there: Any, setting: None) -> Any:
+    """Torque and inertia as polynomials on panels."""
+    return load_curve(there.load, there.program)
+
+
+def ours(there: Any, curve: Any) -> Channels:
+    """The speed by collocation."""
     speed = steady_speed(curve, FLYWHEEL, SLOPE, MEAN)
     assert speed is not None
     return (curve.mean - SLOPE * speed.deviation(there.theta),)
-
-
-def _closed(over_a_turn: Callable[[float], float]) -> float:
-    """What a turn begins and ends with, by secants."""
-    a, b = 0.0, over_a_turn(0.0)
-    fa, fb = b - a, over_a_turn(b) - b
-    for _ in range(SHOTS):
-        if fa == fb or abs(fb) <= 1e-15 * abs(b):
-            break
-        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
-        fb = over_a_turn(b) - b
-    return b
 
 
 def _above(energy: Any, inertia: Any) -> Any:
@@ -59,15 +49,84 @@ def _above(energy: Any, inertia: Any) -> Any:
     return 2.0 * energy / inertia / (MEAN + np.sqrt(np.maximum(MEAN**2 + 2.0 * energy / inertia, 0.0)))
 
 
-def fixed_steps(there: Any, points: int) -> Channels:
-    """Runge and Kutta's four slopes a step, the turn closed by secants."""
-    torque, inertia = there.load(there.program.angles(turn(2 * points)))
-    mean, step = float(torque.mean()), TURN / points
-    drive, worth = ([*row.tolist(), float(row[0])] for row in (torque - mean, inertia + FLYWHEEL))
+# -- harmonics --------------------------------------------------------------------------------------------
+
+
+def _load(there: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Torque and I + J."""
+    torque, inertia = there.load(there.program.angles(theta))
+    return torque, inertia + FLYWHEEL
+
+
+def samples(there: Any, setting: tuple[float, float]) -> Any:
+    """On the given cam angles, on finer grids that hold them, or on every so manieth of them."""
+    times, digits = setting
+    theta, n = there.theta, there.theta.size
+    if times < 1:
+        theta = theta[:: round(1.0 / times)]
+    else:
+        steps = (TURN / (n * times)) * np.arange(times)
+        theta = (theta[:, None] + steps).ravel()
+    return theta, *_load(there, theta), times, digits
+
+
+def harmonics(there: Any, kept: Any) -> Channels:
+    """e' + c e = c e - k (ω - ω̄) - (T - T̄) by repeated transforms, c the mean of what k (ω - ω̄) gains with e."""
+    theta, torque, worth, times, digits = kept
+    mean = torque.mean()
+    drive, rate = torque - mean, SLOPE / (MEAN * worth.mean())
+    order = np.arange(theta.size // 2 + 1)
+    answer = 1.0 / (1j * order + rate)
+    e, within = np.zeros(theta.size), 10.0**-digits * float(np.abs(drive).max())
+    for _ in range(60):
+        after = np.fft.irfft(np.fft.rfft(rate * e - SLOPE * _above(e, worth) - drive) * answer, theta.size)
+        moved = float(np.abs(after - e).max())
+        e = after
+        if moved <= within:
+            break
+    motor = mean - SLOPE * _above(e, worth)
+    if times >= 1:
+        return (motor[:: int(times)],)
+    from scipy.interpolate import CubicSpline
+
+    ends = np.append(theta, theta[0] + TURN), np.append(motor, motor[0])
+    return (CubicSpline(*ends, bc_type="periodic")(there.theta),)
+
+
+# -- one step after the other -----------------------------------------------------------------------------
+
+
+def closed(over_a_turn: Callable[[float], float], enough: float) -> float:
+    """What a turn begins and ends with, by secants."""
+    a, b = 0.0, over_a_turn(0.0)
+    fa, fb = b - a, over_a_turn(b) - b
+    for _ in range(SHOTS):
+        if fa == fb or abs(fb) <= enough:
+            break
+        a, b, fa = b, b - fb * (b - a) / (fb - fa), fb
+        fb = over_a_turn(b) - b
+    return b
+
+
+def steps(there: Any, points: int) -> Any:
+    """Torque and inertia at the steps' ends and middles, inertia at the given cam angles; lists, which Python reads fastest."""
+    torque, worth = _load(there, turn(2 * points))
+    mean = float(torque.mean())
+    drive, whole = ([*row.tolist(), float(row[0])] for row in (torque - mean, worth))
+    return points, mean, drive, whole, _load(there, there.theta)[1]
+
+
+def fixed_steps(there: Any, kept: Any) -> Channels:
+    """Runge and Kutta's four slopes a step, the turn closed by secants, cubics between the steps."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    points, mean, drive, worth, at_angles = kept
+    step = TURN / points
     found = [0.0] * (points + 1)
 
     def rate(e: float, i: int) -> float:
-        return -drive[i] - SLOPE * 2.0 * e / worth[i] / (MEAN + sqrt(MEAN**2 + 2.0 * e / worth[i]))
+        above = 2.0 * e / worth[i]
+        return -drive[i] - SLOPE * above / (MEAN + sqrt(MEAN * MEAN + above))
 
     def once(e: float) -> float:
         for i in range(points):
@@ -79,40 +138,58 @@ def fixed_steps(there: Any, points: int) -> Channels:
         found[points] = e
         return e
 
-    once(_closed(once))
-    at = turn(points + 1) * (points + 1) / points
-    motor = mean - SLOPE * _above(np.array(found), np.array(worth[::2]))
-    return (np.interp(there.theta, at, motor),)
+    closed(once, 1e-13 * max(map(abs, drive)))
+    e = np.array(found)
+    slopes = -np.array(drive[::2]) - SLOPE * _above(e, np.array(worth[::2]))
+    curve = CubicHermiteSpline(knots(points), e, slopes)
+    return (mean - SLOPE * _above(curve(there.theta), at_angles),)
 
 
-def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp over one turn, torque and inertia from cubic splines of 3600 samples, the turn closed by secants."""
-    from scipy.integrate import solve_ivp
+def splines(there: Any, setting: tuple[str, float, int]) -> Any:
+    """Torque and inertia as cubic splines, their coefficients as lists."""
     from scipy.interpolate import CubicSpline
 
-    method, tolerance = setting
-    torque, inertia = there.load(there.program.angles(turn(3600)))
-    mean, at = float(torque.mean()), turn(3601) * 3601 / 3600
-    drive = CubicSpline(at, np.append(torque, torque[0]) - mean)
-    worth = CubicSpline(at, np.append(inertia, inertia[0]) + FLYWHEEL)
-    size = float(np.abs(torque).max())
-
-    def once(e: float, dense: bool = False) -> Any:
-        return solve_ivp(
-            lambda t, x: -drive(t) - SLOPE * _above(x, worth(t)), (0.0, TURN), [e], method, rtol=tolerance,
-            atol=tolerance * size, dense_output=dense,
-        )  # fmt: skip
-
-    begin = 0.0
-    for _ in range(4):  # what a turn leaves of a deviation is a hundredth
-        begin = float(once(begin).y[0, -1])
-    return (mean - SLOPE * _above(once(begin, dense=True).sol(there.theta)[0], worth(there.theta)),)
+    points = setting[2]
+    torque, worth = _load(there, turn(points))
+    mean = float(torque.mean())
+    rows = np.stack((torque - mean, worth))
+    curve = CubicSpline(knots(points), np.column_stack((rows, rows[:, :1])), axis=1, bc_type="periodic")
+    pieces = curve.c.transpose(1, 2, 0).reshape(points, 8).tolist()
+    return (*setting, mean, float(np.abs(torque).max()), pieces, _load(there, there.theta)[1])
 
 
-def _by(method: str) -> Method:
-    settings = [(method, tolerance) for tolerance in (1e-8, 1e-4, 1e-6, 1e-10)]
-    return Method(f"solve_ivp {method}", adaptive, settings, "rtol", one_by_one=True)
+def adaptive(there: Any, kept: Any) -> Channels:
+    """scipy's solve_ivp over one turn, the turn closed by secants, its own dense output."""
+    from scipy.integrate import solve_ivp
 
+    method, tolerance, points, mean, size, pieces, at_angles = kept
+    width, last = TURN / points, points - 1
+
+    def rate(t: float, x: Any) -> tuple[float]:
+        i = min(int(t / width), last)
+        r = t - i * width
+        a, b, c, d, p, q, s, w = pieces[i]
+        above = 2.0 * float(x[0]) / (((p * r + q) * r + s) * r + w)
+        return (-(((a * r + b) * r + c) * r + d) - SLOPE * above / (MEAN + sqrt(max(MEAN * MEAN + above, 0.0))),)
+
+    solved: list[Any] = []
+
+    def once(e: float) -> float:
+        told = solve_ivp(rate, (0.0, TURN), [e], method, rtol=tolerance, atol=tolerance * size, dense_output=True)
+        solved[:] = [told.sol]
+        return float(told.y[0, -1])
+
+    closed(once, 3.0 * tolerance * size)
+    return (mean - SLOPE * _above(solved[0](there.theta)[0], at_angles),)
+
+
+def _by(method: str, least: float = 1e-12) -> Method:
+    pairs = ((1e-8, 36_000), (1e-4, 720), (1e-6, 3600), (1e-10, 36_000), (1e-12, 36_000))
+    settings = tuple((method, *pair) for pair in pairs if pair[0] >= least)
+    return Method(f"solve_ivp {method}", adaptive, settings, "rtol, samples", keeps=splines, one_by_one=True)
+
+
+TRANSFORMS = ((1, 9), (0.1, 4), (0.25, 6), (1, 6), (2, 10), (4, 11), (10, 12))
 
 KERNEL = Kernel(
     "flywheel",
@@ -120,12 +197,16 @@ KERNEL = Kernel(
     given=given,
     grid=turn,
     methods=(
-        Method("KINDYNA", ours, ours=True),
-        Method("RK4, fixed steps", fixed_steps, (3600, 360, 720, 36_000), "points"),
-        *(_by(method) for method in ("RK45", "DOP853", "LSODA", "Radau")),
+        Method("KINDYNA", ours, ours=True, keeps=our_load),
+        Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True),
+        Method("RK4, fixed steps", fixed_steps, (3600, 360, 720, 36_000), "points", keeps=steps, one_by_one=True),
+        *(_by(method) for method in ("RK45", "DOP853", "LSODA")),
+        _by("Radau", 1e-10),
     ),
     # the motor's torque is a mean of the cam's; between ten values and their polynomial stand two sums of ten and
     # Lebesgue's constant of 2.5, from panel to panel some 240 roundings
     roundings=34 + 22 + 30 + 24 + 2 * 10 * 2.5 + 240,
     digits=1.2e-14,
+    handed="a function that gives the cam's torque and inertia at any cam angles",
+    warm="torque and inertia: samples, splines, polynomials",
 )

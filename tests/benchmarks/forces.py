@@ -5,9 +5,23 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from benchmarks.plain import SENSE, G, displacement, given, tabled, turn
-from benchmarks.plain import arm_pin as pin_at
-from benchmarks.plain import roller as roller_at
+from benchmarks.linkages import by_hand as linkage_by_hand
+from benchmarks.plain import (
+    FEW,
+    L0,
+    ON_GRID,
+    PIVOT,
+    POINTS,
+    SENSE,
+    G,
+    again,
+    by_table,
+    differences_on,
+    given,
+    knots,
+    motion_at,
+    turn,
+)
 from benchmarks.table import Channels, Kernel, Method
 
 from core.dynamics import newton_euler
@@ -20,7 +34,7 @@ def ours(there: Any, setting: None) -> Channels:
 
 
 def _cross(a: Any, b: Any) -> Any:
-    return (np.conjugate(a) * b).imag
+    return a.real * b.imag - a.imag * b.real
 
 
 def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray], spins: dict[str, np.ndarray]) -> Channels:
@@ -51,7 +65,7 @@ def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray
             (5, "rod", ((2, pin_b, -1.0), (3, pin_b, -1j), (4, pin_a, -1.0), (5, pin_a, -1j))),
         ):
             for column, place, force in entries:
-                a[:, row, column] = _cross(place, force)
+                a[:, row, column] = _cross(place, np.asarray(force))
             spin = masses[body].inertia.about_centre * there.omega**2 * spins[body]
             b[:, row] = -(_cross(points[f"{body}_centre"], lost[body]) - spin)
         a[:, 8, 8], a[:, 8, 7] = SENSE, _cross(reference, normal)
@@ -65,66 +79,101 @@ def _nine(there: Any, points: dict[str, np.ndarray], gains: dict[str, np.ndarray
 def generic(there: Any, setting: None) -> Channels:
     bodies, loading = there.kinematics.bodies, there.loading
     points = {
-        "pivot": bodies["arm"].z[0], "arm_pin": bodies["rod"].z[0], "slider_pin": bodies["slider"].z[0],
-        "roller": there.kinematics.follower.z[0],
+        "pivot": bodies["arm"].origin[0], "arm_pin": bodies["rod"].origin[0], "slider_pin": bodies["slider"].origin[0],
+        "roller": there.kinematics.follower.origin[0],
     }  # fmt: skip
     gains = {}
     for name, inertia in ((m.body, m.inertia) for m in loading.masses):
-        centre = bodies[name].carried(inertia.centre).all
-        points[f"{name}_centre"], gains[name] = centre[0], centre[2]
-    return _nine(there, points, gains, {name: bodies[name].angle[2] for name in ("arm", "rod")})
+        pose, arm = bodies[name], inertia.centre * bodies[name].unit
+        points[f"{name}_centre"] = pose.origin[0] + arm
+        gains[name] = pose.origin[2] + (1j * pose.turn[2] - pose.turn[1] ** 2) * arm
+    return _nine(there, points, gains, {name: bodies[name].turn[2] for name in ("arm", "rod")})
 
 
-def finite_differences(there: Any, step: float) -> Channels:
-    """Positions at three neighbouring angles give the accelerations; forces as above."""
-    masses = {mass.body: mass for mass in there.loading.masses}
-    pivot = complex(G.pivot_x, G.pivot_y)
-
-    def positions(theta: np.ndarray) -> dict[str, np.ndarray]:
-        y = displacement(theta)
-        pin, end = pin_at(y), roller_at(y)
-        slider = pivot + there.kinematics.base["slider"][0] + y + 1j * G.guide_height
-        along = (pin - pivot) / G.slider_arm
-        return {
-            "pivot": np.full(theta.size, pivot), "arm_pin": pin, "slider_pin": slider, "roller": end,
-            "arm_centre": pivot + along * masses["arm"].inertia.centre,
-            "rod_centre": pin + (slider - pin) / G.rod * masses["rod"].inertia.centre, "slider_centre": slider,
-            "arm_angle": np.unwrap(np.angle(along)), "rod_angle": np.unwrap(np.angle(slider - pin)),
-        }  # fmt: skip
-
-    before, here, after = (positions(there.theta + k * step) for k in (-1, 0, 1))
-    second = {k: (after[k] - 2.0 * here[k] + before[k]) / step**2 for k in here}
-    return _nine(
-        there,
-        here,
-        {name: second[f"{name}_centre"] for name in ("arm", "rod", "slider")},
-        {name: second[f"{name}_angle"] for name in ("arm", "rod")},
-    )
-
-
-def table(there: Any, points: int) -> Channels:
-    return tabled(points, lambda theta: list(ours(given(theta), None)), there.theta)
+def _statics(
+    loading: Any, omega: float, push: Any, way: np.ndarray, normal: np.ndarray, places: Any, gains: Any
+) -> Channels:
+    """Body by body: the slider's guide by the rod's moments, what the rod leaves to the arm, the contact by the arm's moments
+    about its pivot. places, gains: arm pin, slider pin and, of places alone, roller; all along the x axis of the guide."""
+    masses = {mass.body: mass for mass in loading.masses}
+    arm, rod, slider = (masses[name] for name in ("arm", "rod", "slider"))
+    (pin, pin_a, roller), (gain, gain_a) = places, gains
+    square, at_arm, at_rod = omega * omega, arm.inertia.centre / G.slider_arm, rod.inertia.centre.real / G.rod
+    from_pivot, along = pin - PIVOT, pin_a - pin
+    turned = gain_a - gain
+    lost_arm = arm.inertia.mass * (arm.gravity - square * at_arm * gain)
+    lost_rod = rod.inertia.mass * (rod.gravity - square * (gain + at_rod * turned))
+    carried = slider.inertia.mass * (slider.gravity - square * gain_a) + push
+    spin = rod.inertia.about_centre * square / G.rod**2 * _cross(along, turned)
+    moment = spin - at_rod * _cross(along, lost_rod) - _cross(along, carried)
+    sign = np.sign(moment / along.real)
+    grip = loading.friction * way * sign  # the guide's force turns by so much
+    guide = moment / (along.real + grip * along.imag)
+    at_pin = lost_rod + carried
+    at_pin.real -= guide * grip
+    at_pin.imag += guide
+    lever = _cross(roller - PIVOT, normal)
+    held = _cross(from_pivot, at_pin) + _cross(at_arm * from_pivot, lost_arm)
+    held -= arm.inertia.about_centre * square / G.slider_arm**2 * _cross(from_pivot, gain)
+    contact = held / lever
+    return contact, -SENSE * contact * _cross(roller, normal)
 
 
-def spline(there: Any, points: int) -> Channels:
+def by_hand(there: Any, setting: None) -> Channels:
+    bodies, loading = there.kinematics.bodies, there.loading
+    places = bodies["rod"].origin[0], bodies["slider"].origin[0], there.kinematics.follower.origin[0]
+    gains = bodies["rod"].origin[2], bodies["slider"].origin[2]
+    push = loading.others[0].force
+    return _statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
+
+
+def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
+    """Accelerations by differences between the places that are given, forces by hand."""
+    bodies, loading = there.kinematics.bodies, there.loading
+    places = bodies["rod"].origin[0], bodies["slider"].origin[0], there.kinematics.follower.origin[0]
+    gains = [differences_on(z, there.theta[1] - there.theta[0], *setting)[1] for z in places[:2]]
+    push = loading.others[0].force
+    return _statics(loading, there.omega, push, there.motion.velocity_sign, there.shape.flank.normal, places, gains)
+
+
+def at_knots(theta: np.ndarray) -> Channels:
+    """What a table of forces holds: motion, linkage, cam and forces by hand."""
+    there = motion_at(theta)
+    y, speed, gain = there.motion.y
+    pin, _, pin_gain, roller, roller_speed, _, _ = linkage_by_hand(there, None)
+    normal = (roller_speed - 1j * SENSE * roller) * (-1j * SENSE)
+    normal /= np.sqrt(normal.real * normal.real + normal.imag * normal.imag)
+    places = pin, PIVOT + L0 + y + 1j * G.guide_height, roller
+    way = np.sign(speed)
+    return _statics(LOADING, OMEGA, LOADING.others[0].force, way, normal, places, (pin_gain, gain + 0j))
+
+
+def cubic(there: Any, points: int) -> Any:
     from scipy.interpolate import CubicSpline
 
-    knots = turn(points + 1) * (points + 1) / points
-    return [CubicSpline(knots, column)(there.theta) for column in ours(given(knots), None)]
+    at = knots(points)
+    return CubicSpline(at, np.array(at_knots(at)), axis=1)
 
+
+_SHOWN = given(turn(4))
+LOADING, OMEGA = _SHOWN.loading, _SHOWN.omega
 
 KERNEL = Kernel(
     "torque",
     "Contact force and torque",
     given=given,
+    again=again,
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("nine equations at once", generic),
-        Method("finite differences, nine equations", finite_differences, (1e-4, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
-        Method("linear table", table, (3600, 90, 360, 36_000), "points"),
-        Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
+        Method("numpy by hand, body by body", by_hand, special=True),
+        Method("nine equations at once", generic, special=True),
+        Method("differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        by_table(at_knots),
+        Method("cubic spline", lambda there, curve: curve(there.theta), (*POINTS[:4], *FEW[2:3]), "points", keeps=cubic),
     ),
     roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion
     digits=5e-15,
+    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads",
+    warm="tables and splines",
 )

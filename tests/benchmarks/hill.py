@@ -44,9 +44,18 @@ def hill(theta: np.ndarray, q: float) -> tuple[np.ndarray, np.ndarray, np.ndarra
 # -- monodromy matrices -----------------------------------------------------------------------------------
 
 
-def by_fixed_steps(eta: np.ndarray, q: float, damping: float, steps: int) -> np.ndarray:
+Samples = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+def step_samples(steps: int, q: float) -> Samples:
+    """The coefficients at the ends and middles of so many steps."""
+    return hill(np.arange(2 * steps + 1) * (TAU / (2 * steps)), q)
+
+
+def by_fixed_steps(eta: np.ndarray, samples: Samples, damping: float) -> np.ndarray:
     """Runge and Kutta's four slopes a step, all η (L,) at once; matrices (L, 2, 2)."""
-    w, p, pull, drag = hill(np.arange(2 * steps + 1) * (TAU / (2 * steps)), q)
+    w, p, pull, drag = samples
+    steps = w.size // 2
     h, lanes = 1.0 / steps, eta[:, None]
     z, v = (np.tile(row, (eta.size, 1)) for row in np.eye(2))
 
@@ -62,6 +71,37 @@ def by_fixed_steps(eta: np.ndarray, q: float, damping: float, steps: int) -> np.
         z = z + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
         v = v + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     return np.stack((z, v), axis=1)
+
+
+def gauss_samples(steps: int, q: float) -> Samples:
+    """The coefficients at Gauss's two points of so many steps, (2, steps) each."""
+    at = (np.arange(steps) + 0.5 + np.array([[-0.5], [0.5]]) / np.sqrt(3.0)) * (TAU / steps)
+    return tuple(f.reshape(2, steps) for f in hill(at.ravel(), q))  # type: ignore[return-value]
+
+
+def by_magnus(eta: np.ndarray, samples: Samples, damping: float) -> np.ndarray:
+    """Magnus' exponentials of fourth order of all steps and all η (L,) at once, multiplied pair by pair."""
+    w, p, pull, drag = (f[:, :, None] for f in samples)
+    steps = w.shape[1]
+    h = 1.0 / steps
+    force = -TAU * TAU * (eta * eta * w + p - 2.0 * damping * eta * pull)  # A = ((0, 1), (force, brake))
+    brake = -2.0 * TAU * damping * eta * drag
+    c = np.sqrt(3.0) / 12.0 * h * h
+    f, g = 0.5 * h * (force[0] + force[1]), 0.5 * h * (brake[0] + brake[1])
+    # the commutator of the two ends
+    a = c * (force[0] - force[1])
+    b, d = h + c * (brake[0] - brake[1]), f + c * (force[0] * brake[1] - brake[0] * force[1])
+    half, along = 0.5 * g, a - 0.5 * g
+    square = along * along + b * d
+    root = np.sqrt(np.abs(square))
+    even = np.where(square > 0.0, np.cosh(root), np.cos(root))
+    odd = np.where(square > 0.0, np.sinh(root), np.sin(root)) / np.where(root > 0.0, root, 1.0)
+    grown = np.exp(half)
+    rows = (grown * (even + along * odd), grown * b * odd, grown * d * odd, grown * (even - along * odd))
+    while rows[0].shape[0] > 1:  # later steps from the left; so many that they halve
+        (p00, p01, p10, p11), (q00, q01, q10, q11) = [r[0::2] for r in rows], [r[1::2] for r in rows]
+        rows = (q00 * p00 + q01 * p10, q00 * p01 + q01 * p11, q10 * p00 + q11 * p10, q10 * p01 + q11 * p11)
+    return np.stack([r[0] for r in rows], axis=-1).reshape(-1, 2, 2)
 
 
 LANES = 48  # of one call of a solver: LSODA keeps the square of so many
@@ -98,8 +138,13 @@ def our_matrices(there: Any, setting: None) -> Channels:
     return _entries(told.matrix)
 
 
-def fixed_matrices(there: Any, steps: int) -> Channels:
-    return _entries(by_fixed_steps(there.eta, Q, DAMPING, steps))
+def fixed_matrices(there: Any, samples: Samples) -> Channels:
+    return _entries(by_fixed_steps(there.eta, samples, DAMPING))
+
+
+def magnus_matrices(there: Any, samples: Samples) -> Channels:
+    parts = [by_magnus(part, samples, DAMPING) for part in np.array_split(there.eta, -(-there.eta.size // LANES))]
+    return _entries(np.concatenate(parts))
 
 
 def solved_matrices(there: Any, setting: tuple[str, float]) -> Channels:
@@ -170,26 +215,34 @@ def _by_trace(there: Any, matrices: Callable[[np.ndarray, float], np.ndarray]) -
 
 
 def fixed_trace(there: Any, steps: int) -> Channels:
-    return _by_trace(there, lambda eta, q: by_fixed_steps(eta, q, 0.0, steps))
+    return _by_trace(there, lambda eta, q: by_fixed_steps(eta, step_samples(steps, q), 0.0))
+
+
+def magnus_trace(there: Any, steps: int) -> Channels:
+    return _by_trace(there, lambda eta, q: by_magnus(eta, gauss_samples(steps, q), 0.0))
 
 
 def solved_trace(there: Any, setting: tuple[str, float]) -> Channels:
     return _by_trace(there, lambda eta, q: by_solver(eta, q, 0.0, setting))
 
 
-def _toeplitz(order: int, q: float, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _toeplitz(order: int, points: int, q: float, half: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """R², T[w], T[p] of Kim1990 (27), (28) for (21): harmonics -N ... N, and half more where the period is two turns."""
-    points = 8192
     w, p, _, _ = hill(np.arange(points) * (TAU / points), q)
     number = np.arange(-order, order + 1) + 0.5 * half
     apart = (number[:, None] - number).astype(int)
     return np.diag(number**2), *(np.fft.fft(f)[apart] / points for f in (w, p))
 
 
-def determinant(there: Any, order: int) -> Channels:
-    def row(q: float) -> np.ndarray:
-        sizes = [_toeplitz(order, q, half) for half in (False, True)]
+Setting = tuple[int, int]  # N, points
 
+
+def all_matrices(there: Any, setting: Setting) -> Any:
+    return [[_toeplitz(*setting, float(q), half) for half in (False, True)] for q in there.q]
+
+
+def determinant(there: Any, matrices: Any) -> Channels:
+    def row(sizes: Any) -> np.ndarray:
         def values(eta: np.ndarray, number: np.ndarray) -> np.ndarray:
             out = np.empty(eta.size)
             for half in (False, True):
@@ -202,22 +255,56 @@ def determinant(there: Any, order: int) -> Channels:
 
         return _scanned(values)
 
-    return list(np.array([row(float(q)) for q in there.q]).T)
+    return list(np.array([row(sizes) for sizes in matrices]).T)
 
 
-def eigenvalues(there: Any, order: int) -> Channels:
+def eigenvalues(there: Any, matrices: Any) -> Channels:
     from scipy.linalg import eigh
 
-    def row(q: float) -> np.ndarray:
+    def row(sizes: Any) -> np.ndarray:
         out = np.empty((COUNT, 2))
         for half in (False, True):
-            square, w, p = _toeplitz(order, q, half)
+            square, w, p = sizes[half]
             eta = np.sqrt(np.maximum(eigh(square - p, w, eigvals_only=True), 0.0))
             for n in range(1 if half else 2, COUNT + 1, 2):
                 out[n - 1] = eta[n - 1 : n + 1]
         return out.ravel()
 
-    return list(np.array([row(float(q)) for q in there.q]).T)
+    return list(np.array([row(sizes) for sizes in matrices]).T)
+
+
+def symmetric_matrices(there: Any, setting: Setting) -> Any:
+    """Counted from the middle of the lift the cam is the same both ways: cosines and sines part, and all is real."""
+    order, points = setting
+    made = []
+    for q in there.q:
+        w, p, _, _ = hill(np.arange(points) * (TAU / points) + 0.25 * TAU, float(q))
+        c = [np.fft.rfft(f).real / points for f in (w, p)]
+        blocks = []
+        for half in (False, True):
+            for sign in (1.0, -1.0):
+                number = np.arange(0 if half or sign > 0.0 else 1, order + 1) + 0.5 * half
+                apart, sums = (np.abs(number[:, None] - number).astype(int), (number[:, None] + number).astype(int))
+                scale = np.where(number == 0.0, np.sqrt(0.5), 1.0)
+                of_w, of_p = ((f[apart] + sign * f[sums]) * scale[:, None] * scale for f in c)
+                blocks.append((np.diag(number**2) - of_p, of_w))
+        made.append(blocks)
+    return made
+
+
+def symmetric_eigenvalues(there: Any, matrices: Any) -> Channels:
+    from scipy.linalg import eigh
+
+    def row(blocks: Any) -> np.ndarray:
+        eta = [np.sqrt(np.maximum(eigh(a, b, eigvals_only=True), 0.0)) for a, b in blocks]
+        out = np.empty((COUNT, 2))
+        for n in range(1, COUNT + 1):
+            even, odd = (eta[2], eta[3]) if n % 2 else (eta[0][1:], eta[1])
+            pair = even[(n - 1) // 2], odd[(n - 1) // 2]
+            out[n - 1] = min(pair), max(pair)
+        return out.ravel()
+
+    return list(np.array([row(blocks) for blocks in matrices]).T)
 
 
 # -- rows -------------------------------------------------------------------------------------------------
@@ -229,9 +316,12 @@ def _given(**values: Any) -> SimpleNamespace:
 
 def _solvers(run: Callable[[Any, Any], Channels], tolerances: tuple[float, ...]) -> list[Method]:
     return [
-        Method(f"solve_ivp {name}", run, [(name, tolerance) for tolerance in tolerances], "rtol") for name in ("DOP853", "LSODA")
+        Method(f"solve_ivp {name}", run, tuple((name, tolerance) for tolerance in tolerances), "rtol")
+        for name in ("DOP853", "LSODA")
     ]
 
+
+BY_MATRIX = ((20, 1024), (8, 256), (12, 512), (40, 2048), (60, 8192), (80, 16384))
 
 TONGUES = Kernel(
     "tongues",
@@ -239,14 +329,21 @@ TONGUES = Kernel(
     given=lambda q: _given(q=q),
     grid=lambda n: Q * (1.0 - np.arange(n) / (2.0 * n)),
     methods=(
-        Method("KINDYNA", our_edges, (1e-8, 1e-10, 1e-11, 1e-13), "wanted error", ours=True),
-        Method("harmonic matrices, scipy's eigh", eigenvalues, (20, 5, 10, 40, 80), "N"),
-        Method("determinant on a grid", determinant, (10, 5, 20), "N"),
-        Method("trace on a grid, RK4", fixed_trace, (200, 50, 100, 400), "steps"),
-        *(replace(m, name=f"trace on a grid, {m.name}", one_by_one=True) for m in _solvers(solved_trace, (1e-8,))),
+        Method("KINDYNA", our_edges, (1e-8, 1e-10, 1e-11, 1e-12, 1e-13), "wanted error", ours=True),
+        Method("harmonic matrices, scipy's eigh", eigenvalues, BY_MATRIX, "N, points", keeps=all_matrices),
+        Method(
+            "harmonic matrices, even and odd apart", symmetric_eigenvalues, BY_MATRIX, "N, points",
+            special=True, keeps=symmetric_matrices,
+        ),  # fmt: skip
+        Method("determinant on a grid", determinant, ((10, 512), (20, 2048)), "N, points", keeps=all_matrices),
+        Method("trace on a grid, RK4", fixed_trace, (200, 50), "steps"),
+        Method("trace on a grid, Magnus", magnus_trace, (128, 64, 256), "steps"),
+        replace(_solvers(solved_trace, (1e-6,))[0], name="trace on a grid, solve_ivp DOP853", one_by_one=True),
     ),
     roundings=8,
     digits=2e-15,
+    handed="the cam's coefficients as functions of the cam angle",
+    warm="matrices of the row of Q; what KINDYNA knows of the order of harmonics",
     sizes=(1, 4, 16, 64),
     usual=1,
     between=1,
@@ -260,12 +357,21 @@ MONODROMY = Kernel(
     grid=lambda n: np.linspace(ETAS[0], ETAS[-1], n),
     methods=(
         Method("KINDYNA", our_matrices, ours=True),
-        Method("RK4, fixed steps", fixed_matrices, (400, 100, 200, 1600, 6400), "steps"),
+        Method(
+            "RK4, all at once", fixed_matrices, (400, 100, 200, 1600, 6400), "steps",
+            keeps=lambda there, steps: step_samples(steps, Q),
+        ),  # fmt: skip
+        Method(
+            "Magnus' exponentials, all at once", magnus_matrices, (256, 64, 128, 1024, 4096), "steps",
+            keeps=lambda there, steps: gauss_samples(steps, Q),
+        ),  # fmt: skip
         *_solvers(solved_matrices, (1e-6, 1e-3, 1e-9, 1e-12)),
     ),
     # the product of the panels, each good to some roundings
     roundings=32,
     digits=4e-15,
+    handed="the cam's coefficients as functions of the cam angle, 100 points η",
+    warm="samples of the coefficients; what KINDYNA knows of its series",
     sizes=(10, 100, 1000, 3000),
     usual=100,
     between=1,

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from benchmarks.exact import LAW
-from benchmarks.plain import K, modified_sine
+from benchmarks.plain import FEW, POINTS, STEPS, K, by_table, hermite, knots, law, modified_sine
 from benchmarks.table import Channels, Kernel, Method
 
 from core.laws import LAWS
+
+PI = np.pi
 
 
 def ours(u: np.ndarray, setting: None) -> Channels:
@@ -17,15 +21,20 @@ def ours(u: np.ndarray, setting: None) -> Channels:
 
 def branches(u: np.ndarray, setting: None) -> Channels:
     """The textbook's three formulas for each of s, v, a, every one at every angle."""
-    pi = np.pi
-    ends, middle = 4 * pi * u, 4 * pi * u / 3 + pi / 3
+    ends, middle = 4 * PI * u, 4 * PI * u / 3 + PI / 3
     where = [u <= 0.125, u <= 0.875]
-    speed, bend = pi * K * (1 - np.cos(ends)), 4 * pi * pi * K * np.sin(ends)
+    first = K * (PI * u - np.sin(ends) / 4)
+    speed, bend = PI * K * (1 - np.cos(ends)), 4 * PI * PI * K * np.sin(ends)
     return (
-        modified_sine(u),
-        np.select(where, [speed, pi * K * (1 - 3 * np.cos(middle))], speed),
-        np.select(where, [bend, 4 * pi * pi * K * np.sin(middle)], bend),
+        np.select(where, [first, K * (2 + PI * u - 9 / 4 * np.sin(middle))], 4 * K + first),
+        np.select(where, [speed, PI * K * (1 - 3 * np.cos(middle))], speed),
+        np.select(where, [bend, 4 * PI * PI * K * np.sin(middle)], bend),
     )
+
+
+def by_hand(u: np.ndarray, setting: None) -> Channels:
+    """The same with one sine and one cosine an angle: what differs between the branches is looked up."""
+    return law(u)
 
 
 def differences(u: np.ndarray, step: float) -> Channels:
@@ -33,16 +42,19 @@ def differences(u: np.ndarray, step: float) -> Channels:
     return here, (after - before) / (2 * step), (after - 2 * here + before) / step**2
 
 
-def table(u: np.ndarray, points: int) -> Channels:
-    knots = np.linspace(0.0, 1.0, points + 1)
-    return [np.interp(u, knots, column) for column in branches(knots, None)]
-
-
-def spline(u: np.ndarray, points: int) -> Channels:
+def cubic(u: np.ndarray, points: int) -> Any:
     from scipy.interpolate import CubicSpline
 
-    knots = np.linspace(0.0, 1.0, points + 1)
-    curve = CubicSpline(knots, modified_sine(knots), bc_type="clamped")
+    at = knots(points, 1.0)
+    return CubicSpline(at, modified_sine(at), bc_type="clamped")
+
+
+def quintic(u: np.ndarray, points: int) -> Any:
+    at = knots(points, 1.0)
+    return hermite(at, *by_hand(at, None))
+
+
+def from_curve(u: np.ndarray, curve: Any) -> Channels:
     return curve(u), curve(u, 1), curve(u, 2)
 
 
@@ -53,11 +65,15 @@ KERNEL = Kernel(
     grid=lambda n: np.arange(n) / n,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("textbook branches", branches),
-        Method("finite differences", differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
-        Method("linear table", table, (3600, 90, 360, 36_000), "points"),
-        Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
+        Method("numpy by hand", by_hand, special=True),
+        Method("textbook branches", branches, special=True),
+        Method("finite differences", differences, STEPS, "step"),
+        by_table(lambda at: by_hand(at, None), where=lambda u: u, end=1.0),
+        Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
+        Method("quintic table", from_curve, (*FEW, 7200), "points", keeps=quintic),
     ),
     roundings=16,
     digits=2e-15,
+    handed="the parts of the segment",
+    warm="tables and splines",
 )

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from benchmarks import peers
 from benchmarks.plain import (
     BETA0,
+    FEW,
     L0,
+    ON_GRID,
     PHI0,
     PIVOT,
+    POINTS,
+    STEPS,
     G,
     arm_pin,
+    by_table,
     differences,
+    differences_on,
     displacement,
     given,
-    roller,
+    hermite,
+    knots,
+    motion_at,
     splined,
-    tabled,
     turn,
 )
 from benchmarks.table import Channels, Kernel, Method
@@ -73,60 +81,99 @@ def printed(there: Any, setting: None) -> Channels:
     return _carried(phi, beta, *_rates(phi, beta, y))
 
 
+def _side() -> float:
+    """+1 where the arm's pin lies left of the line from the pivot to the slider's."""
+    return math.copysign(1.0, L0 * math.sin(PHI0) - G.guide_height * math.cos(PHI0))
+
+
+@np.errstate(invalid="ignore", divide="ignore")
+def by_hand(there: Any, setting: None) -> Channels:
+    """Two circles that meet; the loop equation's two derivatives by unit vectors of arm and rod."""
+    l1, l2 = G.slider_arm, G.rod
+    y, speed, gain = there.motion.y[:3]
+    to = (L0 + y) + 1j * G.guide_height
+    square = to.real * to.real + G.guide_height**2
+    along = (0.5 * (l1 * l1 - l2 * l2)) / square + 0.5
+    pin = np.empty(y.shape, dtype=complex)
+    pin.real, pin.imag = along, _side() * np.sqrt((l1 * l1) / square - along * along)
+    pin *= to
+    rod = (to - pin) / l2
+    across = rod.real * pin.imag - rod.imag * pin.real
+    arm_speed, rod_speed = -speed * rod.real / across, speed * pin.real / (l2 * across)
+    push = gain * rod.real + arm_speed * arm_speed * (rod.real * pin.real + rod.imag * pin.imag) + l2 * rod_speed * rod_speed
+    turned, turning = 1j * arm_speed * pin, np.empty(y.shape, dtype=complex)
+    turning.real, turning.imag = -arm_speed * arm_speed, -push / across
+    turning *= pin
+    ahead = (G.roller_arm / l1) * np.exp(1j * G.fixed_angle)
+    return [PIVOT + pin, turned, turning, PIVOT + ahead * pin, ahead * turned, ahead * turning, rod]
+
+
+def newton_at_once(there: Any, steps: int) -> Channels:
+    """Newton's method for all angles at once, each from the base position."""
+    slider, l1, l2 = L0 + there.motion.y[0], G.slider_arm, G.rod
+    phi, beta = np.full(slider.shape, PHI0), np.full(slider.shape, BETA0)
+    for _ in range(steps):
+        c, s, cb, sb = np.cos(phi), np.sin(phi), np.cos(beta), np.sin(beta)
+        f, g = l1 * c + l2 * cb - slider, l1 * s + l2 * sb - G.guide_height
+        across = s * cb - c * sb
+        phi, beta = phi + (f * cb + g * sb) / (l1 * across), beta - (f * c + g * s) / (l2 * across)
+    return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
+
+
 def _loop(x: np.ndarray, slider: float) -> list[float]:
-    """The loop equation and its solution's place."""
-    phi, beta = x
+    """The loop equation."""
+    phi, beta = x.tolist()
     return [
-        G.slider_arm * np.cos(phi) + G.rod * np.cos(beta) - slider,
-        G.slider_arm * np.sin(phi) + G.rod * np.sin(beta) - G.guide_height,
+        G.slider_arm * math.cos(phi) + G.rod * math.cos(beta) - slider,
+        G.slider_arm * math.sin(phi) + G.rod * math.sin(beta) - G.guide_height,
     ]
 
 
-def _each(there: Any, solve: Any) -> Channels:
+def newton(there: Any, tolerance: float) -> Channels:
     """Angle by angle, each from the one before."""
+    from scipy.optimize import fsolve
+
     x, found = START, []
     for slider in (L0 + there.motion.y[0]).tolist():
-        x = solve(x, slider)
+        x = fsolve(_loop, x, args=(slider,), xtol=tolerance)
         found.append(x)
     phi, beta = np.array(found).T
     return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
 
 
-def newton(there: Any, tolerance: float) -> Channels:
-    from scipy.optimize import fsolve
+def _with_roller(there: Any, pin: np.ndarray, speed: np.ndarray, gain: np.ndarray) -> Channels:
+    """The roller stands on the arm with the pin; the rod lies between that and the slider."""
+    ahead = (G.roller_arm / G.slider_arm) * np.exp(1j * G.fixed_angle)
+    rod = (PIVOT + L0 + there.motion.y[0] + 1j * G.guide_height - pin) / G.rod
+    return [pin, speed, gain, PIVOT + ahead * (pin - PIVOT), ahead * speed, ahead * gain, rod]
 
-    return _each(there, lambda x, slider: fsolve(_loop, x, args=(slider,), xtol=tolerance))
 
-
-def hybrid(there: Any, tolerance: float) -> Channels:
-    from scipy.optimize import root
-
-    return _each(there, lambda x, slider: root(_loop, x, args=(slider,), method="hybr", tol=tolerance).x)
+def _pin_at(theta: np.ndarray) -> np.ndarray:
+    return arm_pin(displacement(theta))
 
 
 def finite_differences(there: Any, step: float) -> Channels:
     """Positions by circles that meet; their derivatives by central differences."""
-    ends = (arm_pin, roller)
-    moved = [d for end in ends for d in differences(lambda t, end=end: end(displacement(t)), there.theta, step)]
-    return [*moved, _rod(displacement(there.theta), moved[0])]
+    return _with_roller(there, *differences(_pin_at, there.theta, step))
 
 
-def _rod(y: np.ndarray, pin: np.ndarray) -> np.ndarray:
-    """Direction from the arm's pin to the slider's."""
-    return (PIVOT + L0 + y + 1j * G.guide_height - pin) / G.rod
+def on_grid(there: Any, setting: tuple[int, int]) -> Channels:
+    """The same between the cam angles that are given."""
+    pin = arm_pin(there.motion.y[0])
+    return _with_roller(there, pin, *differences_on(pin, there.theta[1] - there.theta[0], *setting))
 
 
-def table(there: Any, points: int) -> Channels:
-    def exact(theta: np.ndarray) -> list[np.ndarray]:
-        return list(ours(given(theta), None))
-
-    return tabled(points, exact, there.theta)
+def cubic(there: Any, points: int) -> Any:
+    return splined(points, _pin_at)
 
 
-def spline(there: Any, points: int) -> Channels:
-    curves = [splined(points, lambda t, end=end: end(displacement(t))) for end in (arm_pin, roller)]
-    moved = [curve(there.theta, order) for curve in curves for order in range(3)]
-    return [*moved, _rod(displacement(there.theta), moved[0])]
+def quintic(there: Any, points: int) -> Any:
+    at = knots(points)
+    return hermite(at, *by_hand(motion_at(at), None)[:3])
+
+
+def from_curve(there: Any, curve: Any) -> Channels:
+    return _with_roller(there, *(curve(there.theta, order) for order in range(3)))
 
 
 TOLERANCES = (1e-10, 1e-2, 1e-5)
@@ -138,16 +185,21 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("tangent substitution, printed (7)-(14)", printed),
+        Method("numpy by hand", by_hand, special=True),
+        Method("tangent substitution, printed (7)-(14)", printed, special=True),
+        Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
         Method("Newton (fsolve)", newton, TOLERANCES, "xtol", one_by_one=True),
-        Method("Powell hybrid (root)", hybrid, TOLERANCES, "tol", one_by_one=True),
-        Method("finite differences", finite_differences, (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6), "step"),
-        Method("linear table", table, (3600, 90, 360, 36_000), "points"),
-        Method("cubic spline", spline, (3600, 90, 360, 36_000), "points"),
+        Method("finite differences", finite_differences, STEPS, "step"),
+        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        by_table(lambda at: by_hand(motion_at(at), None)),
+        Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
+        Method("quintic table", from_curve, FEW, "points", keeps=quintic),
         Method("pylinkage's formulas in a loop of one's own, compiled by numba", peers.pylinkage, needs=("pylinkage", "numba")),
         Method("pylinkage's formulas in a loop of one's own", peers.pylinkage_plain, needs=("pylinkage",), one_by_one=True),
-        Method("mechanism", peers.mechanism, needs=("mechanism",), one_by_one=True),
+        Method("mechanism", peers.mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion
     digits=1.2e-14,
+    handed="displacement, velocity and acceleration of the slider; lengths and the base position",
+    warm="tables and splines; what KINDYNA knows of the plan by which a linkage is solved",
 )

@@ -10,11 +10,12 @@ import time
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from benchmarks.table import Kernel, Method, kernels
-from benchmarks.timing import measure, peak_memory
+from benchmarks.table import Kernel, Method, forget, kernels
+from benchmarks.timing import Fresh, Run, measure, peak_memory
 
 from core.process import keep_freed_memory
 from core.project.files import write_all
@@ -25,9 +26,13 @@ MOST_MEMORY_RUN = 0.6  # [s] longer ones are not repeated to measure their memor
 MOST_MEMORY_LOOP = 0.05  # ... nor loops of Python, which take many times as long then
 
 
+WARM, COLD = "warm", "cold"
+
+
 @dataclass(frozen=True)
 class Row:
-    """One line of the CSV; times by the yardstick and by our method in the same group."""
+    """One line of the CSV; times by the yardstick and by our method in its usual setting, in the same regime. noise: by how
+    much of itself the time may differ in another run."""
 
     kernel: str
     method: str
@@ -39,6 +44,8 @@ class Row:
     times_yardstick: float
     times_ours: float
     note: str
+    regime: str = WARM
+    noise: float = 0.0
 
 
 WINDOW = ("edit to paint", "drag to paint", "animation", "start")  # kernels of the window, which window.py measures
@@ -50,8 +57,8 @@ class Plan:
     """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
     settings left out; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 1.2
-    growth: float = 0.35
+    usual: float = 4.0
+    growth: float = 0.5
     sizes: int = 99
     settings: int = 99
     longest: float = 0.7
@@ -63,9 +70,9 @@ FULL, QUICK = Plan(), Plan(usual=0.3, growth=0.1, sizes=2, settings=1, longest=0
 
 
 def _text(setting: Any) -> str:
-    if setting is None:
-        return ""
-    return f"{setting[-1]:g}" if isinstance(setting, tuple) else f"{setting:g}"
+    """Numbers only: what else a setting holds stands in the method's name."""
+    numbers = setting if isinstance(setting, tuple) else (setting,)
+    return ", ".join(f"{number:g}" for number in numbers if isinstance(number, int | float))
 
 
 def _lacking(kernel: Kernel, method: Method) -> Row:
@@ -77,30 +84,58 @@ def _memory(run: Any, seconds: float, method: Method) -> float:
     return peak_memory(run) if seconds <= (MOST_MEMORY_LOOP if method.one_by_one else MOST_MEMORY_RUN) else math.nan
 
 
+def warm_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Fresh:
+    """On what nobody has read yet, with what may be kept."""
+    kept = method.kept(there, setting)
+
+    def make() -> Run:
+        return partial(method.solve, kernel.again(there), kept)
+
+    return Fresh(make)
+
+
+def cold_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Fresh:
+    """The same with nothing kept: whatever is kept is made within the time."""
+
+    def make() -> Run:
+        given = kernel.again(there)
+        if method.ours:
+            forget()
+        return partial(method.cold, given, setting)
+
+    return Fresh(make, alone=method.ours)
+
+
 def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
-    """Every method with each of its settings: time and true error."""
+    """Every method with each of its settings, warm and cold: time and true error. A method that keeps nothing is the same
+    in both."""
     there = kernel.given(kernel.grid(kernel.usual))
-    there_rows = [m for m in kernel.methods if not m.lacks]
-    told = [(m, s) for m in there_rows for s in m.settings[: plan.settings]]
-    runs = {f"{i}": (lambda m=m, s=s: m.solve(there, s)) for i, (m, s) in enumerate(told)}
-    for i, (method, _) in enumerate(told):
-        if not method.one_by_one:
-            runs[f"{i}"]()  # compile, import, fill caches
-    times = measure(runs, kernel.usual, plan.usual)
-    ours = times.seconds["0"]
+    told = [(m, s) for m in kernel.methods if not m.lacks for s in m.settings[: plan.settings]]
+    runs = {}
     for i, (method, setting) in enumerate(told):
-        seconds = times.seconds[f"{i}"]
-        yield Row(
-            kernel.name, method.name, kernel.usual, seconds, kernel.error(method, setting),
-            _memory(runs[f"{i}"], seconds, method), _text(setting), seconds / times.yardstick, seconds / ours, "",
-        )  # fmt: skip
+        runs[f"{WARM} {i}"] = warm_run(kernel, method, there, setting)
+        if method.ours or method.keeps:
+            runs[f"{COLD} {i}"] = cold_run(kernel, method, there, setting)
+        if not method.one_by_one:
+            runs[f"{WARM} {i}"].make()()  # compile, import, fill caches
+    times = measure(runs, kernel.usual, plan.usual)
+    for i, (method, setting) in enumerate(told):
+        error = kernel.error(method, setting)
+        memory = _memory(runs[f"{WARM} {i}"].make(), times.seconds[f"{WARM} {i}"], method)
+        for regime in (WARM, COLD):
+            name = f"{regime} {i}" if f"{regime} {i}" in runs else f"{WARM} {i}"
+            seconds = times.seconds[name]
+            yield Row(
+                kernel.name, method.name, kernel.usual, seconds, error, memory, _text(setting), seconds / times.yardstick,
+                seconds / times.seconds[f"{regime} 0"], "", regime, times.noise[name],
+            )  # fmt: skip
     for method in kernel.methods:
         if method.lacks:
             yield _lacking(kernel, method)
 
 
 def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
-    """Each method in its usual setting at the other sizes, as long as a run of it does not take too long."""
+    """Each method in its usual setting at the other sizes, warm, as long as a run of it does not take too long."""
     expected = {}
     for row in usual:
         expected.setdefault(row.method, row)  # the usual setting comes first
@@ -110,14 +145,15 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
             if not m.lacks and (m.ours or expected[m.name].seconds * n / kernel.usual <= plan.longest)
         ]  # fmt: skip
         there = kernel.given(kernel.grid(n))
-        runs = {m.name: (lambda m=m, there=there: m.solve(there, m.settings[0])) for m in methods}
+        runs = {m.name: warm_run(kernel, m, there, m.settings[0]) for m in methods}
         times = measure(runs, n, plan.growth)
         ours = times.seconds[kernel.ours.name]
         for method in methods:
             seconds = times.seconds[method.name]
             yield Row(
-                kernel.name, method.name, n, seconds, expected[method.name].error, _memory(runs[method.name], seconds, method),
-                _text(method.settings[0]), seconds / times.yardstick, seconds / ours, "",
+                kernel.name, method.name, n, seconds, expected[method.name].error,
+                _memory(runs[method.name].make(), seconds, method),
+                _text(method.settings[0]), seconds / times.yardstick, seconds / ours, "", WARM, times.noise[method.name],
             )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from benchmarks.chart import COLOURS, Chart, Curve, font, legend, paint
-from benchmarks.measuring import Row
+from benchmarks.measuring import WARM, Row
 from benchmarks.stress import Look
 from benchmarks.table import Kernel, kernels
 from PySide6.QtCore import QBuffer, QByteArray, QIODevice, QRect, QRectF, QSize
@@ -23,7 +23,7 @@ RATIO = 2
 def _of(rows: Sequence[Row], kernel: str) -> dict[str, list[Row]]:
     found: dict[str, list[Row]] = {}
     for row in rows:
-        if row.kernel == kernel and not row.note:
+        if row.kernel == kernel and row.regime == WARM and not row.note:
             found.setdefault(row.method, []).append(row)
     return found
 
@@ -91,7 +91,7 @@ def _paint(painter: QPainter, rows: Sequence[Row], looks: Sequence[Look]) -> Non
     painter.setFont(font(18, bold=True))
     painter.drawText(QRectF(EDGE, 12, 1200, 26), "Run time against true error")
     painter.setFont(font(12))
-    usual = "3600 cam angles, unless said otherwise; times are ratios, of the best of several runs in turn; errors against 50-digit values"
+    usual = "3600 cam angles, unless said otherwise, warm; times are ratios, of the best of several runs in turn; errors against 50-digit values"
     painter.drawText(QRectF(EDGE, 38, 1300, 20), usual)
     stress_top = min((area.top() for area, chart in charts if chart.up == "error / bound"), default=0.0)
     if stress_top:

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from benchmarks.exact import FITTED
+from benchmarks.table import Method
 from mechanisms import LIFT
 
+from core.cam import envelope
 from core.design import si
+from core.followers import built
+from core.mechanism import solve_mechanism
 from core.motion import TURN
 from core.study import Study
 
@@ -44,21 +49,71 @@ def given(theta: np.ndarray, fitted: bool = False) -> SimpleNamespace:
     )  # fmt: skip
 
 
+def again(there: SimpleNamespace) -> SimpleNamespace:
+    """The same with the linkage solved anew: of every body position, velocity and acceleration, of its angle too, and the
+    normal of the cam stand there; what our stages make of these later does not."""
+    kinematics = solve_mechanism(built(there.follower, there.cam), there.motion)
+    for pose in (*kinematics.bodies.values(), kinematics.follower):
+        _ = pose.unit, [(pose.origin[order], pose.turn[order]) for order in range(3)]
+    _ = kinematics.travel
+    shape = envelope(kinematics, there.cam, SENSE)
+    _ = shape.flank.normal
+    return SimpleNamespace(**{**vars(there), "kinematics": kinematics, "shape": shape})
+
+
+_WAVE, _SHIFT = np.array((4 * np.pi, 4 * np.pi / 3, 4 * np.pi)), np.array((0.0, np.pi / 3, 0.0))
+_START, _SIZE = np.array((0.0, 2.0, 4.0)) * K, np.array((0.25, 2.25, 0.25)) * K
+
+
 def modified_sine(u: np.ndarray) -> np.ndarray:
-    """Displacement of the law, branch by branch."""
-    return np.select(
-        [u <= 0.125, u <= 0.875],
-        [K * (np.pi * u - np.sin(4 * np.pi * u) / 4), K * (2 + np.pi * u - 9 / 4 * np.sin(4 * np.pi * u / 3 + np.pi / 3))],
-        K * (4 + np.pi * u - np.sin(4 * np.pi * u) / 4),
-    )
+    """Displacement of the law; what differs between its branches is looked up."""
+    branch = (u > 0.125).astype(np.intp) + (u > 0.875)
+    return np.asarray(_START[branch] + np.pi * K * u - _SIZE[branch] * np.sin(_WAVE[branch] * u + _SHIFT[branch]))
+
+
+def law(u: np.ndarray) -> list[np.ndarray]:
+    """s, v, a with one sine and one cosine an angle."""
+    branch = (u > 0.125).astype(np.intp) + (u > 0.875)
+    wave, size = _WAVE[branch], _SIZE[branch]
+    at = wave * u + _SHIFT[branch]
+    sine, cosine, bend = np.sin(at), np.cos(at), wave * size
+    return [_START[branch] + np.pi * K * u - size * sine, np.pi * K - bend * cosine, wave * bend * sine]
+
+
+_GAIN = STROKE * np.array((0.0, -1.0, 0.0, 1.0, 0.0))
+_LEVEL = STROKE * np.array((1.0, 1.0, 0.0, 0.0, 1.0))
+
+
+def _moving(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The segment of each angle; which of them lie in a rise or return; where in it."""
+    at = np.mod(theta, TURN)
+    segment = np.clip(np.searchsorted(JOINS, at, side="right") - 1, 0, 4)
+    moving = np.flatnonzero(_GAIN[segment])
+    return segment, moving, (at[moving] - JOINS[segment[moving]]) / _SPANS[segment[moving]]
 
 
 def displacement(theta: np.ndarray) -> np.ndarray:
     """y [m] at any cam angles."""
-    at = np.mod(theta, TURN)
-    segment = np.clip(np.searchsorted(JOINS, at, side="right") - 1, 0, 4)
-    s = modified_sine((at - JOINS[segment]) / _SPANS[segment])
-    return np.select([segment == 1, segment == 2, segment == 3], [STROKE * (1.0 - s), 0.0, STROKE * s], STROKE)
+    segment, moving, u = _moving(theta)
+    y = _LEVEL[segment]
+    y[moving] += _GAIN[segment[moving]] * modified_sine(u)
+    return np.asarray(y)
+
+
+def moved(theta: np.ndarray) -> np.ndarray:
+    """y, y', y'' (3, n) [m]."""
+    segment, moving, u = _moving(theta)
+    y = np.zeros((3, theta.size))
+    y[0] = _LEVEL[segment]
+    gain, span = _GAIN[segment[moving]], _SPANS[segment[moving]]
+    for order, values in enumerate(law(u)):
+        y[order, moving] += gain * values / span**order
+    return y
+
+
+def motion_at(theta: np.ndarray) -> SimpleNamespace:
+    """Cam angles with the motion by hand: what a linkage is handed."""
+    return SimpleNamespace(theta=theta, motion=SimpleNamespace(y=moved(theta)))
 
 
 def arm_pin(y: np.ndarray) -> np.ndarray:
@@ -87,15 +142,70 @@ def differences(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray,
     return here, (after - before) / (2.0 * step), (after - 2.0 * here + before) / step**2
 
 
-def tabled(points: int, values: Callable[[np.ndarray], list[np.ndarray]], theta: np.ndarray) -> list[np.ndarray]:
-    """Straight lines between ``points`` exact values over the turn."""
-    knots = turn(points + 1) * (points + 1) / points
-    return [np.interp(theta, knots, column) for column in values(knots)]
+# -- tables, which are kept ---------------------------------------------------------------------------------
+
+Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
+STEPS = (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6)
+POINTS = (3600, 90, 360, 36_000, 360_000)
+FEW = (360, 90, 720, 3600)
 
 
-def splined(points: int, column: Callable[[np.ndarray], np.ndarray]) -> Any:
+def knots(points: int, end: float = TURN) -> np.ndarray:
+    return np.arange(points + 1) * (end / points)
+
+
+def looked_up(at: np.ndarray, table: tuple[np.ndarray, Sequence[np.ndarray]]) -> list[np.ndarray]:
+    """Straight lines."""
+    return [np.interp(at, table[0], column) for column in table[1]]
+
+
+def by_table(values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN) -> Method:
+    """Straight lines between exact values of every channel."""
+
+    def keeps(there: Any, points: int) -> Any:
+        at = knots(points, end)
+        return at, values(at)
+
+    return Method("linear table", lambda there, kept: looked_up(where(there), kept), POINTS, "points", keeps=keeps)
+
+
+def splined(points: int, column: Callable[[np.ndarray], np.ndarray], end: float = TURN) -> Any:
     """A cubic spline through values over the turn."""
     from scipy.interpolate import CubicSpline
 
-    knots = turn(points + 1) * (points + 1) / points
-    return CubicSpline(knots, column(knots))
+    at = knots(points, end)
+    return CubicSpline(at, column(at))
+
+
+def hermite(at: np.ndarray, s: np.ndarray, v: np.ndarray, a: np.ndarray) -> Any:
+    """Pieces of degree five through values, velocities and accelerations at the knots."""
+    from scipy.interpolate import PPoly
+
+    h = np.diff(at)
+    s0, v0, a0 = s[:-1], v[:-1] * h, a[:-1] * h * h / 2.0
+    d, e, f = s[1:] - s0 - v0 - a0, v[1:] * h - v0 - 2.0 * a0, a[1:] * h * h / 2.0 - a0
+    rows = (6.0 * d - 3.0 * e + f, 7.0 * e - 15.0 * d - 2.0 * f, 10.0 * d - 4.0 * e + f, a0, v0, s0)
+    return PPoly(np.array([row / h ** (5 - k) for k, row in enumerate(rows)]), at)
+
+
+def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders: int = 2) -> list[np.ndarray]:
+    """One derivative or two of values on an even grid over the turn, by central differences of order 2, 4, 6 with every so
+    manieth neighbour."""
+    first, second = {
+        2: ((0.5,), (1.0,)),
+        4: ((2.0 / 3.0, -1.0 / 12.0), (4.0 / 3.0, -1.0 / 12.0)),
+        6: ((0.75, -0.15, 1.0 / 60.0), (1.5, -0.15, 1.0 / 90.0)),
+    }[order]
+    reach = every * len(first)
+    wide = np.concatenate((grid[-reach:], grid, grid[:reach]))
+    n, h = grid.size, step * every
+    ahead = [wide[reach + every * k : reach + every * k + n] for k in range(1, len(first) + 1)]
+    behind = [wide[reach - every * k : reach - every * k + n] for k in range(1, len(first) + 1)]
+    made = [sum((c / h) * (a - b) for c, a, b in zip(first, ahead, behind, strict=True))]
+    if orders == 2:
+        rows = zip(second, ahead, behind, strict=True)
+        made.append(sum((c / (h * h)) * (a + b) for c, a, b in rows) - (2.0 * sum(second) / (h * h)) * grid)
+    return made  # type: ignore[return-value]
+
+
+ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10, 20))

@@ -1,110 +1,217 @@
-"""The table for readers: each kernel's alternatives by the time KINDYNA takes and the error it makes, never in
-milliseconds, which are those of one machine."""
+"""The tables for readers: what each method takes to come within an error, by what KINDYNA takes to come within the same, cold
+and warm; never in milliseconds, which are those of one machine."""
 
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
-from benchmarks.measuring import WINDOW, Row
-from benchmarks.table import kernels
+from benchmarks.measuring import COLD, WARM, WINDOW, Row
+from benchmarks.table import Kernel, kernels
 
 from core.project.files import write_all
 
 BEGIN, END = "<!-- make bench ARGS=--readme: begin -->", "<!-- make bench ARGS=--readme: end -->"
-AS_GOOD = 4.0  # an error up to so many times ours counts as the same
-NOT_SHORT = ("monodromy",)  # beside the tongues, which it gives where there is damping
-NOISE = 1.05  # times nearer than this are the same
+ERRORS = tuple(range(-3, -13, -1))  # powers of ten
+SHORT = (-3, -6, -9, -12)
+TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-ups")
+NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
+REGIMES = (WARM, COLD)
 
 
-def _power(value: float) -> str:
+def power(exponent: int) -> str:
+    """10⁻⁶."""
+    return f"10{str(exponent).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}"
+
+
+def size(value: float) -> str:
+    """An error: its power of ten and a digit."""
     if value == 0.0:
         return "0"
     if not math.isfinite(value):
         return "no digit right"
-    digits = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-    exponent = math.floor(math.log10(value))
-    return f"{value / 10.0**exponent:.1f}·10{str(exponent).translate(digits)}"
+    exponent = math.floor(math.log10(value) + 1e-12)
+    digit = round(value / 10.0**exponent)
+    return f"{power(exponent + 1)}" if digit == 10 else f"{digit}·{power(exponent)}"
 
 
-def times(ratio: float) -> str:
-    """Two digits: ×0.85, ×3.2, ×320, ×6800."""
-    size = 10.0 ** (1 - math.floor(math.log10(ratio)))
-    shown = round(ratio * size) / size
-    return f"×{shown:.0f}" if shown >= 10.0 else f"×{shown:.2g}"
+@dataclass(frozen=True)
+class Ratio:
+    """A time by another, and by how much of itself it may differ in the next run."""
+
+    value: float
+    noise: float
+
+    @property
+    def alike(self) -> bool:
+        """No difference that the next run is sure to show."""
+        return abs(math.log(self.value)) <= math.log1p(2.0 * self.noise)
+
+    @property
+    def digits(self) -> str:
+        """One digit, and a second where the noise leaves it: 0.4, 1.3, 12, 300."""
+        return _rounded(self.value, self.noise)
+
+    @property
+    def words(self) -> str:
+        """The same words for who wins and who loses."""
+        if self.alike:
+            return "as fast"
+        if self.value < 1.0:
+            return f"{_rounded(1.0 / self.value, self.noise)} times faster"
+        return f"{self.digits} times slower"
 
 
-def best(rows: Sequence[Row]) -> Row:
-    """Of a method's settings the one of least error; of those about as good the quickest."""
-    least = min(row.error for row in rows)
-    return min((r for r in rows if r.error <= AS_GOOD * least), key=lambda r: r.seconds)
+def _rounded(value: float, noise: float) -> str:
+    step = 10.0 ** math.floor(math.log10(value))
+    step /= 10.0 if 0.05 * step >= noise * value else 1.0
+    shown = round(value / step) * step
+    if math.floor(math.log10(shown) + 1e-9) > math.floor(math.log10(value)):
+        step *= 10.0  # 0.097 is 0.1
+    places = max(0, -math.floor(math.log10(step) + 1e-9))
+    return f"{shown:.{places}f}"
 
 
-def beside(row: Row, ours: Sequence[Row]) -> Row:
-    """Of our settings the quickest that is as accurate as the row; where none is, the most accurate."""
-    as_good = [r for r in ours if r.error <= row.error]
-    return min(as_good, key=lambda r: r.seconds) if as_good else best(ours)
+@dataclass(frozen=True)
+class Told:
+    """The rows of one kernel at its usual size."""
+
+    kernel: Kernel
+    rows: Sequence[Row]
+
+    @classmethod
+    def of(cls, kernel: Kernel, rows: Sequence[Row]) -> Told:
+        return cls(kernel, [r for r in rows if (r.kernel, r.n) == (kernel.name, kernel.usual)])
+
+    @cached_property
+    def rivals(self) -> list[str]:
+        """Names of the methods that were measured, ours left out."""
+        return [m.name for m in self.kernel.methods[1:] if any(r.method == m.name and not r.note for r in self.rows)]
+
+    def of_method(self, name: str, regime: str) -> list[Row]:
+        return [r for r in self.rows if (r.method, r.regime) == (name, regime) and not r.note]
+
+    def quickest(self, name: str, regime: str, exponent: int) -> Row | None:
+        """Of a method's settings the quickest that comes within an error."""
+        able = [r for r in self.of_method(name, regime) if r.error <= 10.0**exponent]
+        return min(able, key=lambda r: r.seconds, default=None)
+
+    def ratio(self, name: str, regime: str, exponent: int) -> Ratio | None:
+        """What it takes to come within an error by what we take; None where either does not."""
+        theirs, ours = (self.quickest(n, regime, exponent) for n in (name, self.kernel.ours.name))
+        if theirs is None or ours is None:
+            return None
+        return Ratio(theirs.seconds / ours.seconds, math.hypot(theirs.noise, ours.noise, NOISE))
+
+    def changes(self, name: str) -> bool:
+        """Whether it is another thing to be compared with us cold."""
+        for exponent in ERRORS:
+            warm, cold = (self.ratio(name, regime, exponent) for regime in REGIMES)
+            if warm and cold and abs(math.log(cold.value / warm.value)) > math.log1p(2.0 * math.hypot(warm.noise, cold.noise)):
+                return True
+        return False
+
+    def strongest(self, exponent: int) -> tuple[str, str, Ratio] | None:
+        """The rival, the regime and the ratio that are worst for us; None where no rival comes within the error."""
+        found = [(name, regime, self.ratio(name, regime, exponent)) for regime in REGIMES for name in self.rivals]
+        return min([(n, r, q) for n, r, q in found if q], key=lambda f: f[2].value, default=None)
+
+    def title(self, name: str) -> str:
+        """A star for what was worked out for this one case."""
+        return name + "*" * any(m.special for m in self.kernel.methods if m.name == name)
+
+    def least(self, name: str) -> float:
+        return min(r.error for r in self.of_method(name, WARM))
 
 
-def verdict(row: Row, ours: Row) -> str:
-    """What the row means: whether we lose, and to what."""
-    as_good, ratio = row.error <= AS_GOOD * ours.error, row.seconds / ours.seconds
-    if as_good and ratio * NOISE < 1.0:
-        return f"KINDYNA is slower by {times(1.0 / ratio)}"
-    if as_good and ratio <= NOISE:
-        return "as fast, as accurate"
-    if as_good:
-        return "as accurate"
-    if ratio < 1.0:
-        return "faster, less accurate"
-    return ""
+def _line(cells: Sequence[str]) -> str:
+    return f"| {' | '.join(cells)} |"
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """One line per kernel and method, each in its most accurate setting, beside ours of the same error or less; where
-    ours has settings, a line for each."""
-    lines = [
-        "| kernel | method | time by KINDYNA's | true error | |",
-        "|---|---|---|---|---|",
-    ]
-    for kernel in kernels():
-        usual = [r for r in rows if r.kernel == kernel.name and r.n == kernel.usual]
-        ours = [r for r in usual if r.method == kernel.ours.name]
-        title = kernel.title
-        for method in kernel.methods:
-            told = [r for r in usual if r.method == method.name]
-            if told and told[0].note:
-                lines.append(f"| {title} | {method.name} | | | {told[0].note} |")
-            for row in () if not told or told[0].note else told if method.ours else [best(told)]:
-                setting = f", {method.knob} {row.setting}" if row.setting else ""
-                by = ours[0] if method.ours else beside(row, ours)
-                note = "" if method.ours else verdict(row, by)
-                ratio, error = times(row.seconds / by.seconds), _power(row.error)
-                lines.append(f"| {title} | {method.name}{setting} | {ratio} | {error} | {note} |")
-                title = ""
-            title = ""
-    return "\n".join(lines) + "\n" + _window(rows)
+def _head(cells: Sequence[str]) -> list[str]:
+    return [_line(cells), "|" + "---|" * len(cells)]
 
 
 def short(rows: Sequence[Row]) -> str:
-    """Ten lines: of each kernel the strongest alternative, the quickest that is as accurate as ours, else the most accurate."""
-    lines = ["| kernel | KINDYNA's error | strongest alternative | time by KINDYNA's | its error | |", "|---|---|---|---|---|---|"]
-    for kernel in [k for k in kernels() if k.name not in NOT_SHORT]:
-        usual = [r for r in rows if r.kernel == kernel.name and r.n == kernel.usual and not r.note]
-        ours = [r for r in usual if r.method == kernel.ours.name]
-        others = [r for r in usual if r.method != kernel.ours.name]
-        if not ours or not others:
-            continue
-        as_good = [r for r in others if r.error <= AS_GOOD * beside(r, ours).error]
-        row = min(as_good, key=lambda r: r.seconds / beside(r, ours).seconds) if as_good else best(others)
-        by = beside(row, ours)
-        knob = next(method.knob for method in kernel.methods if method.name == row.method)
-        setting = f", {knob} {row.setting}" if row.setting else ""
-        ratio = times(row.seconds / by.seconds)
-        error, other = _power(by.error), f"{row.method}{setting}"
-        lines.append(f"| {kernel.title} | {error} | {other} | {ratio} | {_power(row.error)} | {verdict(row, by)} |")
+    """Ten lines: of each kernel the strongest rival at some errors, and whether it wins."""
+    lines = _head(["kernel", "KINDYNA's error", *(f"within {power(e)}" for e in SHORT)])
+    for kernel in [k for k in kernels() if k.name in TEN]:
+        told = Told.of(kernel, rows)
+        if told.of_method(kernel.ours.name, WARM):
+            cells = [_strongest(told, exponent) for exponent in SHORT]
+            lines.append(_line([kernel.title, size(told.least(kernel.ours.name)), *cells]))
     return "\n".join(lines) + "\n"
+
+
+def _strongest(told: Told, exponent: int) -> str:
+    found = told.strongest(exponent)
+    if found is None:
+        return "no rival"
+    name, regime, ratio = found
+    return f"{told.title(name)}{f', {regime}' if told.changes(name) else ''}: {ratio.words}"
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The ten lines; then for each kernel every method at every error, warm and cold; then the window."""
+    parts = [noise(rows), short(rows), *(_whole(Told.of(kernel, rows)) for kernel in kernels()), _window(rows)]
+    return "\n".join(part for part in parts if part)
+
+
+def noise(rows: Sequence[Row]) -> str:
+    """How still the machine was."""
+    told = sorted(r.noise for r in rows if r.noise > 0.0 and r.kernel not in WINDOW)
+    if not told:
+        return ""
+    half, most = (100.0 * v for v in (statistics.median(told), told[int(0.95 * (len(told) - 1))]))
+    return f"Noise of this run: of half the times at most {half:.1f} %, of 95 in 100 at most {most:.0f} %.\n"
+
+
+def _whole(told: Told) -> str:
+    kernel, name = told.kernel, told.kernel.ours.name
+    if not told.of_method(name, WARM):
+        return ""
+    count = "" if kernel.unit == "cam angles" else f", {kernel.usual} {kernel.unit}"
+    lines = [f"### {kernel.title}", "", f"Handed to all: {kernel.handed}. Kept when warm: {kernel.warm}.", ""]
+    lines += _head([f"method{count}", "", "least error", *(power(e) for e in ERRORS)])
+    lines.append(_line([name, "", size(told.least(name)), *_own(told)]))
+    for method in kernel.methods[1:]:
+        lacking = [r for r in told.rows if r.method == method.name and r.note]
+        if lacking:
+            lines.append(_line([method.name, lacking[0].note, *[""] * (1 + len(ERRORS))]))
+        elif method.name in told.rivals:
+            regimes = REGIMES if told.changes(method.name) else (WARM,)
+            for i, regime in enumerate(regimes):
+                first = ("", "") if i else (told.title(method.name), size(told.least(method.name)))
+                lines.append(_line([first[0], regime if len(regimes) > 1 else "", first[1], *_cells(told, method.name, regime)]))
+    cold = _cold(told)
+    return "\n".join(lines) + "\n" + (f"\n{cold}\n" if cold else "")
+
+
+def _cells(told: Told, name: str, regime: str) -> list[str]:
+    ratios = [told.ratio(name, regime, exponent) for exponent in ERRORS]
+    return ["" if ratio is None else ratio.digits for ratio in ratios]
+
+
+def _own(told: Told) -> list[str]:
+    """We by the quickest of our own settings."""
+    name = told.kernel.ours.name
+    quickest = min(told.of_method(name, WARM), key=lambda r: r.seconds)
+    able = [told.quickest(name, WARM, exponent) for exponent in ERRORS]
+    ratios = [None if r is None else Ratio(r.seconds / quickest.seconds, math.hypot(r.noise, quickest.noise, NOISE)) for r in able]
+    return ["" if ratio is None else "1" if ratio.alike else ratio.digits for ratio in ratios]
+
+
+def _cold(told: Told) -> str:
+    """What we ourselves take longer."""
+    warm, cold = (told.of_method(told.kernel.ours.name, regime) for regime in REGIMES)
+    if not warm or not cold:
+        return ""
+    ratio = Ratio(cold[0].seconds / warm[0].seconds, math.hypot(cold[0].noise, warm[0].noise, NOISE))
+    return "" if ratio.alike else f"KINDYNA cold takes {ratio.value:.2g} times as long as warm."
 
 
 def _window(rows: Sequence[Row]) -> str:
@@ -112,8 +219,11 @@ def _window(rows: Sequence[Row]) -> str:
     told = [r for r in rows if r.kernel in WINDOW]
     if not told:
         return ""
-    lines = ["", "| in the window | plots beside the drawing | time by a bare repaint of the same widgets |", "|---|---|---|"]
-    lines += [f"| {r.kernel}: {r.method} | {r.n or ''} | {times(r.times_yardstick)} |" for r in told]
+    lines = ["### In the window", "", "Time by a bare repaint of the same widgets.", ""]
+    lines += _head(["what", "design", "plots beside the drawing", "time"])
+    for row in told:
+        ratio = Ratio(row.times_yardstick, max(NOISE, row.noise))
+        lines.append(_line([f"{row.kernel}: {row.method}", row.setting, str(row.n or ""), ratio.digits]))
     return "\n".join(lines) + "\n"
 
 

@@ -1,14 +1,19 @@
-"""What is measured: kernels, and for each the methods that do its job. One row each; run.py walks them."""
+"""What is measured: kernels, and for each the methods that do its job. One row each; measuring.py walks them."""
 
 from __future__ import annotations
 
 import importlib.util
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
 from benchmarks.exact import exact
+
+from core.motion import TURN
+from core.study.stages import clear_caches
 
 SIZES = (360, 3600, 36_000, 360_000, 1_000_000)
 USUAL = 3600
@@ -23,11 +28,16 @@ class Method:
     """One way to do a kernel's job.
 
     name      as told in tables
-    solve     what is timed: (what is given at n cam angles, setting) -> the kernel's channels, each (n,)
+    solve     what is timed: (what is given at n cam angles, setting) -> the kernel's channels, each (n,); where the method
+              keeps something, that is handed in place of the setting
     settings  of what decides its error (step, points of a table, tolerance), the usual one first; ``knob`` names it
     ours      True for what KINDYNA does
+    keeps     (what is given, setting) -> what may be kept from call to call of the same design: a table, a matrix, samples.
+              A warm run finds it made; a cold run makes it
     needs     packages it stands on that may not be there
     one_by_one  a Python loop over angles: not for a million of them
+    special   worked out for this one mechanism, law, sequence of curves or cam; the others, as ours, do any
+    on_grid   it takes neighbours among the cam angles that are given, so its error is that of an even grid of them
     """
 
     name: str
@@ -35,16 +45,27 @@ class Method:
     settings: Sequence[Any] = NO_SETTING
     knob: str = ""
     ours: bool = False
+    keeps: Callable[[Any, Any], Any] | None = None
     needs: tuple[str, ...] = ()
     one_by_one: bool = False
+    special: bool = False
+    on_grid: bool = False
 
     @property
     def lacks(self) -> str:
         """The first package that is not there, '' where all are."""
         return next((package for package in self.needs if importlib.util.find_spec(package) is None), "")
 
+    def kept(self, there: Any, setting: Any) -> Any:
+        """What ``solve`` takes beside what is given."""
+        return self.keeps(there, setting) if self.keeps else setting
 
-@dataclass(frozen=True)
+    def cold(self, there: Any, setting: Any) -> Channels:
+        """With nothing kept."""
+        return self.solve(there, self.kept(there, setting))
+
+
+@dataclass(frozen=True, eq=False)
 class Kernel:
     """One job.
 
@@ -52,6 +73,8 @@ class Kernel:
     given    what every method starts from at cam angles (m,), or points of a chart, or times; not timed
     grid     the cam angles of a run with n of them, or the points, or the times of n turns (m,)
     methods  ours first
+    handed   in words: what every method is given; ``warm``: what each may keep from run to run
+    again    the same once more as nobody has read it yet, so that no run finds what an earlier one has made
     roundings  of the numbers that go in and of what is made of them, in our method; with the condition of the exact values
                it bounds our error where no larger one is wanted
     digits   some four times our error, far below its bound: a digit that is lost is seen
@@ -64,6 +87,9 @@ class Kernel:
     methods: tuple[Method, ...]
     roundings: float
     digits: float
+    handed: str
+    warm: str
+    again: Callable[[Any], Any] = field(default=lambda there: there)
     sizes: tuple[int, ...] = SIZES
     usual: int = USUAL
     between: int = field(default=720)  # angles among which the exact ones stand, for methods that go from one to the next
@@ -80,10 +106,60 @@ class Kernel:
     def error(self, method: Method, setting: Any) -> float:
         """The largest true error of a method, relative to each channel's scale."""
         there = exact(self.name)
-        theta = np.union1d(self.grid(self.between), there.at) if self.between > 1 else there.at
-        told = method.solve(self.given(theta), setting)
-        at = np.searchsorted(theta, there.at)
-        return there.error([np.broadcast_to(channel, theta.shape)[at] if self.between > 1 else channel for channel in told])
+        if method.on_grid:
+            return self._error_on_grids(method, setting)
+        given = _among(self)
+        told = method.cold(given.there, setting)
+        if self.between == 1:
+            return there.error(told)
+        return there.error([np.broadcast_to(channel, given.theta.shape)[given.at] for channel in told])
+
+    def _error_on_grids(self, method: Method, setting: Any) -> float:
+        """Each exact value by the even grid of the usual size that holds its angle."""
+        whole = exact(self.name)
+        told = [
+            [np.broadcast_to(channel, grid.theta.shape)[grid.at] for channel in method.cold(grid.there, setting)]
+            for grid in _grids(self)
+        ]
+        return whole.error([np.array(channel) for channel in zip(*told, strict=True)])
+
+
+@dataclass(frozen=True)
+class _Given:
+    """Angles, where among them the exact ones stand, and what is given there."""
+
+    theta: np.ndarray
+    at: Any
+    there: Any
+
+
+@cache
+def _among(kernel: Kernel) -> _Given:
+    at = exact(kernel.name).at
+    theta = np.union1d(kernel.grid(kernel.between), at) if kernel.between > 1 else at
+    return _Given(theta, np.searchsorted(theta, at), kernel.given(theta))
+
+
+@cache
+def _grids(kernel: Kernel) -> tuple[_Given, ...]:
+    made, step = [], TURN / kernel.usual
+    for angle in exact(kernel.name).at.tolist():
+        index = int(angle // step)
+        theta = angle - index * step + step * np.arange(kernel.usual)
+        theta[index] = angle
+        made.append(_Given(theta, index, kernel.given(theta)))
+    return tuple(made)
+
+
+def forget() -> None:
+    """Everything that KINDYNA keeps from call to call, whatever it depends on: what a cold run starts from."""
+    clear_caches()
+    for name, module in list(sys.modules.items()):
+        if name == "core" or name.startswith("core."):
+            for value in list(vars(module).values()):
+                clear = getattr(value, "cache_clear", None)
+                if callable(clear) and not isinstance(value, type):
+                    clear()
 
 
 def kernels() -> tuple[Kernel, ...]:
@@ -92,5 +168,5 @@ def kernels() -> tuple[Kernel, ...]:
 
     return (
         laws.KERNEL, blending.KERNEL, linkages.KERNEL, dyads.KERNEL, cams.PROFILE, cams.CURVATURE, forces.KERNEL,
-        flywheels.KERNEL, hill.TONGUES, hill.MONODROMY, windups.KERNEL,
+        flywheels.KERNEL, hill.TONGUES, hill.MONODROMY, windups.KERNEL, windups.MANY,
     )  # fmt: skip

@@ -2,8 +2,9 @@
 
 Times are processor time, of which others who use the machine take none, each with one thread; the best of several runs, of
 all methods in turn and between them a yardstick of the same number of angles, so that what slows the processor down for a
-while slows all of them. Memory is what numpy and Python held at most while the
-method ran (tracemalloc), in a run of its own that is not timed; arrays that compiled code makes for itself do not count.
+while slows all of them. What the best of every other round differs by from the best of the rest is the noise of a time.
+Memory is what numpy and Python held at most while the method ran (tracemalloc), in a run of its own that is not timed;
+arrays that compiled code makes for itself do not count.
 """
 
 from __future__ import annotations
@@ -18,14 +19,25 @@ import numpy as np
 
 Run = Callable[[], object]
 LEAST = 2e-3  # [s] a run that takes less is repeated, and the mean taken
+UNKNOWN = 0.3  # noise of a time that was taken once
 
 
 @dataclass(frozen=True)
 class Times:
-    """Best seconds of each run, by name, and of the yardstick."""
+    """Best seconds of each run, by name, and of the yardstick; and by how much of itself each may differ in the next run."""
 
     seconds: Mapping[str, float]
     yardstick: float
+    noise: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Fresh:
+    """A run that is made anew each time, outside the clock. ``alone``: made immediately before it, so that no other run
+    comes between."""
+
+    make: Callable[[], Run]
+    alone: bool = False
 
 
 def yardstick(n: int) -> Run:
@@ -40,37 +52,46 @@ def yardstick(n: int) -> Run:
     return run
 
 
-def _once(run: Run, times: int) -> float:
+def _once(run: Run | Fresh, times: int) -> float:
+    runs = [run.make() for _ in range(times)] if isinstance(run, Fresh) else [run] * times
     begin = time.process_time()
-    for _ in range(times):
-        run()
+    for each in runs:
+        each()
     return max(time.process_time() - begin, 1e-9) / times
 
 
-def measure(runs: Mapping[str, Run], n: int, seconds: float, rounds: int = 60) -> Times:
+def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int = 60) -> Times:
     """All runs in turn, round by round, until ``seconds`` are used up; each at least twice, slow ones as often as fits."""
-    every = {"": yardstick(n), **runs}
-    best, repeats = {}, {}
+    every: dict[str, Run | Fresh] = {"": yardstick(n), **runs}
+    halves: dict[str, list[float]] = {}
+    repeats = {}
     collecting = gc.isenabled()
     gc.disable()
     try:
         for name, run in every.items():
             first = _once(run, 1)
-            second = _once(run, 1) if first < seconds / 4 else first
-            best[name] = min(first, second)
-            repeats[name] = max(1, min(1000, round(LEAST / best[name])))
+            halves[name] = [first, _once(run, 1)] if first < max(seconds, 0.01) else [first]
+            alone = isinstance(run, Fresh) and run.alone
+            repeats[name] = 1 if alone else max(1, min(1000, round(LEAST / min(halves[name]))))
         share = seconds / len(every)
-        for _ in range(rounds):
+        for count in range(rounds):
+            spent = 0.0
             for name, run in every.items():
-                if share > 0.0 and best[name] * repeats[name] <= share:
-                    best[name] = min(best[name], _once(run, repeats[name]))
-            seconds -= sum(best[name] * repeats[name] for name in every if best[name] * repeats[name] <= share)
-            if seconds <= 0.0:
+                least = min(halves[name])
+                if share > 0.0 and least * repeats[name] <= share:
+                    taken = _once(run, repeats[name])
+                    halves[name][count % 2] = min(halves[name][count % 2], taken)
+                    spent += least * repeats[name]
+            seconds -= spent
+            gc.collect(1)
+            if seconds <= 0.0 or not spent:
                 break
     finally:
         if collecting:
             gc.enable()
-    return Times({name: best[name] for name in runs}, best[""])
+    best = {name: min(told) for name, told in halves.items()}
+    noise = {name: max(told) / min(told) - 1.0 if len(told) > 1 else UNKNOWN for name, told in halves.items()}
+    return Times({name: best[name] for name in runs}, best[""], noise)
 
 
 def peak_memory(run: Run) -> float:
@@ -85,8 +106,3 @@ def peak_memory(run: Run) -> float:
     finally:
         tracemalloc.stop()
     return (peak - before) / 2**20
-
-
-def ratios(times: Times, names: Sequence[str]) -> dict[str, float]:
-    """Times by the yardstick."""
-    return {name: times.seconds[name] / times.yardstick for name in names}

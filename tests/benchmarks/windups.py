@@ -1,18 +1,19 @@
-"""The wind-up of the flexible camshaft of Kim1990 from rest, by its nonlinear equation (13)."""
+"""The wind-up of the flexible camshaft of Kim1990 from rest, by its nonlinear equation (13): at one speed, and at many."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from benchmarks.exact_shafts import DAMPING, SPEED, TURNS
+from benchmarks.exact_shafts import DAMPING, SPEED, SPEEDS, TURNS
 from benchmarks.hill import A, Q
 from benchmarks.table import Channels, Kernel, Method
 from shafts import KIM, of
 
-from core.stability import history
+from core.stability import histories, history
 
 OUTPUTS = 24  # values a turn
 PI = math.pi
@@ -22,21 +23,41 @@ def given(y: np.ndarray) -> SimpleNamespace:
     return SimpleNamespace(y=y, turns=max(1.0, math.ceil(float(y[-1]))), coefficients=of(KIM).coefficients)
 
 
+# -- at one speed -----------------------------------------------------------------------------------------
+
+
 def ours(there: Any, setting: None) -> Channels:
     """By collocation, stopped at every join of the cam."""
     return (history(there.coefficients, SPEED, Q, DAMPING, there.turns).at(there.y)[0],)
 
 
+Slopes = Callable[[float, Any], tuple[float, float]]
+
+
+def equation(eta: float) -> tuple[Slopes, Slopes]:
+    """β' and β'' while the cam rests, β'' = -4πζη β' - 4π²η² β, and while it moves, D β'' = 2πQ (C (1-β')² + U) - 4πζη β' -
+    4π²η² β at θ = 2π (y - β)."""
+    drag, pull_back = 4.0 * PI * eta * DAMPING, 4.0 * PI * PI * eta * eta
+
+    def resting(y: float, x: Any) -> tuple[float, float]:
+        return x[1], -drag * x[1] - pull_back * x[0]
+
+    def moving(y: float, x: Any) -> tuple[float, float]:
+        beta, rate = x[0], x[1]
+        turned = 4.0 * PI * (y - beta)
+        s, c = math.sin(turned), math.cos(turned)
+        pull = 2.0 * PI * Q * s * (2.0 * c * (1.0 - rate) * (1.0 - rate) + A * (1.0 - c))
+        return rate, (pull - drag * rate - pull_back * beta) / (1.0 + Q * s * s)
+
+    return resting, moving
+
+
+RESTING, MOVING = equation(SPEED)
+
+
 def slopes(y: float, x: Any) -> tuple[float, float]:
-    """β' and β'' of D β'' = 2πQ (C (1-β')² + U) - 4πζη β' - 4π²η² β at θ = 2π (y - β)."""
-    beta, rate = x[0], x[1]
-    force = -4.0 * PI * SPEED * (DAMPING * rate + PI * SPEED * beta)
-    theta = math.fmod(2.0 * PI * (y - beta), 2.0 * PI)
-    if not 0.0 <= theta < PI:
-        return rate, force
-    s, c = math.sin(2.0 * theta), math.cos(2.0 * theta)
-    pull = 2.0 * PI * Q * (2.0 * s * c * (1.0 - rate) ** 2 + A * s * (1.0 - c))
-    return rate, (force + pull) / (1.0 + Q * s * s)
+    """Either, as the cam stands."""
+    return MOVING(y, x) if (y - x[0]) % 1.0 < 0.5 else RESTING(y, x)
 
 
 def fixed_steps(there: Any, steps: int) -> Channels:
@@ -52,47 +73,160 @@ def fixed_steps(there: Any, steps: int) -> Channels:
         b = slopes(y + h / 2, (x[0] + h / 2 * a[0], x[1] + h / 2 * a[1]))
         c = slopes(y + h / 2, (x[0] + h / 2 * b[0], x[1] + h / 2 * b[1]))
         d = slopes(y + h, (x[0] + h * c[0], x[1] + h * c[1]))
-        x = tuple(x[k] + h / 6 * (a[k] + 2 * b[k] + 2 * c[k] + d[k]) for k in (0, 1))  # type: ignore[assignment]
+        x = (x[0] + h / 6 * (a[0] + 2 * b[0] + 2 * c[0] + d[0]), x[1] + h / 6 * (a[1] + 2 * b[1] + 2 * c[1] + d[1]))
         found.append(x)
     beta, rate = np.array(found).T
     return (CubicHermiteSpline(np.arange(beta.size) * h, beta, rate)(there.y),)
 
 
+def _solver(method: str, tolerance: float) -> dict[str, Any]:
+    return {"method": method, "rtol": tolerance, "atol": 1e-3 * tolerance, "dense_output": True}
+
+
 def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp, which is told nothing of the joins."""
+    """scipy's solve_ivp with its dense output, which is told nothing of the joins."""
     from scipy.integrate import solve_ivp
 
-    method, tolerance = setting
-    solved = solve_ivp(
-        slopes, (0.0, there.turns), [0.0, 0.0], method, there.y, rtol=tolerance, atol=1e-3 * tolerance, max_step=0.25
-    )
-    return (solved.y[0],)
+    solved = solve_ivp(slopes, (0.0, there.turns), [0.0, 0.0], max_step=0.25, **_solver(*setting))
+    return (solved.sol(there.y)[0],)
 
+
+def _stopped(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
+    from scipy.integrate import solve_ivp
+
+    resting, moving = equation(eta)
+    y, x, half = 0.0, np.zeros(2), 0
+    out = np.empty(there.y.size)
+    while y < there.turns:
+
+        def join(at: float, x: Any, end: float = 0.5 * (half + 1)) -> float:
+            return at - x[0] - end
+
+        join.terminal = True  # type: ignore[attr-defined]
+        solved = solve_ivp(moving if half % 2 == 0 else resting, (y, there.turns), x, events=join, **_solver(*setting))
+        end = float(solved.t[-1])
+        inside = (there.y >= y) & (there.y <= end)
+        if inside.any():
+            out[inside] = solved.sol(there.y[inside])[0]
+        y, x, half = end, solved.y[:, -1], half + 1
+    return out
+
+
+def piecewise(there: Any, setting: tuple[str, float]) -> Channels:
+    """The same, stopped at every join of the cam, as ours is."""
+    return (_stopped(there, setting, SPEED),)
+
+
+# -- at many ----------------------------------------------------------------------------------------------
+
+ETA = np.array(SPEEDS)
+
+
+def ours_of_many(there: Any, setting: None) -> Channels:
+    """Side by side, each with steps of its own."""
+    return [told.at(there.y)[0] for told in histories(there.coefficients, ETA, np.full(ETA.size, Q), DAMPING, there.turns)]
+
+
+def slopes_of_many(y: float, beta: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """β'' of all speeds."""
+    part = y - beta
+    turned = (4.0 * PI) * part
+    s, c = np.sin(turned), np.cos(turned)
+    s *= part - np.floor(part) < 0.5  # nothing pulls while the cam rests
+    pull = (2.0 * PI * Q) * s * (2.0 * c * (1.0 - rate) ** 2 + A * (1.0 - c))
+    return np.asarray((pull - (4.0 * PI) * ETA * (DAMPING * rate + PI * ETA * beta)) / (1.0 + Q * s * s))
+
+
+def fixed_steps_of_many(there: Any, steps: int) -> Channels:
+    """Runge and Kutta's four slopes a step, all speeds at once; cubics between the steps."""
+    from scipy.interpolate import CubicHermiteSpline
+
+    h, count = 1.0 / steps, round(there.turns) * steps
+    found = np.zeros((count + 1, 2, ETA.size))
+    for i in range(count):
+        y, (b, v) = i * h, found[i]
+        k1 = slopes_of_many(y, b, v)
+        v2 = v + h / 2 * k1
+        k2 = slopes_of_many(y + h / 2, b + h / 2 * v, v2)
+        v3 = v + h / 2 * k2
+        k3 = slopes_of_many(y + h / 2, b + h / 2 * v2, v3)
+        v4 = v + h * k3
+        k4 = slopes_of_many(y + h, b + h * v3, v4)
+        found[i + 1, 0] = b + h / 6 * (v + 2 * v2 + 2 * v3 + v4)
+        found[i + 1, 1] = v + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+    return list(CubicHermiteSpline(np.arange(count + 1) * h, found[:, 0], found[:, 1])(there.y).T)
+
+
+def adaptive_of_many(there: Any, setting: tuple[str, float]) -> Channels:
+    """scipy's solve_ivp on all speeds as one vector, with its dense output."""
+    from scipy.integrate import solve_ivp
+
+    m = ETA.size
+
+    def rates(y: float, x: np.ndarray) -> np.ndarray:
+        return np.concatenate((x[m:], slopes_of_many(y, x[:m], x[m:])))
+
+    solved = solve_ivp(rates, (0.0, there.turns), np.zeros(2 * m), max_step=0.25, **_solver(*setting))
+    return list(solved.sol(there.y)[:m])
+
+
+def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
+    """Each speed for itself, stopped at every join of the cam."""
+    return [_stopped(there, setting, eta) for eta in SPEEDS]
+
+
+# -- rows -------------------------------------------------------------------------------------------------
+
+TOLERANCES = (1e-8, 1e-4, 1e-6, 1e-10, 1e-12)
+
+
+def _by(solve: Any, names: tuple[str, ...], what: str = "") -> list[Method]:
+    return [
+        Method(f"solve_ivp {name}{what}", solve, tuple((name, t) for t in TOLERANCES), "rtol", one_by_one=True) for name in names
+    ]
+
+
+HANDED = "the cam, Q, damping and speed; where β is wanted, 24 times a turn"
 
 KERNEL = Kernel(
     "wind-up",
-    "Wind-up from rest",
+    "Wind-up from rest, five turns",
     given=given,
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("RK4, fixed steps", fixed_steps, (400, 100, 200, 1600, 6400), "steps a turn", one_by_one=True),
-        *(
-            Method(
-                f"solve_ivp {name}",
-                adaptive,
-                [(name, t) for t in (1e-8, 1e-4, 1e-6, 1e-10, 1e-12)],
-                "rtol",
-                one_by_one=True,
-            )
-            for name in ("DOP853", "LSODA")
-        ),
+        Method("RK4, fixed steps", fixed_steps, (400, 50, 100, 200, 1600, 6400), "steps a turn", one_by_one=True),
+        *_by(adaptive, ("DOP853", "LSODA")),
+        *_by(piecewise, ("DOP853", "LSODA"), ", stopped at the joins"),
     ),
     # four roundings of the state a step of about twenty a turn
     roundings=4 * 20 / (2.0 * PI * SPEED),
+    handed=HANDED,
+    warm="what KINDYNA knows of its series",
     sizes=(1, 5, 20),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
     digits=2e-14,
+)
+
+MANY = Kernel(
+    "wind-ups",
+    f"Wind-up from rest, five turns, {ETA.size} speeds at once",
+    given=given,
+    grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
+    methods=(
+        Method("KINDYNA", ours_of_many, ours=True),
+        Method("RK4, fixed steps, numpy", fixed_steps_of_many, (400, 50, 100, 200, 1600), "steps a turn", one_by_one=True),
+        *_by(adaptive_of_many, ("DOP853", "LSODA"), ", numpy"),
+        *_by(one_after_the_other, ("DOP853", "LSODA"), ", one after the other, stopped at the joins"),
+    ),
+    roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
+    handed=HANDED,
+    warm="what KINDYNA knows of its series",
+    sizes=(1, 5, 20),
+    usual=TURNS,
+    between=TURNS,
+    unit="turns of the shaft",
+    digits=1e-13,
 )
