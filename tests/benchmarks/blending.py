@@ -71,7 +71,7 @@ def on_paper(there: Any, setting: None) -> Channels:
     return [np.array([v]) for v in (*(w / speed for w in widths), speed)]
 
 
-TOLERANCES = (1e-12, 1e-2, 1e-4, 1e-6, 1e-8)
+TOLERANCES = (1e-12, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
 
 KERNEL = Kernel(
     "blending",

@@ -47,8 +47,8 @@ def _back(there: Any) -> np.ndarray:
 def printed(there: Any, setting: None) -> Channels:
     """Shin1995 (18)-(20), in the frame whose x axis goes from the cam centre to the pivot, φ' counted against the cam."""
     distance, along = abs(PIVOT), PIVOT / abs(PIVOT)
-    reference = there.kinematics.follower.z[0] / along
-    rate = -SENSE * there.kinematics.follower.angle[1]
+    reference = _solved(there, 0) / along
+    rate = -SENSE * there.kinematics.follower.turn[1]
     q = distance * rate / (1.0 + rate)
     psi = np.arctan((q - reference.real) / reference.imag)
     contact = reference.real + ROLLER_RADIUS * np.sin(psi) + 1j * (reference.imag - ROLLER_RADIUS * np.cos(psi))
@@ -128,14 +128,14 @@ def from_curve(there: Any, curve: Any) -> Channels:
 
 def at_knots(theta: np.ndarray) -> Channels:
     """What a table of profile and pressure angle holds: all by hand."""
-    pin, _, _, r, v, _, _ = linkage_by_hand(motion_at(theta), None)
+    r, v = linkage_by_hand(motion_at(theta), None)[3:5]
     back = np.exp(-1j * SENSE * theta)
     normal = (v - 1j * SENSE * r) * (-1j * SENSE)
     normal /= _size(normal)
     return (r + ROLLER_RADIUS * normal) * back, _between(normal, 1j * (r - PIVOT))
 
 
-ON_SPLINE = (1, 2, 4, 10, 20)
+ON_SPLINE = (1, 2, 4, 10)
 HANDED = "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
 KEPT = "tables and splines"
 
@@ -151,7 +151,7 @@ PROFILE = Kernel(
         Method("instant centre, printed (18)-(20)", printed),
         Method("differences between the given places", on_grid, ON_GRID, "order, every", on_grid=True),
         Method("cubic spline through the given places", spline_on_grid, ON_SPLINE, "every", on_grid=True),
-        Method("finite differences, places by hand", finite_differences, (1e-5, 1e-1, 1e-2, 1e-3, 1e-4, 1e-7), "step"),
+        Method("finite differences, places by hand", finite_differences, (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6), "step"),
         Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table of the pitch curve", from_curve, FEW, "points", keeps=quintic),
         by_table(at_knots),
@@ -210,7 +210,7 @@ def bend_of_spline(there: Any, every: int) -> Channels:
 
 
 def bend_at_knots(theta: np.ndarray) -> Channels:
-    _, _, _, r, v, a, _ = linkage_by_hand(motion_at(theta), None)
+    r, v, a = linkage_by_hand(motion_at(theta), None)[3:6]
     return _bend(v - 1j * SENSE * r, a - 2j * SENSE * v - r)
 
 

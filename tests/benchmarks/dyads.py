@@ -194,7 +194,7 @@ KERNEL = Kernel(
         by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
-        Method("harmonics", from_harmonics, (64, 8, 16, 32, 128), "points", keeps=fourier),
+        Method("harmonics", from_harmonics, (64, 16, 24, 32, 40, 48, 56), "points", keeps=fourier),
         Method("pylinkage, compiled by numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
         Method("its formulas alone in a loop of one's own, compiled", peers.dyad, needs=("pylinkage", "numba")),
         Method("its formulas alone in a loop of one's own", peers.dyad_plain, needs=("pylinkage",), one_by_one=True),

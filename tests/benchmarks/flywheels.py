@@ -183,13 +183,17 @@ def adaptive(there: Any, kept: Any) -> Channels:
     return (mean - SLOPE * _above(solved[0](there.theta)[0], at_angles),)
 
 
+TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12)
+
+
 def _by(method: str, least: float = 1e-12) -> Method:
-    pairs = ((1e-8, 36_000), (1e-4, 720), (1e-6, 3600), (1e-10, 36_000), (1e-12, 36_000))
+    samples = {1e-3: 720, 1e-4: 720, 1e-5: 3600, 1e-6: 3600}
+    pairs = [(t, samples.get(t, 36_000)) for t in TOLERANCES]
     settings = tuple((method, *pair) for pair in pairs if pair[0] >= least)
     return Method(f"solve_ivp {method}", adaptive, settings, "rtol, samples", keeps=splines, one_by_one=True)
 
 
-TRANSFORMS = ((1, 9), (0.1, 4), (0.25, 6), (1, 6), (2, 10), (4, 11), (10, 12))
+TRANSFORMS = ((1, 9), (0.05, 4), (0.1, 4), (0.25, 6), (0.5, 7), (1, 7), (2, 10), (4, 11), (10, 12))
 
 KERNEL = Kernel(
     "flywheel",
@@ -199,7 +203,7 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True, keeps=our_load),
         Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True),
-        Method("RK4, fixed steps", fixed_steps, (3600, 360, 720, 36_000), "points", keeps=steps, one_by_one=True),
+        Method("RK4, fixed steps", fixed_steps, (3600, 180, 360, 720, 1800, 7200, 14_400, 36_000), "points", keeps=steps, one_by_one=True),
         *(_by(method) for method in ("RK45", "DOP853", "LSODA")),
         _by("Radau", 1e-10),
     ),

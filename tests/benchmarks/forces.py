@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
-    FEW,
     L0,
     ON_GRID,
     PIVOT,
@@ -170,7 +169,7 @@ KERNEL = Kernel(
         Method("nine equations at once", generic, special=True),
         Method("differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
         by_table(at_knots),
-        Method("cubic spline", lambda there, curve: curve(there.theta), (*POINTS[:4], *FEW[2:3]), "points", keeps=cubic),
+        Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
     roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion
     digits=5e-15,

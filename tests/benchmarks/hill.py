@@ -321,7 +321,16 @@ def _solvers(run: Callable[[Any, Any], Channels], tolerances: tuple[float, ...])
     ]
 
 
-BY_MATRIX = ((20, 1024), (8, 256), (12, 512), (40, 2048), (60, 8192), (80, 16384))
+def _sampled(name: str, run: Any, samples: Callable[[int, float], Samples], steps: tuple[int, ...]) -> Method:
+    return Method(name, run, steps, "steps", keeps=lambda there, count: samples(count, Q))
+
+
+def _symmetric() -> Method:
+    name = "harmonic matrices, even and odd apart"
+    return Method(name, symmetric_eigenvalues, BY_MATRIX, "N, points", keeps=symmetric_matrices, special=True)
+
+
+BY_MATRIX = ((20, 1024), (7, 128), (8, 256), (10, 512), (12, 512), (16, 1024), (28, 2048), (40, 4096), (60, 8192))
 
 TONGUES = Kernel(
     "tongues",
@@ -331,10 +340,7 @@ TONGUES = Kernel(
     methods=(
         Method("KINDYNA", our_edges, (1e-8, 1e-10, 1e-11, 1e-12, 1e-13), "wanted error", ours=True),
         Method("harmonic matrices, scipy's eigh", eigenvalues, BY_MATRIX, "N, points", keeps=all_matrices),
-        Method(
-            "harmonic matrices, even and odd apart", symmetric_eigenvalues, BY_MATRIX, "N, points",
-            special=True, keeps=symmetric_matrices,
-        ),  # fmt: skip
+        _symmetric(),
         Method("determinant on a grid", determinant, ((10, 512), (20, 2048)), "N, points", keeps=all_matrices),
         Method("trace on a grid, RK4", fixed_trace, (200, 50), "steps"),
         Method("trace on a grid, Magnus", magnus_trace, (128, 64, 256), "steps"),
@@ -357,15 +363,9 @@ MONODROMY = Kernel(
     grid=lambda n: np.linspace(ETAS[0], ETAS[-1], n),
     methods=(
         Method("KINDYNA", our_matrices, ours=True),
-        Method(
-            "RK4, all at once", fixed_matrices, (400, 100, 200, 1600, 6400), "steps",
-            keeps=lambda there, steps: step_samples(steps, Q),
-        ),  # fmt: skip
-        Method(
-            "Magnus' exponentials, all at once", magnus_matrices, (256, 64, 128, 1024, 4096), "steps",
-            keeps=lambda there, steps: gauss_samples(steps, Q),
-        ),  # fmt: skip
-        *_solvers(solved_matrices, (1e-6, 1e-3, 1e-9, 1e-12)),
+        _sampled("RK4, all at once", fixed_matrices, step_samples, (400, 100, 200, 800, 1600, 3200, 6400)),
+        _sampled("Magnus' exponentials, all at once", magnus_matrices, gauss_samples, (256, 32, 64, 128, 512, 1024, 2048, 4096)),
+        *_solvers(solved_matrices, (1e-6, 1e-3, 1e-4, 1e-5, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12)),
     ),
     # the product of the panels, each good to some roundings
     roundings=32,

@@ -48,17 +48,20 @@ class Row:
     noise: float = 0.0
 
 
-WINDOW = ("edit to paint", "drag to paint", "animation", "start")  # kernels of the window, which window.py measures
+WINDOW = (  # kernels of the window, which window.py measures
+    "edit to paint", "drag to paint", "animation", "tables to paint, after a pause", "edit to paint, six-bar",
+    "drag to paint, six-bar", "animation, six-bar", "start",
+)  # fmt: skip
 COLUMNS = tuple(field.name for field in fields(Row))
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How long and how much: seconds for a group of methods at the usual size, and for one at each other size; sizes and
-    settings left out; the longest single run [s] that a size may be expected to take."""
+    """How long and how much: seconds for a method at the usual size, and for one at each other size; how many sizes and
+    settings; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 4.0
-    growth: float = 0.5
+    usual: float = 0.15
+    growth: float = 0.05
     sizes: int = 99
     settings: int = 99
     longest: float = 0.7
@@ -66,7 +69,7 @@ class Plan:
     starts: int = 5
 
 
-FULL, QUICK = Plan(), Plan(usual=0.3, growth=0.1, sizes=2, settings=1, longest=0.1, rounds=3, starts=1)
+FULL, QUICK = Plan(), Plan(usual=0.03, growth=0.02, sizes=2, settings=1, longest=0.1, rounds=3, starts=1)
 
 
 def _text(setting: Any) -> str:
@@ -118,7 +121,7 @@ def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
             runs[f"{COLD} {i}"] = cold_run(kernel, method, there, setting)
         if not method.one_by_one:
             runs[f"{WARM} {i}"].make()()  # compile, import, fill caches
-    times = measure(runs, kernel.usual, plan.usual)
+    times = measure(runs, kernel.usual, plan.usual * len(runs))
     for i, (method, setting) in enumerate(told):
         error = kernel.error(method, setting)
         memory = _memory(runs[f"{WARM} {i}"].make(), times.seconds[f"{WARM} {i}"], method)
@@ -146,7 +149,7 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
         ]  # fmt: skip
         there = kernel.given(kernel.grid(n))
         runs = {m.name: warm_run(kernel, m, there, m.settings[0]) for m in methods}
-        times = measure(runs, n, plan.growth)
+        times = measure(runs, n, plan.growth * len(runs))
         ours = times.seconds[kernel.ours.name]
         for method in methods:
             seconds = times.seconds[method.name]

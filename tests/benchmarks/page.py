@@ -91,7 +91,7 @@ def _paint(painter: QPainter, rows: Sequence[Row], looks: Sequence[Look]) -> Non
     painter.setFont(font(18, bold=True))
     painter.drawText(QRectF(EDGE, 12, 1200, 26), "Run time against true error")
     painter.setFont(font(12))
-    usual = "3600 cam angles, unless said otherwise, warm; times are ratios, of the best of several runs in turn; errors against 50-digit values"
+    usual = "3600 cam angles, unless said otherwise, warm; ratios of the best of several runs in turn; errors against 50-digit values"
     painter.drawText(QRectF(EDGE, 38, 1300, 20), usual)
     stress_top = min((area.top() for area, chart in charts if chart.up == "error / bound"), default=0.0)
     if stress_top:

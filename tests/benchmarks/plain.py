@@ -56,7 +56,7 @@ def again(there: SimpleNamespace) -> SimpleNamespace:
     for pose in (*kinematics.bodies.values(), kinematics.follower):
         _ = pose.unit, [(pose.origin[order], pose.turn[order]) for order in range(3)]
     _ = kinematics.travel
-    shape = envelope(kinematics, there.cam, SENSE)
+    shape = envelope(kinematics, there.face, there.cam, SENSE)
     _ = shape.flank.normal
     return SimpleNamespace(**{**vars(there), "kinematics": kinematics, "shape": shape})
 
@@ -145,9 +145,9 @@ def differences(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray,
 # -- tables, which are kept ---------------------------------------------------------------------------------
 
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
-STEPS = (1e-4, 1e-1, 1e-2, 1e-3, 1e-5, 1e-6)
-POINTS = (3600, 90, 360, 36_000, 360_000)
-FEW = (360, 90, 720, 3600)
+STEPS = (1e-4, 1e-2, 1e-3, 3e-4, 5e-5, 2e-5, 1e-5, 1e-6)
+POINTS = (3600, 90, 360, 1200, 6000, 12_000, 36_000, 120_000, 360_000)
+FEW = (720, 90, 180, 360, 1440, 3600)
 
 
 def knots(points: int, end: float = TURN) -> np.ndarray:
@@ -208,4 +208,4 @@ def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders
     return made  # type: ignore[return-value]
 
 
-ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10, 20))
+ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10))

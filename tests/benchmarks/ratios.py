@@ -36,7 +36,7 @@ def size(value: float) -> str:
         return "no digit right"
     exponent = math.floor(math.log10(value) + 1e-12)
     digit = round(value / 10.0**exponent)
-    return f"{power(exponent + 1)}" if digit == 10 else f"{digit}·{power(exponent)}"
+    return f"1·{power(exponent + 1)}" if digit == 10 else f"{digit}·{power(exponent)}"
 
 
 @dataclass(frozen=True)
@@ -220,10 +220,10 @@ def _window(rows: Sequence[Row]) -> str:
     if not told:
         return ""
     lines = ["### In the window", "", "Time by a bare repaint of the same widgets.", ""]
-    lines += _head(["what", "design", "plots beside the drawing", "time"])
+    lines += _head(["what", "plots beside the drawing", "time"])
     for row in told:
         ratio = Ratio(row.times_yardstick, max(NOISE, row.noise))
-        lines.append(_line([f"{row.kernel}: {row.method}", row.setting, str(row.n or ""), ratio.digits]))
+        lines.append(_line([f"{row.kernel}: {row.method}", str(row.n or ""), ratio.digits]))
     return "\n".join(lines) + "\n"
 
 

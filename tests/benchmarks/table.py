@@ -133,21 +133,34 @@ class _Given:
     there: Any
 
 
-@cache
+Give = Callable[[np.ndarray], Any]
+
+
 def _among(kernel: Kernel) -> _Given:
     at = exact(kernel.name).at
     theta = np.union1d(kernel.grid(kernel.between), at) if kernel.between > 1 else at
-    return _Given(theta, np.searchsorted(theta, at), kernel.given(theta))
+    return _given_among(kernel.given, theta.tobytes(), at.tobytes())
+
+
+def _grids(kernel: Kernel) -> tuple[_Given, ...]:
+    return _given_on_grids(kernel.given, kernel.usual, exact(kernel.name).at.tobytes())
 
 
 @cache
-def _grids(kernel: Kernel) -> tuple[_Given, ...]:
-    made, step = [], TURN / kernel.usual
-    for angle in exact(kernel.name).at.tolist():
+def _given_among(given: Give, theta: bytes, at: bytes) -> _Given:
+    """The same for all kernels that are given the same."""
+    angles = np.frombuffer(theta)
+    return _Given(angles, np.searchsorted(angles, np.frombuffer(at)), given(angles))
+
+
+@cache
+def _given_on_grids(given: Give, n: int, at: bytes) -> tuple[_Given, ...]:
+    made, step = [], TURN / n
+    for angle in np.frombuffer(at).tolist():
         index = int(angle // step)
-        theta = angle - index * step + step * np.arange(kernel.usual)
+        theta = angle - index * step + step * np.arange(n)
         theta[index] = angle
-        made.append(_Given(theta, index, kernel.given(theta)))
+        made.append(_Given(theta, index, given(theta)))
     return tuple(made)
 
 

@@ -12,13 +12,14 @@ from __future__ import annotations
 import gc
 import time
 import tracemalloc
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 Run = Callable[[], object]
-LEAST = 2e-3  # [s] a run that takes less is repeated, and the mean taken
+LEAST = 2e-3  # [s] a run that takes less is repeated, and the mean taken; ...
+LEAST_FRESH = 3e-4  # ... less often where it is made anew each time, which takes its own
 UNKNOWN = 0.3  # noise of a time that was taken once
 
 
@@ -71,8 +72,9 @@ def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int
         for name, run in every.items():
             first = _once(run, 1)
             halves[name] = [first, _once(run, 1)] if first < max(seconds, 0.01) else [first]
+            least = LEAST_FRESH if isinstance(run, Fresh) else LEAST
             alone = isinstance(run, Fresh) and run.alone
-            repeats[name] = 1 if alone else max(1, min(1000, round(LEAST / min(halves[name]))))
+            repeats[name] = 1 if alone else max(1, min(1000, round(least / min(halves[name]))))
         share = seconds / len(every)
         for count in range(rounds):
             spent = 0.0

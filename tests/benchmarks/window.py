@@ -3,12 +3,12 @@
     .venv/bin/python tests/benchmarks/window.py
 
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
-its right three plots, six, or, with all docks open, twelve. Times
-are processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what
-slows the machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of
-the same plots and drawings in the same round. Tables that are read rather than watched follow when editing pauses: they
-are a row of their own. The start is measured from the process to the first paint of the lift, warm, beside an empty
-window's, in the same time.
+its right three plots, six, or, with all docks open, twelve; a six-bar as the window opens. Times are processor time of the
+window's thread, the median of rounds in which everything is measured in turn, so that what slows the machine slows all of
+them; each edit has a value that was never there before. The yardstick is a bare repaint of the same plots and drawings in
+the same round. Tables that are read rather than watched follow when editing pauses: they are a row of their own, painted
+into pictures, beside the same pictures without news. The start is measured from the process to the first paint of the
+lift, warm, beside an empty window's, in the same time.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
@@ -37,6 +38,7 @@ from core.design import get
 from core.project import load
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.headless import quiet
+from kindyna_gui.linkage.canvas import joints_now
 from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
@@ -58,8 +60,12 @@ EDITS = (
     ("edit of the motion", "motion.start_mm", 0.013),
     ("edit of the speed", "shaft.speed_rpm", 0.003),
 )
-BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "tables, after a pause"
+BARE, FRAME, DRAG, TABLES = "bare repaint", "frame", "a join in the motion editor", "findings, certificate, flywheel"
 EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to paint", "animation", "start"
+TABLE_KERNEL = "tables to paint, after a pause"
+SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
+SIX_BAR_KERNELS = tuple(f"{kernel}, six-bar" for kernel in (EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL))
+SIX_BAR_EDIT = ("linkage.links[4].points.D", 0.013)
 STEP = 0.0371  # of the animation [rad]
 JOIN = 2  # that is drawn
 PAUSING = ("findings", "certificate", "flywheel")
@@ -77,16 +83,28 @@ class Row(NamedTuple):
     seconds: float
 
 
+@dataclass(frozen=True)
+class Run:
+    """What is measured, and what goes before it, outside the clock."""
+
+    before: Callable[[int], None] | None
+    run: Callable[[int], None]
+
+    def __call__(self, count: int) -> None:
+        self.run(count)
+
+
 def names() -> tuple[str, ...]:
     """What is measured with all docks open, ``edit to paint: edit of a length``."""
     edits = [f"{EDIT_KERNEL}: {name}" for name, _, _ in EDITS]
-    return (*edits, f"{EDIT_KERNEL}: {TABLES}", f"{DRAG_KERNEL}: {DRAG}", f"{FRAME_KERNEL}: {FRAME}")
+    linkage = [f"{kernel}: {name}" for kernel, name in zip(SIX_BAR_KERNELS, (LINK, JOINT, FRAME), strict=True)]
+    return (*edits, f"{FRAME_KERNEL}: {FRAME}", f"{DRAG_KERNEL}: {DRAG}", f"{TABLE_KERNEL}: {TABLES}", *linkage)
 
 
 def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS) -> list[Row]:
     """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots."""
     with quiet():
-        return [row for plots in layouts for row in _measured(plots, rounds)]
+        return [row for plots in layouts for row in _measured(plots, rounds)] + _six_bar(rounds)
 
 
 def _measured(plots: int, rounds: int) -> list[Row]:
@@ -109,10 +127,67 @@ def _measured(plots: int, rounds: int) -> list[Row]:
         rows = [Row(EDIT_KERNEL, name, plots, found[name]) for name in runs if name != FRAME]
         rows += [Row(FRAME_KERNEL, name, plots, found[name]) for name in (FRAME, BARE)]
         with _drawing(window) as drag:
-            found = _timed({DRAG: drag, BARE: runs[BARE]}, rounds)
-        return rows + [Row(DRAG_KERNEL, name, plots, found[name]) for name in (DRAG, BARE)]
+            rows += _rows(DRAG_KERNEL, plots, _timed({DRAG: drag, BARE: runs[BARE]}, rounds))
+        if plots == MANY:
+            rows += _rows(TABLE_KERNEL, plots, _timed(_tables(window), rounds))
+        return rows
     finally:
         dismiss(window)
+
+
+def _rows(kernel: str, plots: int, found: Mapping[str, float]) -> list[Row]:
+    return [Row(kernel, name, plots, seconds) for name, seconds in found.items()]
+
+
+def _six_bar(rounds: int) -> list[Row]:
+    """A linkage as the window opens: a link made longer, a joint drawn, a frame."""
+    window = hidden_window(load(example(SIX_BAR)), SIZE)
+    try:
+        seen, session = _seen(window, []), window.session
+        path, step = SIX_BAR_EDIT
+        start = get(session.design, path)
+
+        def edit(count: int) -> None:
+            assert session.edit(path, (start[0] + step * (count + 1), start[1]), "Benchmark")
+
+        def frame(count: int) -> None:
+            window.player.set_theta(STEP * (count + 1))
+
+        plots = len(seen) - 1
+        bare = _bare(seen)
+        edits, drags, frames = SIX_BAR_KERNELS
+        rows = _rows(edits, plots, _timed({LINK: edit, BARE: bare}, rounds))
+        with _drawing_a_joint(window) as drag:
+            rows += _rows(drags, plots, _timed({JOINT: drag, BARE: bare}, rounds))
+        return rows + _rows(frames, plots, _timed({FRAME: frame, BARE: bare}, rounds))
+    finally:
+        dismiss(window)
+
+
+def _bare(seen: list[QWidget]) -> Callable[[int], None]:
+    def bare(count: int) -> None:
+        for widget in seen:
+            widget.update()
+
+    return bare
+
+
+def _tables(window: MainWindow) -> dict[str, Callable[[int], None]]:
+    """The tables after an edit, whose own repaint does not count; and with nothing new. Both painted into pictures."""
+    path, start, step = EDITS[0][1], get(window.session.design, EDITS[0][1]), EDITS[0][2]
+    views = [window.docks[name].view for name in PAUSING]
+
+    def painted(count: int) -> None:
+        for view in views:
+            assert view is not None
+            view.pull()
+            assert not view.grab().isNull()
+
+    def edited(count: int) -> None:
+        assert window.session.edit(path, start + step * (count + 1001), "Benchmark")
+        _process()
+
+    return {TABLES: Run(edited, painted), BARE: Run(None, painted)}
 
 
 def _timed(runs: Mapping[str, Callable[[int], None]], rounds: int) -> dict[str, float]:
@@ -120,6 +195,8 @@ def _timed(runs: Mapping[str, Callable[[int], None]], rounds: int) -> dict[str, 
     times: dict[str, list[float]] = {name: [] for name in runs}
     for count in range(rounds + WARM):
         for name, run in runs.items():
+            if isinstance(run, Run) and run.before:
+                run.before(count)
             start = time.thread_time()
             run(count)
             _process()
@@ -137,22 +214,11 @@ def _runs(window: MainWindow, seen: list[QWidget]) -> dict[str, Callable[[int], 
 
         return run
 
-    def tables(count: int) -> None:
-        """After the edits of the round, the design of the last is new to them."""
-        for name in PAUSING:
-            view = window.docks[name].view
-            if view is not None and view.on_screen():
-                view.pull()
-
-    def bare(count: int) -> None:
-        for widget in seen:
-            widget.update()
-
     def frame(count: int) -> None:
         window.player.set_theta(STEP * (count + 1))
 
     made = {name: edit(path, get(window.session.design, path), step) for name, path, step in EDITS}
-    return {**made, TABLES: tables, BARE: bare, FRAME: frame}
+    return {**made, BARE: _bare(seen), FRAME: frame}
 
 
 @contextmanager
@@ -175,6 +241,36 @@ def _drawing(window: MainWindow) -> Iterator[Callable[[int], None]]:
     QTest.mousePress(paper, left, none, start.toPoint())
     yield move
     QTest.mouseRelease(paper, left, none, start.toPoint())
+
+
+@contextmanager
+def _drawing_a_joint(window: MainWindow) -> Iterator[Callable[[int], None]]:
+    """A joint is held with the mouse and drawn a little farther each time, to and fro."""
+    view = window.view("mechanism")
+    assert isinstance(view, MechanismView)
+    paper = view.canvas.viewport()
+    start = _place_of_a_joint(view)
+    none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
+
+    def move(count: int) -> None:
+        before = window.session.design
+        at = start + QPointF(4.0 + 0.25 * count, 3.0 if count % 2 else -3.0)
+        event = QMouseEvent(QEvent.Type.MouseMove, at, paper.mapToGlobal(at), Qt.MouseButton.NoButton, left, none)
+        QApplication.sendEvent(paper, event)
+        assert window.session.design is not before, "each move is another design"
+
+    QTest.mousePress(paper, left, none, start.toPoint())
+    yield move
+    QTest.mouseRelease(paper, left, none, start.toPoint())
+
+
+def _place_of_a_joint(view: MechanismView) -> QPointF:
+    """Where in the drawing the first joint stands that can be drawn elsewhere."""
+    canvas = view.canvas
+    place = next(iter(joints_now(view.scene).values()))
+    at = canvas.viewportTransform().map(QPointF(place.real, place.imag))
+    assert canvas.joint_at(at), "a joint is under the mouse"
+    return at
 
 
 def _open_tables(window: MainWindow) -> None:
