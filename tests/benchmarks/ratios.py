@@ -115,14 +115,19 @@ class Told:
                 return True
         return False
 
-    def strongest(self, exponent: int) -> tuple[str, str, Ratio] | None:
-        """The rival, the regime and the ratio that are worst for us; None where no rival comes within the error."""
-        found = [(name, regime, self.ratio(name, regime, exponent)) for regime in REGIMES for name in self.rivals]
+    def is_special(self, name: str) -> bool:
+        return any(m.special for m in self.kernel.methods if m.name == name)
+
+    def strongest(self, exponent: int, special: bool = True) -> tuple[str, str, Ratio] | None:
+        """The rival, the regime and the ratio that are worst for us; special: of those too that were worked out for this one
+        case. None where no rival comes within the error."""
+        names = [name for name in self.rivals if special or not self.is_special(name)]
+        found = [(name, regime, self.ratio(name, regime, exponent)) for regime in REGIMES for name in names]
         return min([(n, r, q) for n, r, q in found if q], key=lambda f: f[2].value, default=None)
 
     def title(self, name: str) -> str:
         """A star for what was worked out for this one case."""
-        return name + "*" * any(m.special for m in self.kernel.methods if m.name == name)
+        return f"{name}*" if self.is_special(name) else name
 
     def least(self, name: str) -> float:
         return min(r.error for r in self.of_method(name, WARM))
@@ -148,11 +153,10 @@ def short(rows: Sequence[Row]) -> str:
 
 
 def _strongest(told: Told, exponent: int) -> str:
-    found = told.strongest(exponent)
-    if found is None:
-        return "no rival"
-    name, regime, ratio = found
-    return f"{told.title(name)}{f', {regime}' if told.changes(name) else ''}: {ratio.words}"
+    """The strongest rival; where that has a star, the strongest without one too."""
+    found = [told.strongest(exponent), told.strongest(exponent, special=False)]
+    texts = [f"{told.title(n)}{f', {r}' if told.changes(n) else ''}: {ratio.words}" for n, r, ratio in filter(None, found)]
+    return "; ".join(dict.fromkeys(texts)) or "no rival"
 
 
 def markdown(rows: Sequence[Row]) -> str:
