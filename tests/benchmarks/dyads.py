@@ -195,9 +195,9 @@ KERNEL = Kernel(
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
         Method("harmonics", from_harmonics, (64, 16, 24, 32, 40, 48, 56), "points", keeps=fourier),
-        Method("pylinkage, compiled by numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
-        Method("its formulas alone in a loop of one's own, compiled", peers.dyad, needs=("pylinkage", "numba")),
-        Method("its formulas alone in a loop of one's own", peers.dyad_plain, needs=("pylinkage",), one_by_one=True),
+        Method("pylinkage, numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
+        Method("pylinkage's formulas, numba", peers.dyad, needs=("pylinkage", "numba"), special=True),
+        Method("pylinkage's formulas", peers.dyad_plain, needs=("pylinkage",), special=True, one_by_one=True),
         Method("mechanism", peers.four_bar, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4,  # as of the cam's own linkage, whose triangle it is

@@ -194,8 +194,8 @@ KERNEL = Kernel(
         by_table(lambda at: by_hand(motion_at(at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
-        Method("pylinkage's formulas in a loop of one's own, compiled by numba", peers.pylinkage, needs=("pylinkage", "numba")),
-        Method("pylinkage's formulas in a loop of one's own", peers.pylinkage_plain, needs=("pylinkage",), one_by_one=True),
+        Method("pylinkage's formulas, numba", peers.pylinkage, needs=("pylinkage", "numba"), special=True),
+        Method("pylinkage's formulas", peers.pylinkage_plain, needs=("pylinkage",), special=True, one_by_one=True),
         Method("mechanism", peers.mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),
     ),
     roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion
