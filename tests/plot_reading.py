@@ -5,6 +5,7 @@ from PySide6.QtWidgets import QGraphicsSimpleTextItem
 
 from kindyna_gui.pictures.drawing.items import Tag
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
+from kindyna_gui.pictures.plots.extreme_marks import MarkText
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT
@@ -28,7 +29,12 @@ def limits(plot: CurvePlot) -> list[Tag]:
 
 def readouts(plot: CurvePlot) -> list[Tag]:
     """The values beside the cursor."""
-    return [tag for tag in tags(plot) if not is_limit(tag)]
+    return [tag for tag in tags(plot) if not is_limit(tag) and not isinstance(tag, MarkText)]
+
+
+def marks(plot: CurvePlot) -> list[MarkText]:
+    """The texts of the extremes."""
+    return [tag for tag in tags(plot) if isinstance(tag, MarkText)]
 
 
 def message(plot: CurvePlot) -> str:

@@ -10,6 +10,7 @@ from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
+from core.motion.extremes import Range
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.look import CHOSEN, icon
@@ -75,6 +76,11 @@ class Panel(QWidget):
         """Cam angle or driver angle, also where no curve is drawn."""
         if isinstance(self.plot, LivePlot):
             self.plot.name_angle(study)
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        """Mark them where curves are drawn upwards."""
+        if isinstance(self.plot, LivePlot):
+            self.plot.show_extremes(found)
 
     def set_active(self, on: bool) -> None:
         self.active = on

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QAction, QKeyEvent, QPalette, QShowEvent
+from PySide6.QtGui import QAction, QHideEvent, QKeyEvent, QPalette, QShowEvent
 from PySide6.QtWidgets import (
     QButtonGroup,
     QGridLayout,
@@ -17,10 +18,12 @@ from PySide6.QtWidgets import (
 )
 
 from core.errors import KindynaError
+from core.motion.extremes import Range
 from core.output.channels import Channel, channels
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
 from kindyna_gui.graph.live_plot import LivePlot
@@ -62,6 +65,10 @@ class GraphView(View):
         self._in_sight = QTimer(self, singleShot=True, interval=0)
         self._in_sight.timeout.connect(self._show_active)
         self.tree.ticked.connect(self._ticked)
+        self.extremes = ExtremesSearch(self)
+        self.extremes.found.connect(self._show_extremes)
+        self.marks = marks_action(session)
+        self.marks.toggled.connect(self._switch_marks)
 
     def _tools(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -130,8 +137,38 @@ class GraphView(View):
                 panel.plot.set_curves(study, drawable)
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
+        self._look_for_extremes(study)
+
+    def _look_for_extremes(self, study: Study) -> None:
+        self._show_extremes(None)
+        wanted = self.marks.isChecked() and self.form == "straight"
+        self.extremes.want(study, self.drawn if wanted else ())
+
+    def _show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        for panel in self.panels:
+            panel.show_extremes(found)
+
+    def _switch_marks(self, on: bool) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self._look_for_extremes(self.session.study)
+            self.extremes.settle()
+
+    @property
+    def busy(self) -> bool:
+        return self.on_screen() and self.extremes.busy
+
+    def settle(self) -> None:
+        self.extremes.settle()
+
+    def leave(self) -> None:
+        self.extremes.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self.extremes.stop()
 
     def follow(self, theta: float) -> None:
+        self.extremes.resume()
         if self.drawn:
             at_angle = self.session.at(theta)
             for panel in self.panels:
@@ -172,6 +209,8 @@ class GraphView(View):
             action = QAction(text, plot)
             action.triggered.connect(slot)
             plot.addAction(action)
+        if isinstance(plot, LivePlot):
+            plot.addActions([self.marks, plot.whole_action])
         return panel
 
     def _lay(self) -> None:

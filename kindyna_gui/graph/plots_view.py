@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QKeyEvent, QPalette
+from PySide6.QtGui import QAction, QHideEvent, QKeyEvent, QPalette
 
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.quantities import quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.look import QUIET
@@ -37,6 +38,10 @@ class PlotView(View):
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
         self.plot.angle_moved.connect(self._turn)
+        self.extremes = ExtremesSearch(self)
+        self.extremes.found.connect(self.plot.show_extremes)
+        self.marks = marks_action(session)
+        self.marks.toggled.connect(self._switch_marks)
         self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
@@ -45,6 +50,7 @@ class PlotView(View):
             action = QAction(text, self.plot)
             action.triggered.connect(slot)
             self.plot.addAction(action)
+        self.plot.addActions([self.marks, self.plot.whole_action])
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -69,9 +75,34 @@ class PlotView(View):
         else:
             self.plot.show_message(self.message)
         self.note.show_message("; ".join(missing) if drawn else "")
+        self._look_for_extremes(study)
 
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
+        self.extremes.resume()
+
+    def _look_for_extremes(self, study: Study) -> None:
+        self.plot.show_extremes(None)
+        self.extremes.want(study, self.rows if self.marks.isChecked() else ())
+
+    def _switch_marks(self, on: bool) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self._look_for_extremes(self.session.study)
+            self.extremes.settle()
+
+    @property
+    def busy(self) -> bool:
+        return self.on_screen() and self.extremes.busy
+
+    def settle(self) -> None:
+        self.extremes.settle()
+
+    def leave(self) -> None:
+        self.extremes.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self.extremes.stop()
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)
@@ -86,7 +117,7 @@ class PlotView(View):
         from kindyna_gui.pictures.files import curves_file
 
         self.pull()
-        return curves_file(self.session.study, [self.rows], ending)
+        return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         if not obey(self.player, event):

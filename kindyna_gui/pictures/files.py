@@ -19,8 +19,9 @@ from core.study import Study
 from kindyna_gui.graph.quantities import quantities_for
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.pictures.plots.curves import different
+from kindyna_gui.pictures.plots.curves import different, extremes_of
 from kindyna_gui.pictures.plots.detail import UNSEEN
+from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.style import LIGHT, Theme
 
@@ -73,10 +74,12 @@ class Sheet(QGraphicsView):
 class PlotStack(PaperSheet):
     """Plots one below the other on one cam-angle axis: segments named along the top, angles along the bottom.
 
-    unseen: pixels by which curves may be off; 0 draws every point
+    unseen: pixels by which curves may be off; 0 draws every point; marks: whether extremes are marked
     """
 
-    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
+    def __init__(
+        self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0, marks: bool = True
+    ) -> None:
         super().__init__(theme)
         column = QVBoxLayout(self)
         column.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
@@ -85,7 +88,10 @@ class PlotStack(PaperSheet):
         for number, row in enumerate(rows):
             plot = CurvePlot(self, names=number == 0, angles=number == len(rows) - 1, theme=theme)
             plot.unseen = unseen
+            if marks:
+                plot.text_room = TEXT_ROOM
             plot.set_curves(study, row)
+            plot.show_extremes(extremes_of(study, row) if marks else None)
             plot.show_cursor(False)
             column.addWidget(plot)
             self.plots.append(plot)
@@ -164,11 +170,12 @@ def _plots(*rows: tuple[str, ...]) -> Callable[[Study], bytes]:
     return picture
 
 
-def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
-    """Plots one below the other as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
+def curves_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, marks: bool = True) -> bytes:
+    """Plots one below the other as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no
+    values."""
     if ending == ".svg":
-        return svg(PlotStack(study, rows, LIGHT), study.design.name)
-    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))
+        return svg(PlotStack(study, rows, LIGHT, marks=marks), study.design.name)
+    return png(PlotStack(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks))
 
 
 PICTURES: Mapping[str, Callable[[Study], bytes]] = MappingProxyType(

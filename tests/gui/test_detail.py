@@ -136,6 +136,7 @@ def test_a_curve_of_few_points_looks_like_the_whole(
     study = Study(design, SAMPLES)
     thin, full = LivePlot(), FullPlot()
     for plot in (thin, full):
+        plot.text_room = 0.0
         plot.resize(*size)
         plot.grab()
     drawn = []

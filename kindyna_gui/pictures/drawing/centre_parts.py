@@ -19,7 +19,7 @@ from kindyna_gui.pictures.drawing.shapes import at, polyline
 from kindyna_gui.pictures.style import BLUE, DOTTED, OUTLINE, SMALL, SPARSE, THIN, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 
-Z_LINES, Z_WAYS, Z_CENTRES = 7.0, 0.5, 13.0
+Z_LINES, Z_WAYS, Z_COUPLER, Z_CENTRES = 7.0, 0.5, 6.8, 13.0  # a coupler curve is seen over its own plate
 DOT, EDGE, ARROW = 4.5, 26.0, 15.0  # radius of a centre, distance of an arrow from the edge, its length, pixels
 Key = tuple[str, str]
 
@@ -174,4 +174,4 @@ def coupler_curves(geometry: Geometry, theme: Theme) -> Iterator[Part]:
             pen = theme.pen(BLUE, OUTLINE) if free else theme.pen(theme.quiet, THIN, DOTTED)
             track = body.track(place)
             item = Loop(track, pen) if geometry.whole_turn else Outline(polyline(track), pen)
-            yield Part(f"coupler.{name}", item, ("coupler",), Z_WAYS + (0.1 if free else 0.0))
+            yield Part(f"coupler.{name}", item, ("coupler",), Z_COUPLER if free else Z_WAYS)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
@@ -10,7 +11,9 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
+from core.errors import KindynaError
 from core.mechanism.kinematics import REVOLUTE
+from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.sizes import floor_of, without_noise
@@ -65,6 +68,10 @@ class Curve:
     colour: str
     floor: float = 0.0
 
+    def ends(self, found: Range) -> list[tuple[float, float]]:
+        """Lowest and highest value of the channel, each as (cam angle [deg], value in its unit), of extremes in SI."""
+        return [(float(np.rad2deg(end.theta)), end.value / self.channel.unit.factor) for end in (found.low, found.high)]
+
     def is_drawn_as(self, other: Curve) -> bool:
         return (
             self.channel == other.channel and self.colour == other.colour and np.array_equal(self.values, other.values)
@@ -83,6 +90,24 @@ def read_curves(study: Study, channels: Sequence[Channel], theme: Theme) -> list
         colour = shade(theme.family(row.family), nth) if beside is None else beside.colour
         curves.append(Curve(row, values, colour, floor))
     return curves
+
+
+def moving(study: Study) -> np.ndarray:
+    """(n,) at which samples the mechanism moves: a dwell says nothing of what is usual for a curve; all where it always rests."""
+    if "motion" not in study.stages:
+        return np.ones(study.theta.size, dtype=bool)
+    moves = study.motion.y[1] != 0.0
+    return moves if moves.any() else ~moves
+
+
+def extremes_of(study: Study, channels: Sequence[Channel]) -> dict[str, Range]:
+    """Refined extremes of these channels by quantity, of those that have any; in SI."""
+    found: dict[str, Range] = {}
+    for stage in dict.fromkeys(row.stage for row in channels):
+        names = tuple(row.quantity for row in channels if row.stage == stage and not row.beside)
+        with suppress(KindynaError):
+            found |= study.extremes(stage, names) if names else {}
+    return found
 
 
 def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, str, str]]:

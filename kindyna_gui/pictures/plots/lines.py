@@ -57,8 +57,9 @@ class CurveLine(Outline):
         """Whether the curve comes into a box in the frame [pixels from its lower left corner, y upwards]."""
         first, last = np.searchsorted(self.x, np.array([box.left(), box.right()]) / frame.width * 360.0)
         part = self.y[max(first - 1, 0) : last + 1]
+        part = part if self._whole else part[np.isfinite(part)]
         low, high = frame.value(box.top()), frame.value(box.bottom())
-        return bool(part.size) and not (np.nanmax(part) < low or np.nanmin(part) > high)
+        return bool(part.size) and not (part.max() < low or part.min() > high)
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import degrees
 from typing import Any
 
 import numpy as np
+from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPen
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
+from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import text_size
@@ -24,18 +26,20 @@ from kindyna_gui.pictures.plots.background import (
     spans,
     value_ticks,
 )
-from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, read_curves
+from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, moving, read_curves
+from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, lay_marks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry
 from kindyna_gui.pictures.plots.lines import Cursor, CurveLine, LimitLine
-from kindyna_gui.pictures.plots.ranges import room_for, usual_range
+from kindyna_gui.pictures.plots.ranges import FREE, readable_range, room_for, usual_range
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
 from kindyna_gui.pictures.style import DASHED, LIGHT, TEXT, THIN, Theme
 from kindyna_gui.pictures.turn import Line, line_of, nearest
 from kindyna_gui.pictures.units import Rung, legible, readable, short, with_unit
 
 UNNAMED = 4  # height of the axis above where no names stand there, pixels
+MOST_FREE = 0.13  # of the height
 WILD = 50.0  # values next to infinity are cut at so many times the rest's range
 
 
@@ -45,9 +49,11 @@ class CurvePlot(FixedPlot):
     names, angles   whether the segments' names stand along the top, and the cam angle's numbers along the bottom:
                     of plots one below the other only the first and the last show them
     unseen          pixels by which a curve may be off where that saves points; on paper none
+    text_room       pixels that are left free above and below the curves, for the texts of extremes
     """
 
     unseen = 0.0
+    text_room = 0.0
 
     def __init__(
         self, parent: QWidget | None = None, *, names: bool = True, angles: bool = True, theme: Theme = LIGHT
@@ -68,6 +74,13 @@ class CurvePlot(FixedPlot):
         self._limits: list[LimitLine] = []
         self._drawn: list[CurveLine] = []
         self._drawn_marks: tuple[object, ...] = ()
+        self._asked: tuple[Study, tuple[Channel, ...], Study | None] | None = None
+        self._core: tuple[float, float] | None = None  # what the axis must show at least
+        self._whole = self._spiked = False
+        self._ranges: Mapping[str, Range] | None = None
+        self._extremes: list[Extreme] = []
+        self._extreme_marks: list[ExtremeMark] = []
+        self._boxes: list[QRectF] = []
         self._laid: tuple[object, ...] = ()
         self.rung = Rung("", 1.0, 0.0)
         self.show_message("")
@@ -99,15 +112,21 @@ class CurvePlot(FixedPlot):
         self._drawn_marks = marks if not others else ()
         self._curves, self._spans, self._message_text, self._exact_values = curves, segments, "", None
         self._line, self._theta = line, study.theta
-        sides = [usual_range(curve.values) for curve in curves + others]
+        self._asked, self._ranges = (study, tuple(channels), reference), None
+        whole = [usual_range(curve.values) for curve in curves + others]
+        moves = [moving(study)] * len(curves) + [moving(reference or study)] * len(others)
+        calm = [readable_range(curve.values, at) for curve, at in zip(curves + others, moves, strict=True)]
+        self._spiked = calm != whole
+        sides = whole if self._whole else calm
         self.rung = readable(curves[0].channel.unit.symbol, max(abs(side) for pair in sides for side in pair))
         size = self.rung.size
-        low, high = room_for(
+        self._core = room_for(
             [(low / size, high / size) for low, high in sides],
             {row.family for row in channels},
             [value / size for value, _, _ in limits],
+            free=0.0,
         )
-        self._view.setRange(yRange=(low, high), padding=0.0)
+        low, high = self._reach(self._core)
         rows = [(curve, line, Z_CURVE, DASHED if curve.channel.beside else ()) for curve in curves]
         if reference is not None:
             other = line_of(reference)
@@ -123,9 +142,72 @@ class CurvePlot(FixedPlot):
         for line, (value, text, brief) in zip(self._limits, shown, strict=True):
             line.set_value(value, text.format(with_unit(short(value, 4), self.rung.symbol)), brief)
         self._name_curves(reference is not None)
+        self._find_extremes()
         self._lay_out()
         if read:
             self._write()
+
+    @property
+    def spiked(self) -> bool:
+        """Whether there are values so far off that the axis does not reach to them, unless the whole is wanted."""
+        return self._spiked and bool(self._curves)
+
+    @property
+    def whole(self) -> bool:
+        """Whether the axis reaches to all values, spikes included."""
+        return self._whole
+
+    def show_whole(self, on: bool) -> None:
+        """Let the axis reach to all values, or cut spikes off, which an arrow marks at the edge."""
+        if on != self._whole:
+            self._whole, known = on, self._ranges
+            if self._curves and self._asked is not None:
+                self._drawn_marks = ()
+                self.set_curves(*self._asked)
+                self.show_extremes(known)
+
+    # -- extremes -------------------------------------------------------------------------------------------
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: only where a spike is cut off."""
+        self._ranges = found
+        self._find_extremes()
+        self._lay_out()
+        self._write()
+
+    def marked(self) -> list[Extreme]:
+        """The extremes that are marked, each at its angle, in the unit of the axis."""
+        return [mark.extreme for mark in self._extreme_marks]
+
+    def _reach(self, core: tuple[float, float]) -> tuple[float, float]:
+        """Let the axis show these values, with room for a text above and below; what it shows."""
+        part = min(self.text_room / max(self._view.height(), 1.0), MOST_FREE)
+        room = max(FREE, part / (1.0 - 2.0 * part)) * (core[1] - core[0])
+        shown = (core[0] - room, core[1] + room)
+        if tuple(self._view.viewRange()[1]) != shown:
+            self._view.setRange(yRange=shown, padding=0.0)
+        return shown
+
+    def _find_extremes(self) -> None:
+        (low, high), size = self._view.viewRange()[1], self.rung.size
+        rows = []
+        for curve in self._curves:
+            if curve.channel.beside:
+                continue
+            refined = (self._ranges or {}).get(curve.channel.quantity)
+            ends = self._sampled(curve) if refined is None else curve.ends(refined)
+            if ends[1][1] - ends[0][1] <= curve.floor:
+                continue
+            for highest, (angle, value) in enumerate(ends):
+                value = 0.0 if abs(value) <= curve.floor else value / size
+                if refined is not None or not low <= value <= high:
+                    rows.append(Extreme(angle, value, bool(highest), curve.colour))
+        self._extremes = rows
+
+    def _sampled(self, curve: Curve) -> list[tuple[float, float]]:
+        """Lowest and highest sample, (angle [deg], value)."""
+        known = np.where(np.isnan(curve.values), 0.0, curve.values)
+        return [(degrees(self._theta[i]), float(known[i])) for i in (int(known.argmin()), int(known.argmax()))]
 
     def name_angle(self, study: Study) -> None:
         """The angle below is the one that this study turns by, be there curves of it or only a message."""
@@ -136,18 +218,18 @@ class CurvePlot(FixedPlot):
         """Nothing but a text in the middle: what is missing, or what would fill this plot."""
         for pool in (self._drawn, self._readings, self._limits):
             self._grown(pool, 0, _nothing)
-        self._drawn, self._readings, self._limits = [], [], []
+        self._drawn, self._readings, self._limits, self._extremes = [], [], [], []
         self._curves, self._spans, self._drawn_marks, self._exact_values = [], [], (), None
         self._name_curves(False)
         self._axes["left"].show_title("", self._theme.ink)
-        self._message_text = text
+        self._message_text, self._core = text, None
         self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
         self._lay()
 
     def _draw(self, item: CurveLine, curve: Curve, along: Line, z: float, pen: QPen) -> None:
         values = along.of(curve.values) / self.rung.size
         finite = np.isfinite(values)
-        if not finite.all():
+        if self._spiked or not finite.all():
             low, high = self._view.viewRange()[1]
             room = WILD * (high - low)
             values = np.where(finite, np.clip(values, low - room, high + room), np.nan)
@@ -208,11 +290,13 @@ class CurvePlot(FixedPlot):
                 0.0 if abs(value) <= curve.floor else value / self.rung.size
                 for value, curve in zip(known, self._curves, strict=True)
             ]
-            place_readouts(self._readings, degrees(self._angle), values, self.rung, self.frame(), self._limits)
+            place_readouts(self._readings, degrees(self._angle), values, self.rung, self.frame(), self._boxes)
 
     # -- layout ---------------------------------------------------------------------------------------------
 
     def _lay(self, *_: object) -> None:
+        if self._core is not None:
+            self._reach(self._core)
         self._lay_out()
         self._write()
 
@@ -223,6 +307,7 @@ class CurvePlot(FixedPlot):
             curve.lay(frame, unseen)
         for limit in self._limits:
             limit.lay_clear(frame, self._drawn)
+        self._lay_extremes(frame)
         if self._curves:
             self._axes["left"].show_title(self._title(frame.height), self._title_colour())
         paper = (frame, tuple(self._spans), bool(self._curves), self._message_text)
@@ -230,6 +315,24 @@ class CurvePlot(FixedPlot):
             self._laid = paper
             self._lay_paper(frame)
         self.scene().prepareForPaint()  # else the transformation follows in the paint event and causes another
+
+    def _lay_extremes(self, frame: Frame) -> None:
+        wanted = self._extremes
+        self._extreme_marks = self._grown(self._extreme_marks, len(wanted), lambda: ExtremeMark(self._view, self._theme))
+        for mark, extreme in zip(self._extreme_marks, wanted, strict=True):
+            mark.stand(extreme, frame)
+        taken = self._covered(frame) + [limit.box(frame) for limit in self._limits]
+        self._boxes = taken + lay_marks(self._extreme_marks, frame, taken, self._drawn)
+
+    def _covered(self, frame: Frame) -> list[QRectF]:
+        """What else covers a part of the frame [pixels from its lower left corner, y upwards]."""
+        return []
+
+    def cut_at(self, pixel: QPointF) -> bool:
+        """Whether an arrow of a value that is cut off, or its text, stands at a place of the widget [pixels]."""
+        frame, corner = self.frame(), self.mapFromScene(self._view.sceneBoundingRect().bottomLeft())
+        at = QPointF(pixel.x() - corner.x(), corner.y() - pixel.y())
+        return any(mark.outside and (mark.sign_box(frame) | mark.box(frame)).contains(at) for mark in self._extreme_marks)
 
     def _lay_paper(self, frame: Frame) -> None:
         values = value_ticks(frame.low, frame.high, frame.height) if self._curves else []

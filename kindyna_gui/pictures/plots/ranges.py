@@ -9,6 +9,8 @@ import numpy as np
 
 FREE = 0.07  # of the values' range, left free above and below
 FAR_LIMIT = 3.0  # a limit further out than so many times the values is not shown
+SPIKE = 3.0  # what lies further out than so many times the range of the rest is a spike ...
+REST, CORE = 0.02, 0.05  # ... that is without this share of the lowest and highest values; the core of it that is shown then
 FROM_ZERO = frozenset({"velocity", "acceleration", "jerk", "pressure-angle", "force", "torque", "curvature", "ratio"})
 """Families whose axis always shows 0; places, lengths and angles show it only where it is near."""
 
@@ -26,6 +28,36 @@ def usual_range(values: np.ndarray) -> tuple[float, float]:
     return low, high
 
 
+def readable_range(values: np.ndarray, moving: np.ndarray) -> tuple[float, float]:
+    """The same without spikes, as of the torque near a dead centre, which would leave a line of all the rest.
+
+    moving: (n,) at which samples the mechanism moves; dwells are shown, but say nothing of what is usual in between.
+    """
+    low, high = usual_range(values)
+    known = np.isfinite(values)
+    ordered, resting = np.sort(values[known & moving]), values[known & ~moving]
+    if not _leaves(low, high, *_without(ordered, REST)):
+        return low, high
+    inner = _without(ordered, CORE)
+    room = 0.5 * (inner[1] - inner[0])
+    shown = (
+        inner[0] - room if _leaves(low, inner[1], *inner) else low,
+        inner[1] + room if _leaves(inner[0], high, *inner) else high,
+    )
+    return (min(shown[0], *resting), max(shown[1], *resting)) if resting.size else shown
+
+
+def _without(ordered: np.ndarray, share: float) -> tuple[float, float]:
+    """Lowest and highest of values in rising order (n,) without this share of either end."""
+    cut = int(share * ordered.size)
+    return (float(ordered[cut]), float(ordered[-1 - cut])) if ordered.size else (0.0, 0.0)
+
+
+def _leaves(low: float, high: float, inner_low: float, inner_high: float) -> bool:
+    """Whether a range goes far beyond an inner one."""
+    return 0.0 < SPIKE * (inner_high - inner_low) < max(inner_low - low, high - inner_high)
+
+
 def peak(rows: Sequence[np.ndarray]) -> float:
     """The largest usual size of several curves."""
     return max(max(abs(side) for side in usual_range(values)) for values in rows)
@@ -37,9 +69,9 @@ def shown_range(rows: Sequence[np.ndarray], families: Iterable[str], limits: Seq
 
 
 def room_for(
-    sides: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float]
+    sides: Sequence[tuple[float, float]], families: Iterable[str], limits: Sequence[float], free: float = FREE
 ) -> tuple[float, float]:
-    """The same for curves whose usual ranges are known."""
+    """The same for curves whose usual ranges are known; free: part of the values' range, left free above and below."""
     low, high = min(side[0] for side in sides), max(side[1] for side in sides)
     near = 0.3 * (high - low)
     if FROM_ZERO.intersection(families) or 0.0 < low < near or -near < high < 0.0:
@@ -51,5 +83,5 @@ def room_for(
     if high - low <= 1e-9 * size or high == low:
         half = 0.1 * size or 1.0
         low, high = low - half, high + half
-    room = FREE * (high - low)
+    room = free * (high - low)
     return low - room, high + room

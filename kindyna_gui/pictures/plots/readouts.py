@@ -10,7 +10,6 @@ from PySide6.QtGui import QPainterPath
 
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Frame
-from kindyna_gui.pictures.plots.lines import LimitLine
 from kindyna_gui.pictures.style import SMALL, Theme, brush
 from kindyna_gui.pictures.units import Rung, measure
 
@@ -54,10 +53,10 @@ def place_readouts(
     values: Sequence[float],
     rung: Rung,
     frame: Frame,
-    limits: Sequence[LimitLine] = (),
+    others: Sequence[QRectF] = (),
 ) -> None:
     """Write the values beside the cursor at ``angle`` [deg]: on its right, on its left where there is no room, one
-    above the other in their order, all within the frame and clear of the texts of the limits."""
+    above the other in their order, all within the frame and clear of other texts (boxes as of ``LimitLine.box``)."""
     rows = []
     for reading, value in zip(readouts, values, strict=True):
         known = abs(value) < float("inf")
@@ -71,7 +70,7 @@ def place_readouts(
     line = angle / 360.0 * frame.width
     right = line + SIDE + widest + 4.0 <= frame.width
     reach = (line, line + SIDE + widest + 2.0) if right else (line - SIDE - widest - 2.0, line)
-    boxes = [box for box in (limit.box(frame) for limit in limits) if reach[0] < box.right() and box.left() < reach[1]]
+    boxes = [box for box in others if reach[0] < box.right() and box.left() < reach[1]]
     taken = [(box.top(), box.bottom()) for box in boxes]
     heights = beside(taken, [row[0] for row in rows], rows[0][1].size[1] if rows else 0.0, frame.height)
     for (_, tag), at in zip(rows, heights, strict=True):

@@ -1,0 +1,208 @@
+"""Plots mark where their curves are highest and lowest; a spike is cut off, and shown in full at a click."""
+
+from collections import Counter
+from collections.abc import Sequence
+from itertools import combinations
+from math import inf, radians
+from pathlib import Path
+
+import numpy as np
+import pytest
+from plot_reading import box_of, curves, is_limit, marks, tags
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, settle, wait_for
+
+from core.motion.extremes import Range
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.graph.plots_view import PlotView
+from kindyna_gui.pictures.plots.curves import extremes_of
+from kindyna_gui.pictures.plots.ranges import readable_range, usual_range
+from kindyna_gui.places import example
+
+LIFT = example("transfer_lift")
+MASS = """
+[[loads.masses]]
+link = {}
+centre = [35.0, 0.0]
+mass_kg = 1.0
+inertia_kg_m2 = 0.001
+"""
+
+
+def plot_view(user: User, name: str) -> PlotView:
+    view = user.see(name)
+    assert isinstance(view, PlotView)
+    wait_for(lambda: view.up_to_date and not view.busy)
+    return view
+
+
+def locking(folder: Path) -> Path:
+    """A four-bar whose crank comes to dead centres, with masses on coupler and rocker."""
+    text = example("four_bar").read_text()
+    text = text.replace("A = [30.0, 0.0]", "A = [60.0, 0.0]").replace("B = [90.0, 0.0], C", "B = [50.0, 0.0], C")
+    path = folder / "locking.toml"
+    path.write_text(text + "\n[loads]\n" + MASS.format(3) + MASS.format(4))
+    return path
+
+
+def densely(study: Study, view: PlotView, sign: float) -> float:
+    """The highest value of a plot's first channel, times a sign, by sampling ever more densely; in its unit."""
+    (row, *_), low, high = view.rows, 0.0, 2.0 * np.pi
+    for _ in range(4):
+        theta = np.linspace(low, high, 1001)
+        values = sign * row.values(study.at_theta(np.mod(theta, 2.0 * np.pi)))
+        top = int(np.nanargmax(values))
+        low, high = theta[max(top - 1, 0)], theta[min(top + 1, theta.size - 1)]
+    return float(values[top])
+
+
+def test_the_marks_stand_at_the_true_extremes(open_user: Open) -> None:
+    user = open_user(LIFT, size=(1440, 900), whole=True)
+    for name in ("acceleration", "pressure_angle", "torque"):
+        view = plot_view(user, name)
+        study, size, row = user.session.study, view.plot.rung.size, view.rows[0]
+        low, high, *_ = view.plot.marked()
+        assert (low.highest, high.highest) == (False, True)
+        true = {-1.0: -densely(study, view, -1.0), 1.0: densely(study, view, 1.0)}
+        near = 1e-8 * (true[1.0] - true[-1.0])
+        for mark, sign in ((low, -1.0), (high, 1.0)):
+            assert mark.value * size == pytest.approx(true[sign], abs=near), name
+            there = row.values(study.at_theta(np.array([radians(mark.angle)])))[0]
+            assert there == pytest.approx(true[sign], abs=near), name
+    assert any(tag.text == "7.511 at 302.72°" for tag in marks(plot_view(user, "torque").plot))
+
+
+def test_the_texts_cover_neither_curves_nor_each_other(open_user: Open) -> None:
+    user = open_user(LIFT, size=(1440, 900), whole=True)
+    read = 0
+    for name in ("displacement", "velocity", "pressure_angle", "curvature", "torque", "contact_force"):
+        plot = plot_view(user, name).plot
+        texts = marks(plot)
+        boxes = [box_of(tag).adjusted(0.0, 2.0, 0.0, -2.0) for tag in (*texts, *(t for t in tags(plot) if is_limit(t)))]
+        assert not any(one.intersects(other) for one, other in combinations(boxes, 2)), name
+        paper = plot.getViewBox().sceneBoundingRect()
+        low, high = plot.getViewBox().viewRange()[1]
+        for line in curves(plot):
+            x = paper.left() + line.x / 360.0 * paper.width()
+            y = paper.bottom() - (line.y - low) / (high - low) * paper.height()
+            for box in boxes[: len(texts)]:
+                assert paper.adjusted(-1.0, -3.0, 1.0, 3.0).contains(box), name
+                assert not ((box.left() < x) & (x < box.right()) & (box.top() < y) & (y < box.bottom())).any(), name
+        read += len(texts)
+    assert read >= 8
+
+
+def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open, tmp_path: Path) -> None:
+    user = open_user(locking(tmp_path), size=(1440, 900))
+    view = plot_view(user, "torque")
+    plot = view.plot
+    values = view.rows[0].values(user.session.study)
+    assert np.abs(values).max() > 1e4
+    cut = plot.getViewBox().viewRange()[1]
+    assert max(map(abs, cut)) * plot.rung.size < 10.0, "the torque in between can be read"
+    assert [mark.value for mark in plot.marked()] == [-inf, inf], "at a dead centre it grows without limit"
+    locks = sorted(np.rad2deg(end) for r in user.session.study.course.ranges for end in (r.low, r.high))
+    assert all(min(abs(mark.angle - lock) for lock in locks) < 1e-6 for mark in plot.marked())
+    assert len(marks(plot)) == 2
+    button = plot.whole_button
+    assert button is not None
+    assert button.isVisible()
+    for click in (lambda: QTest.mouseClick(button, Qt.MouseButton.LeftButton), lambda: _click_arrow(view)):
+        click()
+        settle()
+        low, high = plot.getViewBox().viewRange()[1]
+        assert low * plot.rung.size <= values.min()
+        assert high * plot.rung.size >= values.max()
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        settle()
+        assert plot.getViewBox().viewRange()[1] == cut
+        assert len(plot.marked()) == 2
+
+
+def _click_arrow(view: PlotView) -> None:
+    theta = view.player.theta
+    place = box_of(marks(view.plot)[0]).center()
+    QTest.mouseClick(view.plot.viewport(), Qt.MouseButton.LeftButton, pos=QPoint(round(place.x()), round(place.y())))
+    assert view.player.theta == theta, "it is no click for another angle"
+
+
+def test_what_is_no_spike_is_shown_in_full(open_user: Open) -> None:
+    user = open_user(LIFT, size=(1440, 900))
+    for name in ("jerk", "torque"):
+        plot = plot_view(user, name).plot
+        assert plot.whole_button is not None
+        assert not plot.whole_button.isVisible(), name
+    moving = np.ones(1800, dtype=bool)
+    narrow = np.zeros(1800)
+    narrow[100:121] = np.sin(np.linspace(0.0, np.pi, 21))
+    assert readable_range(narrow, narrow != 0.0) == usual_range(narrow), "a short stroke between dwells"
+    wave = np.sin(np.linspace(0.0, 2.0 * np.pi, 1800))
+    wave[500] = 90.0
+    low, high = readable_range(wave, moving)
+    assert low == wave.min()
+    assert 1.0 < high < 3.0
+
+
+def test_extremes_are_refined_for_plots_in_sight_alone_and_never_by_a_frame_or_an_edit(
+    open_user: Open, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: Counter[str] = Counter()
+
+    def counted(study: Study, rows: Sequence[Channel]) -> dict[str, Range]:
+        asked.update(row.quantity for row in rows)
+        return extremes_of(study, rows)
+
+    monkeypatch.setattr("kindyna_gui.graph.extremes_search.extremes_of", counted)
+    user = open_user(LIFT, size=(1440, 900))
+    view = plot_view(user, "pressure_angle")
+    assert dict(asked) == {"pressure_angle": 1}
+    before = view.plot.marked()
+    for _ in range(5):
+        user.window.player.step(1.0)
+        settle()
+    assert dict(asked) == {"pressure_angle": 1}
+    for length in (846.0, 847.0):
+        assert user.session.edit("follower.rod_mm", length, "Change rod")
+        assert dict(asked) == {"pressure_angle": 1}, "an edit waits for none"
+        assert view.plot.marked() == [], "nor does a mark stand where it no longer belongs"
+    wait_for(lambda: not view.busy)
+    assert dict(asked) == {"pressure_angle": 2}
+    assert len(view.plot.marked()) == 2
+    assert view.plot.marked() != before
+
+
+def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
+    user = open_user(LIFT, size=(1440, 900), whole=True)
+    views = [plot_view(user, name) for name in ("velocity", "pressure_angle", "torque")]
+    assert all(marks(view.plot) for view in views)
+    (action,) = (a for a in views[0].plot.actions() if a.text() == "Mark extremes")
+    action.trigger()
+    settle()
+    assert not any(marks(view.plot) or view.plot.marked() for view in views)
+    assert user.session.edit("follower.rod_mm", 846.0, "Change rod")
+    settle()
+    assert not any(view.busy or view.plot.marked() for view in views)
+    action.trigger()
+    wait_for(lambda: all(marks(view.plot) for view in views))
+
+
+def test_a_coupler_curve_is_seen_over_its_plate(open_user: Open) -> None:
+    user = open_user(example("four_bar"))
+    view = user.drawing()
+    view.show_layer("coupler", True)
+    settle()
+    scene = view.scene
+    plate = scene.item("body.link3")
+    assert scene.item("coupler.C").zValue() > plate.zValue()
+    assert scene.item("coupler.A").zValue() < plate.zValue(), "the paths of pins stay behind"
+    assert scene.item("pin.A").zValue() > scene.item("coupler.C").zValue()
+
+
+def test_a_picture_of_a_plot_has_the_marks_that_the_screen_has(open_user: Open) -> None:
+    view = plot_view(open_user(LIFT, size=(1440, 900)), "torque")
+    assert "302.72°" in view.picture(".svg").decode()
+    (action,) = (a for a in view.plot.actions() if a.text() == "Mark extremes")
+    action.trigger()
+    assert "302.72°" not in view.picture(".svg").decode()
