@@ -11,6 +11,7 @@ import numpy as np
 
 from core.design import Motion, Named, Scca, stroke
 from core.motion import EPS, Angles, Program, program
+from core.numerics.cancellation import checkpoint
 
 STEP = np.deg2rad(1.0)  # first sampling within a piece
 LEAST, MOST = 17, 721  # points of a piece, and besides these
@@ -94,6 +95,7 @@ def _refined(
         brackets = [(search, bracket) for search in searches for bracket in search.brackets]
         if not brackets:
             break
+        checkpoint()
         theta = np.concatenate([np.linspace(b.left, b.right, count) for _, b in brackets])
         values = quantities(Angles(theta, np.repeat([b.piece for _, b in brackets], count)))
         for i, (search, bracket) in enumerate(brackets):

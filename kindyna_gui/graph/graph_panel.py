@@ -77,6 +77,11 @@ class Panel(QWidget):
         if isinstance(self.plot, LivePlot):
             self.plot.name_angle(study)
 
+    @property
+    def lacks_extremes(self) -> bool:
+        """Whether curves are drawn upwards, and others than those whose extremes were shown last."""
+        return isinstance(self.plot, LivePlot) and self.plot.lacks_extremes
+
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
         """Mark them where curves are drawn upwards."""
         if isinstance(self.plot, LivePlot):

@@ -140,8 +140,7 @@ class GraphView(View):
         self._look_for_extremes(study)
 
     def _look_for_extremes(self, study: Study) -> None:
-        self._show_extremes(None)
-        wanted = self.marks.isChecked() and self.form == "straight"
+        wanted = self.marks.isChecked() and any(panel.lacks_extremes for panel in self.panels)
         self.extremes.want(study, self.drawn if wanted else ())
 
     def _show_extremes(self, found: Mapping[str, Range] | None) -> None:
@@ -150,6 +149,7 @@ class GraphView(View):
 
     def _switch_marks(self, on: bool) -> None:
         if self.up_to_date and not self.in_trouble:
+            self._show_extremes(None)
             self._look_for_extremes(self.session.study)
             self.extremes.settle()
 

@@ -77,16 +77,16 @@ class PlotView(View):
         self.note.show_message("; ".join(missing) if drawn else "")
         self._look_for_extremes(study)
 
+    def _look_for_extremes(self, study: Study) -> None:
+        self.extremes.want(study, self.rows if self.plot.lacks_extremes and self.marks.isChecked() else ())
+
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
 
-    def _look_for_extremes(self, study: Study) -> None:
-        self.plot.show_extremes(None)
-        self.extremes.want(study, self.rows if self.marks.isChecked() else ())
-
     def _switch_marks(self, on: bool) -> None:
         if self.up_to_date and not self.in_trouble:
+            self.plot.show_extremes(None)
             self._look_for_extremes(self.session.study)
             self.extremes.settle()
 

@@ -1,5 +1,7 @@
 """kindyna_gui.window.view_stages: what a view does not read is not computed, what an edit does not touch stays, what is hidden rests."""
 
+from threading import enumerate as enumerate_threads
+
 import pytest
 from PySide6.QtCore import QEvent, QObject, Qt
 from PySide6.QtWidgets import QApplication, QWidget
@@ -9,6 +11,8 @@ from core.design import Design
 from core.project import load
 from core.study import STAGES, clear_caches, evaluations
 from core.study.stages import memory
+from kindyna_gui.background import Worker
+from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.graph_view import GraphView
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.graph.quantities import stages_of
@@ -32,6 +36,8 @@ def user(whole: User) -> User:
     """At a window where every stage is in sight, and a form."""
     whole.choose("View", "Dyna")
     wait_for(lambda: whole.window.docks["contact_force"].view is not None and whole.window.view("contact_force").up_to_date)
+    marks_action(whole.session).setChecked(False)  # extremes are looked for beside the window
+    wait_for(lambda: not any(isinstance(each, Worker) for each in enumerate_threads()))
     return whole
 
 

@@ -175,6 +175,11 @@ class CurvePlot(FixedPlot):
         self._lay_out()
         self._write()
 
+    @property
+    def lacks_extremes(self) -> bool:
+        """Whether other curves are drawn than those whose extremes were shown last."""
+        return bool(self._curves) and self._ranges is None
+
     def marked(self) -> list[Extreme]:
         """The extremes that are marked, each at its angle, in the unit of the axis."""
         return [mark.extreme for mark in self._extreme_marks]
