@@ -185,7 +185,12 @@ def test_one_switch_hides_the_marks_of_all_plots(open_user: Open) -> None:
     settle()
     assert not any(view.busy or view.plot.marked() for view in views)
     action.trigger()
-    wait_for(lambda: all(marks(view.plot) for view in views))
+    seen = [view for view in views if view.on_screen()]
+    assert seen
+    wait_for(lambda: all(marks(view.plot) for view in seen))
+    for view in views:
+        plot_view(user, view.usual[0] if view.usual[0] != "drive_torque" else "torque")
+        wait_for(lambda view=view: bool(marks(view.plot)))  # type: ignore[misc]
 
 
 def test_a_coupler_curve_is_seen_over_its_plate(open_user: Open) -> None:
