@@ -13,7 +13,7 @@ from plot_reading import message
 from PySide6.QtCore import QBuffer, QEvent, QObject, QPoint, QPointF, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QWidget
-from window_user import Alone, User, settle
+from window_user import Alone, User, settle, wait_for
 
 from core.design import Design
 from core.output.channels import channel
@@ -22,6 +22,7 @@ from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.exports import numbers
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.extremes_search import marks_action
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.units import measure, readable
 from kindyna_gui.window.player import Player
@@ -308,6 +309,7 @@ def test_an_edit_paints_each_plot_once_and_those_it_leaves_alone_not_at_all(whol
             return False
 
     watch = Watch()
+    marks_action(whole.session).setChecked(False)  # they come later
     whole.choose("View", "Dyna")
     whole.window.docks["displacement"].setParent(None)
     whole.window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, whole.window.docks["displacement"])
@@ -336,6 +338,10 @@ def test_a_plot_after_edits_is_what_a_fresh_plot_shows(show: Show) -> None:
             fresh = PlotView(plot.session, plot.player, plot.quantities)
             fresh.resize(plot.size())
             fresh.show()
+            settle()
+            for shown in (fresh, plot):
+                shown.settle()
+            wait_for(lambda fresh=fresh, plot=plot: not fresh.busy and not plot.busy)  # type: ignore[misc]
             settle()
             one, two = (Image.open(BytesIO(as_shown(widget))).convert("RGB") for widget in (fresh, plot))
             apart = np.abs(np.asarray(one, dtype=int) - np.asarray(two, dtype=int)).max(axis=2) > 0
