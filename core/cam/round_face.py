@@ -53,6 +53,7 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float)
         normal=normal,
         pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
         profile_curvature=lambda: _beyond(bend(), radius),
+        profile_velocity=lambda: t * (1.0 - radius * bend()) * back(),
         sliding=lambda: sliding(kinematics, motion, contact(), normal, sense),
         pitch=lambda: reference * back(),
         pitch_curvature=bend,

@@ -24,6 +24,7 @@ class Flank:
     normal   (n,) complex unit vector in the global frame, from the follower into the cam
     pressure_angle     (n,) [rad], unsigned, 0 ... π/2
     profile_curvature  (n,) [1/m], positive where the cam is convex
+    profile_velocity   (n,) complex [m] by cam angle: the profile's derivative, in the cam's own frame
     sliding  (n,) [m] by cam angle: speed of the follower's point that touches relative to the cam's, along i d n
     """
 
@@ -32,6 +33,7 @@ class Flank:
     normal: Lazy[np.ndarray] = Lazy()
     pressure_angle: Lazy[np.ndarray] = Lazy()
     profile_curvature: Lazy[np.ndarray] = Lazy()
+    profile_velocity: Lazy[np.ndarray] = Lazy()
     sliding: Lazy[np.ndarray] = Lazy()
 
 

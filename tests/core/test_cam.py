@@ -422,3 +422,15 @@ def test_every_cam_carries_its_own_proof(design: Design) -> None:
     y = study.motion.y[:, 7]
     here = placed(design, study.theta[7], Series([v / math.factorial(k) for k, v in enumerate(map(float, y))]))
     assert abs(complex(here.roller.c[0])) == pytest.approx(abs(study.cam.reference[7]), rel=1e-11)
+
+
+@pytest.mark.parametrize("name", [*DESIGNS, *TURNED])
+def test_the_profile_velocity_adds_up_to_the_profile(name: str) -> None:
+    """By Gauss quadrature over a stretch of every piece of the motion."""
+    study = Study({**DESIGNS, **TURNED}[name])
+    place, weight = np.polynomial.legendre.leggauss(16)
+    for start, end in zip(study.program.starts, study.program.ends, strict=True):
+        first, half = start + 0.3 * (end - start), min(0.1 * (end - start), 0.02)
+        there = study.at_theta(np.concatenate(([first, first + 2.0 * half], first + half * (place + 1.0)))).cam.flank
+        gained = there.profile[1] - there.profile[0]
+        assert abs(half * (there.profile_velocity[2:] @ weight) - gained) < 1e-13 * abs(there.profile[0])
