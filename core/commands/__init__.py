@@ -51,6 +51,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "check": _row("findings and proof of a design", "check"),
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
+        "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF or SVG", "profile"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),

@@ -1,0 +1,58 @@
+"""The command ``profile``: a cam's profile, or the path of its cutter, as a file for machines and drawings."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from core.commands import Painter
+from core.commands.common import design_file, number, verdict
+from core.errors import KindynaError
+from core.output.profile import ALL_FLANKS, FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Request, format_of, job_of, write
+from core.output.profile.digits import rounded_up
+from core.output.summary import to_json
+from core.project import load
+from core.study import Study
+
+
+def _count(text: str) -> float:
+    allowed = f"{LEAST_POINTS} ... {MOST_POINTS}"
+    return number("points", allowed, lambda v: v == int(v) and LEAST_POINTS <= v <= MOST_POINTS)(text)
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    design_file(parser)
+    endings = "|".join(FORMATS)
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=f"file to write, its ending says how: {endings}")
+    parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
+    parser.add_argument("--drive", metavar="NAME", help="which drive of a camshaft")
+    length = number("a length in mm", "above 0", lambda v: v > 0.0)
+    points = parser.add_mutually_exclusive_group()
+    points.add_argument("--samples", type=_count, metavar="N", help="points at equal cam angles")
+    points.add_argument("--spacing", type=length, metavar="MM", help="points at equal arc lengths, at most so far apart")
+    points.add_argument("--tolerance", type=length, metavar="MM", help="the fewest points that keep a tolerance")
+    cutter = "path of the centre of a cutter or grinding wheel of this radius"
+    parser.add_argument("--cutter", type=length, default=0.0, metavar="RADIUS_MM", help=cutter)
+    parser.add_argument("--as", dest="fit", choices=tuple(FITS), help="what runs from point to point (spline; CSV: polyline)")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """The file, and the deviation that it reaches on the terminal."""
+    usual = format_of(arguments.out)
+    given = [(name, getattr(arguments, name)) for name in ("samples", "spacing", "tolerance")]
+    sampling, value = next((pair for pair in given if pair[1] is not None), usual.sampling)
+    request = Request(sampling, value, arguments.fit or usual.fits[0], arguments.flank, arguments.cutter)
+    study = Study(load(arguments.design))
+    if arguments.drive is not None:
+        raise KindynaError(f"drive {arguments.drive!r}: this design has one drive, without a name; leave --drive out")
+    job = job_of(study, arguments.out, request)
+    made, main = write(job, arguments.out), job.main
+    if arguments.json:
+        told = {"points": main.count, "length_mm": main.curve.length, "deviation_mm": main.deviation}
+        print(to_json(told), end="")
+    else:
+        for path in made:
+            print(path)
+        print(f"{main.count} points on {main.curve.length:.9g} mm, at most {rounded_up(main.deviation, 4):g} mm from the exact curve")
+    return verdict(study, ("cam",))

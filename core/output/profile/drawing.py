@@ -1,0 +1,150 @@
+"""What a drawing of the profile holds, layer by layer; written by ``dxf`` and ``svg``. One row a layer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from core.output.profile.digits import rounded_up
+from core.output.profile.fits import FITS, Arcs, Cubics
+from core.output.profile.made import Fitted, beside
+from core.output.profile.points import SAMPLINGS
+from core.output.profile.request import Request
+from core.study import Study
+
+ZERO_FROM = 0.8  # of the way from the centre to the profile: where the angle-zero mark begins
+SENSES: Mapping[float, tuple[str, str]] = MappingProxyType({1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")})
+
+
+@dataclass(frozen=True)
+class Circle:
+    """About the cam centre [mm]."""
+
+    radius: float
+
+
+@dataclass(frozen=True)
+class Line:
+    """From point to point [mm]."""
+
+    start: complex
+    end: complex
+
+
+Shape: TypeAlias = "Arcs | Cubics | Circle | Line"
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """The study, what was asked of it, and the curve that came of it."""
+
+    study: Study
+    request: Request
+    main: Fitted
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One row: its DXF colour and line type, and what stands on it, which may be nothing."""
+
+    colour: int
+    line: str
+    shapes: Callable[[Job], Iterator[Shape]]
+
+
+def _profile(job: Job) -> Iterator[Shape]:
+    """Beside a cutter's path it is drawn for comparison."""
+    yield beside(job.study, job.request, 0.0) if job.request.cutter_mm else job.main.chain
+
+
+def _cutter(job: Job) -> Iterator[Shape]:
+    if job.request.cutter_mm:
+        yield job.main.chain
+
+
+def _pitch(job: Job) -> Iterator[Shape]:
+    radius = job.study.design.drive.cam.roller_radius_mm
+    if radius:
+        yield beside(job.study, job.request, radius)
+
+
+def _base(job: Job) -> Iterator[Shape]:
+    radius: float | None = getattr(job.study.design.drive.cam, "base_radius_mm", None)  # a linkage gives its cam the size
+    if radius is not None:
+        yield Circle(radius)
+
+
+def _zero(job: Job) -> Iterator[Shape]:
+    """A radial line up to the profile, along the cam's own x axis, which is the global one at cam angle 0."""
+    edge = _edge(job.main.curve.at(job.main.curve.length * np.arange(3600) / 3600.0))
+    yield Line(complex(ZERO_FROM * edge), complex(edge))
+
+
+def _edge(z: np.ndarray) -> float:
+    """Where the x axis leaves a closed curve through points (n,)."""
+    after = np.roll(z, -1)
+    cut = np.flatnonzero((z.imag <= 0.0) != (after.imag <= 0.0))
+    one, other = z[cut], after[cut]
+    return float((one.real - one.imag * (other.real - one.real) / (other.imag - one.imag)).max())
+
+
+LAYERS: Mapping[str, Layer] = MappingProxyType(
+    {
+        "PROFILE": Layer(7, "CONTINUOUS", _profile),
+        "CUTTER": Layer(1, "CONTINUOUS", _cutter),
+        "PITCH": Layer(5, "CENTER", _pitch),
+        "BASE": Layer(8, "DASHED", _base),
+        "ZERO": Layer(3, "CONTINUOUS", _zero),
+    }
+)
+
+
+def layers(job: Job) -> dict[str, list[Shape]]:
+    """Name -> what stands on it; those with nothing on them are left out."""
+    drawn = {name: list(row.shapes(job)) for name, row in LAYERS.items()}
+    return {name: shapes for name, shapes in drawn.items() if shapes}
+
+
+def facts(job: Job) -> dict[str, Any]:
+    """What the file is, as ``summary.json`` says it."""
+    request, main = job.request, job.main
+    return {
+        "design": job.study.design.name,
+        "curve": "path of the cutter's centre" if request.cutter_mm else "profile",
+        "flank": request.flank,
+        "cutter_radius_mm": request.cutter_mm or None,
+        "rotation": SENSES[job.study.sense][0],
+        "units": {"length": "mm", "angle": "deg"},
+        "origin": "cam centre; the x axis is the global one at cam angle 0",
+        "sampling": SAMPLINGS[request.sampling].text.format(value=request.value),
+        "fit": FITS[request.fit].label,
+        "points": main.count,
+        "length_mm": main.curve.length,
+        "tolerance_mm": request.value if request.sampling == "tolerance" else None,
+        "deviation_mm": main.deviation,
+    }
+
+
+def _one_line(text: str) -> str:
+    """Without what ends a line, and what no drawing may hold."""
+    return "".join(c if c.isprintable() else "?" for c in " ".join(text.split()))
+
+
+def comment(job: Job) -> list[str]:
+    """The same in lines, for a drawing."""
+    told = facts(job)
+    radius = f", radius {job.request.cutter_mm!r} mm" if job.request.cutter_mm else ""
+    allowed = "" if told["tolerance_mm"] is None else f", tolerance {told['tolerance_mm']!r} mm"
+    return [
+        f"Design: {_one_line(told['design'])}",
+        f"Curve: {told['curve']}{radius}, {told['flank']} flank",
+        f"Cam turns {SENSES[job.study.sense][1]} ({told['rotation']}) as drawn",
+        f"Units: mm; origin: {told['origin']}",
+        f"Points: {told['points']}, {told['sampling']}; {told['fit']}",
+        f"Length: {told['length_mm']:.9g} mm",
+        f"Deviation from the exact curve: at most {rounded_up(told['deviation_mm'], 4)!r} mm{allowed}",
+    ]

@@ -1,0 +1,94 @@
+"""A drawing as DXF, written by ezdxf: the same drawing, the same bytes."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from core.output.profile.drawing import LAYERS, Circle, Line, Shape
+from core.output.profile.fits import Arcs, Cubics
+
+VERSION = "R2010"
+COMMENT = 999  # group code
+MILLIMETRES, METRIC = 4, 1  # of $INSUNITS, $MEASUREMENT
+CLOSED, PLANAR = 1, 8  # flags of a spline
+LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
+    {"CENTER": ("Center ____ _ ____", [12.0, 8.0, -1.5, 1.0, -1.5]), "DASHED": ("Dashed __ __", [4.0, 2.5, -1.5])}
+)
+"""Line types: description, then length of the pattern and its dashes and gaps [mm]."""
+
+
+@contextmanager
+def _without_clock() -> Iterator[None]:
+    """Files name neither a time nor a random number."""
+    import ezdxf
+
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    ezdxf.options.write_fixed_meta_data_for_testing = True
+    try:
+        yield
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+
+
+def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
+    """The file: comments, then a header with units and origin, then the shapes on their layers."""
+    import ezdxf
+    from ezdxf.tools.juliandate import juliandate
+
+    with _without_clock():
+        drawing = ezdxf.new(VERSION)
+        drawing.header["$INSUNITS"] = MILLIMETRES
+        drawing.header["$MEASUREMENT"] = METRIC
+        drawing.header["$INSBASE"] = (0.0, 0.0, 0.0)
+        for name in ("$TDCREATE", "$TDUCREATE"):
+            drawing.header[name] = juliandate(datetime(2000, 1, 1))
+        for name, (text, pattern) in LINES.items():
+            drawing.linetypes.add(name, pattern, description=text)
+        space = drawing.modelspace()
+        for name, shapes in layers.items():
+            drawing.layers.add(name, color=LAYERS[name].colour, linetype=LAYERS[name].line)
+            for shape in shapes:
+                SHAPES[type(shape)](space, shape, {"layer": name})
+        stream = io.StringIO()
+        drawing.write(stream)
+    head = "".join(f"{COMMENT}\n{line}\n" for line in comment)
+    return (head + stream.getvalue()).encode("utf-8", "replace")
+
+
+def _polyline(space: Any, shape: Arcs, attributes: dict[str, Any]) -> None:
+    rows = np.column_stack((shape.vertices.real, shape.vertices.imag, shape.b.ravel()))
+    space.add_lwpolyline(rows.tolist(), format="xyb", close=True, dxfattribs=attributes)
+
+
+def _spline(space: Any, shape: Cubics, attributes: dict[str, Any]) -> None:
+    """One cubic B-spline with double knots, whose control points are those of the Bézier pieces without the common ones."""
+    inner = shape.points[:, 1:3].ravel()
+    points = np.concatenate((shape.points[:1, 0], inner, shape.points[:1, 0]))
+    ends = np.append(0.0, np.cumsum(shape.lengths))
+    knots = np.concatenate(([0.0, 0.0], np.repeat(ends, 2), [ends[-1]] * 2))
+    made = space.add_spline(dxfattribs={**attributes, "degree": 3, "flags": CLOSED | PLANAR, "extrusion": (0.0, 0.0, 1.0)})
+    made.knots = knots.tolist()
+    made.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
+
+
+def _circle(space: Any, shape: Circle, attributes: dict[str, Any]) -> None:
+    space.add_circle((0.0, 0.0), shape.radius, dxfattribs=attributes)
+
+
+def _line(space: Any, shape: Line, attributes: dict[str, Any]) -> None:
+    space.add_line((shape.start.real, shape.start.imag), (shape.end.real, shape.end.imag), dxfattribs=attributes)
+
+
+SHAPES: Mapping[type, Callable[[Any, Any, dict[str, Any]], None]] = MappingProxyType(
+    {Arcs: _polyline, Cubics: _spline, Circle: _circle, Line: _line}
+)
+
+
+__all__ = ["written"]

@@ -1,0 +1,156 @@
+"""The curve of a file: its points, what runs through them, and how far that is from the exact curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from core.errors import KindynaError, NoCam
+from core.motion import Angles
+from core.motion.extremes import find_extremes
+from core.numerics.cancellation import checkpoint
+from core.numerics.vectors import dot
+from core.output.profile.curve import Curve, Exact, offset, profile, side
+from core.output.profile.cutter import hollow
+from core.output.profile.deviation import largest
+from core.output.profile.digits import rounded_down, rounded_up
+from core.output.profile.fits import FITS, Arcs, Cubics
+from core.output.profile.points import Points, points
+from core.output.profile.request import FLANKS, Request
+from core.study import Study
+
+CERTAIN = 1e-11  # of the curve's size: its digits
+LITTLE = 1e-6  # mm that nobody measures
+TRIES = 4  # a tolerance that is just missed is made smaller so often, at most
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A curve as a file describes it.
+
+    curve      the exact one
+    points     on it
+    chain      what runs from point to point
+    deviation  [mm] the largest distance of the exact curve from the chain
+    """
+
+    curve: Curve
+    points: Points
+    chain: Arcs | Cubics
+    deviation: float
+
+    @property
+    def count(self) -> int:
+        """Points that the file lists: with tangent arcs also those where two of them meet."""
+        return int(self.chain.vertices.size)
+
+
+def exact_curve(study: Study, request: Request) -> Exact:
+    """The profile, or the path of the cutter, in closed form.
+
+    Raises NoSuchStage for a design without cam, KindynaError for a flank that its cam does not have, NoCam where the profile has
+    corners or cusps, crosses itself, or keeps the cutter out.
+    """
+    flank = _flank(study, request)
+    _require_smooth(study, flank)
+    exact = profile(study, flank)
+    curve = Curve(exact, study.program.starts, study.program.ends)
+    rolling, cutting = side(study, flank), request.cutter_mm
+    if study.design.drive.cam.roller_radius_mm > 0.0:
+        _require_whole(study, curve, rolling)
+    if cutting:
+        _require_reach(study, curve, rolling, cutting)
+    return offset(exact, rolling * cutting) if cutting else exact
+
+
+def _flank(study: Study, request: Request) -> int:
+    """Its place among the flanks of the cam."""
+    study.require_stage("cam")
+    there = FLANKS[study.design.drive.cam.form]
+    if request.flank not in there:
+        raise KindynaError(f"flank {request.flank!r}: this cam has none of that name; allowed: {', '.join(there)}")
+    return there.index(request.flank)
+
+
+def _require_smooth(study: Study, flank: int) -> None:
+    """Neither corners nor cusps: the motion's velocity does not jump, and the contact runs along the profile one way only."""
+    for i, join in enumerate(study.program.joins):
+        if join.jumps[:2].any():
+            angle = float(np.rad2deg(join.theta))
+            raise NoCam(
+                "the velocity jumps, so the profile has a corner", f"motion.segments[{(i + 1) % len(study.program.joins)}]",
+                "take a law, or another end, that joins without a jump", [(angle, angle)],
+            )  # fmt: skip
+
+    def speed(angles: Angles) -> np.ndarray:
+        there = study.at(angles).cam.flanks[flank]
+        unit = angles.unit.conj() if study.sense > 0.0 else angles.unit
+        return dot(there.profile_velocity, 1j * there.normal * unit)
+
+    found = find_extremes(lambda angles: {"": speed(angles)}, study.program)[""]
+    if found.low.value <= 0.0 <= found.high.value:
+        worst = min(found.low, found.high, key=lambda extreme: abs(extreme.value))
+        angle = float(np.rad2deg(worst.theta))
+        raise NoCam(
+            "the profile is undercut: it runs backwards, so no file can hold what would be cut", "cam",
+            "enlarge the base radius, or take a smaller roller", [(angle, angle)],
+        )  # fmt: skip
+
+
+def _require_whole(study: Study, curve: Curve, rolling: float) -> None:
+    """The roller touches the whole profile."""
+    radius = study.design.drive.cam.roller_radius_mm
+    found = hollow(curve, curve.exact, study.program, rolling, radius)
+    if found is not None:
+        raise NoCam(
+            "the profile crosses itself: the roller cannot touch it", "cam.roller_radius_mm",
+            "take a smaller roller, or enlarge the base radius", [(found.begin, found.end)],
+        )  # fmt: skip
+
+
+def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -> None:
+    """The cutter touches the whole profile."""
+    found = hollow(curve, curve.exact, study.program, rolling, cutting)
+    if found is None:
+        return
+    concave = f"whose concave radius of curvature is {found.radius:.5g} mm there, " if np.isfinite(found.radius) else ""
+    advice = f"take one of at most {rounded_down(found.radius, 5):.5g} mm" if np.isfinite(found.radius) else "take a smaller one"
+    left = f"{found.left:.3g} mm" if found.left >= LITTLE else f"less than {LITTLE:g} mm"
+    raise NoCam(
+        f"a radius of {cutting:g} mm does not get into the profile, {concave}and leaves {left} standing",
+        "cutter", advice, [(found.begin, found.end)],
+    )  # fmt: skip
+
+
+def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) -> Fitted:
+    """A curve sampled and fitted as the request says.
+
+    Raises KindynaError where the points are too few or too many, or the tolerance is below ``least_mm`` or the curve's own digits.
+    """
+    curve, fit = Curve(exact, study.program.starts, study.program.ends), FITS[request.fit]
+    by_tolerance = request.sampling == "tolerance"
+    least = max(least_mm, CERTAIN * curve.size)
+    if by_tolerance and not request.value >= least:
+        raise KindynaError(
+            f"tolerance {request.value:g} mm: below the certain digits of such a file; allowed: {rounded_up(least, 1):g} mm and more"
+        )
+    asked = request.value
+    for _ in range(TRIES):
+        checkpoint()
+        at = points(curve, study.program, request.sampling, fit, asked)
+        chain = fit.pieces(*at.spans(curve.length))
+        deviation = largest(curve, chain, at.ends.s)
+        if not by_tolerance or deviation <= request.value:
+            break
+        asked *= request.value / deviation * (1.0 - 1e-6)
+    else:
+        raise KindynaError(f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one")
+    return Fitted(curve, at, chain.simplified(), deviation)
+
+
+def beside(study: Study, request: Request, by_mm: float) -> Arcs | Cubics:
+    """The curve that runs so far beside the profile on the follower's side, 0 being the profile itself and the roller's radius the
+    pitch curve; sampled and fitted alike."""
+    flank = _flank(study, request)
+    return fitted(study, offset(profile(study, flank), side(study, flank) * by_mm), request).chain
