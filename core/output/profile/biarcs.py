@@ -10,9 +10,9 @@ from math import atan, pi, tan
 
 import numpy as np
 
-from core.motion import EPS
 from core.numerics.vectors import cross, dot
 
+SAME_TURN = 1e-9  # relative: half a turn may be so much more
 SAME_TANGENT = 1e-11  # [rad] and
 SAME_PLACE = 1e-12  # relative: arcs of one circle may be this far from it
 
@@ -93,7 +93,7 @@ def _one(p: complex, middle: complex, first: float, q: complex, second: float, s
     """Bulge of the arc from p over the middle to q, where both halves lie on it; None where they do not, or it would be more
     than half a turn."""
     half = atan(first) + atan(second)  # of the whole turn, a quarter of it each
-    if p == q or abs(half) > 0.25 * pi * (1.0 + 8.0 * EPS):
+    if p == q or abs(half) > 0.25 * pi * (1.0 + SAME_TURN):
         return None
     whole = tan(half)
     off = float(distance(np.array(p), np.array(q), np.array(whole), np.array(middle)))

@@ -21,10 +21,15 @@ def of_spans(curve: Curve, fit: Fit, begin: np.ndarray, length: np.ndarray) -> n
     """Largest distance (m,) [mm] between the curve over spans (m,) that begin so far along it [mm] and are so long, and the
     pieces that the fit puts there: of samples, and of the parabola through the highest."""
     pieces = fit.pieces(curve.ends(begin), curve.ends(begin + length))
-    spans, rows = np.arange(begin.size), np.arange(begin.size)
-    part, highest = np.broadcast_to(INSIDE, (begin.size, INSIDE.size)), np.zeros(begin.size)
+    return _own(curve, pieces, np.arange(begin.size), begin, length)
+
+
+def _own(curve: Curve, chain: Chain, span: np.ndarray, begin: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """The same of spans (m,) of a chain: of samples, of samples about the highest, of the parabola through the highest."""
+    rows = np.arange(span.size)
+    part, highest = np.broadcast_to(INSIDE, (span.size, INSIDE.size)), np.zeros(span.size)
     for _ in range(2):
-        off = pieces.distance(spans, curve.at(begin[:, None] + part * length[:, None]), part)
+        off = chain.distance(span, curve.at(begin[:, None] + part * length[:, None]), part)
         top = np.argmax(off, axis=1)
         highest = np.maximum(highest, off[rows, top])
         part = _around(part, top)
@@ -62,13 +67,12 @@ def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> float:
     for first in range(0, count, BLOCK):
         checkpoint()
         span = np.arange(first, min(first + BLOCK, count))
-        part = np.broadcast_to(INSIDE, (span.size, INSIDE.size))
-        own[span] = chain.distance(span, curve.at(nodes[span, None] + part * length[span, None]), part).max(axis=1)
+        own[span] = _own(curve, chain, span, nodes[span], length[span])
     best = 0.0
     order = np.argsort(-own, kind="stable")
     for first in range(0, count, AT_ONCE):
         span = order[first : first + AT_ONCE]
-        if own[span[0]] * 1.02 < best or (first and own[span[0]] <= best):
+        if own[span[0]] <= best:
             break
         checkpoint()
         best = max(best, _refined(curve, chain, nodes, length, span))

@@ -67,7 +67,7 @@ def _cutter(job: Job) -> Iterator[Shape]:
 
 
 def _pitch(job: Job) -> Iterator[Shape]:
-    radius = job.study.design.drive.cam.roller_radius_mm
+    radius = job.study.design.drive.face.radius_mm
     if radius:
         yield beside(job.study, job.request, radius)
 

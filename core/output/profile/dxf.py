@@ -56,6 +56,8 @@ def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> by
             drawing.layers.add(name, color=LAYERS[name].colour, linetype=LAYERS[name].line)
             for shape in shapes:
                 SHAPES[type(shape)](space, shape, {"layer": name})
+        for kind in sorted(drawing.entitydb.dxf_types_in_use()):  # else in the order of a set, which changes
+            drawing.classes.add_class(kind)
         stream = io.StringIO()
         drawing.write(stream)
     head = "".join(f"{COMMENT}\n{line}\n" for line in comment)

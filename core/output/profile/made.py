@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from core.cam.sizes import size_of
 from core.errors import KindynaError, NoCam
 from core.motion import Angles
 from core.motion.extremes import find_extremes
@@ -57,7 +58,7 @@ def exact_curve(study: Study, request: Request) -> Exact:
     exact = profile(study, flank)
     curve = Curve(exact, study.program.starts, study.program.ends)
     rolling, cutting = side(study, flank), request.cutter_mm
-    if study.design.drive.cam.roller_radius_mm > 0.0:
+    if study.design.drive.face.radius_mm > 0.0:
         _require_whole(study, curve, rolling)
     if cutting:
         _require_reach(study, curve, rolling, cutting)
@@ -92,20 +93,21 @@ def _require_smooth(study: Study, flank: int) -> None:
     if found.low.value <= 0.0 <= found.high.value:
         worst = min(found.low, found.high, key=lambda extreme: abs(extreme.value))
         angle = float(np.rad2deg(worst.theta))
+        face = study.design.drive.face
         raise NoCam(
-            "the profile is undercut: it runs backwards, so no file can hold what would be cut", "cam",
-            "enlarge the base radius, or take a smaller roller", [(angle, angle)],
+            "the profile is undercut: it runs backwards, so no file can hold what would be cut",
+            *size_of(study.design.drive.cam, face.noun, face.radius_mm), [(angle, angle)],
         )  # fmt: skip
 
 
 def _require_whole(study: Study, curve: Curve, rolling: float) -> None:
-    """The roller touches the whole profile."""
-    radius = study.design.drive.cam.roller_radius_mm
-    found = hollow(curve, curve.exact, study.program, rolling, radius)
+    """The roller or shoe touches the whole profile."""
+    face = study.design.drive.face
+    found = hollow(curve, curve.exact, study.program, rolling, face.radius_mm)
     if found is not None:
         raise NoCam(
-            "the profile crosses itself: the roller cannot touch it", "cam.roller_radius_mm",
-            "take a smaller roller, or enlarge the base radius", [(found.begin, found.end)],
+            f"the profile crosses itself: the {face.noun} cannot touch it",
+            *size_of(study.design.drive.cam, face.noun, face.radius_mm), [(found.begin, found.end)],
         )  # fmt: skip
 
 

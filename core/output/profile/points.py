@@ -17,6 +17,7 @@ from core.output.profile.fewest import TooMany, fewest
 from core.output.profile.fits import Fit
 
 LEAST_POINTS, MOST_POINTS = 3, 1_000_000
+MOST_SEARCHED = 100_000  # points whose spans are searched one by one
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +58,10 @@ def _equal_lengths(curve: Curve, fit: Fit, spacing: float) -> np.ndarray:
 
 def _fewest(curve: Curve, fit: Fit, tolerance: float) -> np.ndarray:
     try:
-        s = fewest(curve, fit, tolerance, MOST_POINTS)
+        s = fewest(curve, fit, tolerance, MOST_SEARCHED)
     except TooMany as error:
         raise KindynaError(
-            f"tolerance {tolerance:g} mm: it takes about {error.count} points, {MOST_POINTS} at most are written; "
+            f"tolerance {tolerance:g} mm: it takes about {error.count} points, {MOST_SEARCHED} at most are searched for; "
             "choose a larger tolerance, or arcs or a spline"
         ) from None
     return np.rad2deg(curve.theta(s))

@@ -1,0 +1,383 @@
+"""Profile files: read again by other readers than their writers and measured against the exact curve."""
+
+import contextlib
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import drawing_readers as drawings
+import ezdxf
+import numpy as np
+import pytest
+from mechanisms import LIFT, PUSHER, levels, with_cam, with_drive, with_shaft
+from scipy.spatial import cKDTree
+
+from core import project
+from core.__main__ import main
+from core.design import Design
+from core.study import Study
+
+ROOT = Path(__file__).parents[2]
+FOUR_BAR, COUPLER = (ROOT / "resources/examples" / f"{name}.toml" for name in ("four_bar", "four_bar_coupler_cam"))
+EXACT = 36_000  # angles at which files are measured
+
+# a rise so steep that the cam is hollow there
+HOLLOW = with_cam(with_drive(PUSHER, motion=levels(0.0, (40.0, 0.0, "dwell"), (80.0, 40.0, "cycloidal"), (130.0, 40.0, "dwell"),
+                                                   (110.0, 0.0, "3-4-5"))), base_radius_mm=30.0)  # fmt: skip
+TURNED = with_shaft(HOLLOW, rotation="cw")
+
+
+def circle(eccentric: float = 10.0) -> str:
+    """A design file whose cam is an eccentric disk, under a flat face."""
+    rises = "".join(
+        f'[[motion.segments]]\nlaw = "simple-harmonic"\nspan_deg = 180.0\nrise_mm = {rise}\n'
+        for rise in (2.0 * eccentric, -2.0 * eccentric)
+    )
+    return (
+        f'format = 1\nname = "Eccentric -- disk"\n[motion]\nstart_mm = 0.0\n{rises}[follower]\nkind = "translating"\nface = "flat"\n'
+        '[cam]\nbase_radius_mm = 40.0\n[shaft]\nrotation = "cw"\nspeed_rpm = 60.0\n[loads]\n'
+    )
+
+
+def run(*words: object) -> tuple[int, str, str]:
+    """The command in this process: exit code, what it printed, its faults."""
+    said, faults = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(faults):
+        code = main(["profile", *map(str, words)])
+    return code, said.getvalue(), faults.getvalue()
+
+
+def saved(folder: Path, design: Design) -> Path:
+    path = folder / "design.toml"
+    project.save(design, path)
+    return path
+
+
+def written(design: Path, out: Path, *words: object) -> dict[str, float]:
+    """What the command says of the file that it wrote."""
+    code, said, faults = run(design, "--out", out, "--json", *words)
+    assert (code, faults) == (0, ""), faults
+    return json.loads(said)
+
+
+def exact(design: Path, beside: float = 0.0, count: int = EXACT) -> np.ndarray:
+    """The profile [mm] at so many angles, or what runs beside it on the follower's side."""
+    study = Study(project.load(design), count)
+    back = np.exp(-1j * study.sense * study.theta)
+    return 1e3 * study.cam.flank.profile - beside * study.cam.flank.normal * back
+
+
+def off(points: np.ndarray, closed: np.ndarray) -> np.ndarray:
+    """Distance (n,) of points from a closed polyline through very many: of its lines at the nearest of them."""
+    nearest = cKDTree(np.column_stack((closed.real, closed.imag))).query(np.column_stack((points.real, points.imag)))[1]
+    best = np.abs(points - closed[nearest])
+    for side in (-1, 1):
+        a, b = closed[nearest], closed[(nearest + side) % closed.size]
+        along = np.clip(((points - a) / np.where(a == b, 1.0, b - a)).real, 0.0, 1.0)
+        best = np.minimum(best, np.abs(points - a - along * (b - a)))
+    return best
+
+
+READERS = {
+    ".csv": lambda path, layer, count: drawings.along_csv(path, count),
+    ".dxf": drawings.along_dxf,
+    ".svg": drawings.along_svg,
+}
+
+
+def check_deviation(path: Path, told: dict[str, float], curve: np.ndarray, chords: bool, layer: str = "PROFILE") -> None:
+    """The file is never farther from the curve than it states, and states no more than a tenth above that."""
+    each = max(2, (6_000 if chords else 120_000) // int(told["points"]))
+    described = READERS[path.suffix](path, layer, each)
+    farthest = float(off(curve, described).max())
+    # how far the chords between these points may be from what is described
+    inside = 0.0 if chords else float(np.abs(np.diff(described[: described.size // each * each].reshape(-1, each), 2)).max()) / 8.0
+    assert farthest <= told["deviation_mm"] + inside + 1e-9
+    assert told["deviation_mm"] <= 1.1 * farthest + 1e-9
+    assert float(off(described[::7], curve).max()) <= told["deviation_mm"] * 1.001 + 5e-6, "all of the file lies on the curve"
+    length = np.abs(np.diff(np.append(curve, curve[0]))).sum()
+    assert told["length_mm"] == pytest.approx(length, rel=1e-7)
+
+
+# -- files measured ---------------------------------------------------------------------------------------
+
+FITS = ("spline", "polyline", "arcs")
+WISHES = [
+    (".csv", ()), (".csv", ("--samples", 7)), (".csv", ("--spacing", 1.5)), (".csv", ("--tolerance", 0.01)),
+    *((ending, ("--as", fit, "--tolerance", 0.002)) for ending in (".dxf", ".svg") for fit in FITS),
+    (".dxf", ("--as", "arcs", "--samples", 36)), (".dxf", ("--as", "spline", "--spacing", 5)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("ending", "words"), WISHES, ids=str)
+def test_a_file_deviates_as_it_states(tmp_path: Path, ending: str, words: tuple[object, ...]) -> None:
+    design = saved(tmp_path, TURNED)
+    told = written(design, tmp_path / f"cam{ending}", *words)
+    check_deviation(tmp_path / f"cam{ending}", told, exact(design), ending == ".csv" or "polyline" in words)
+    if "--tolerance" in words:
+        assert told["deviation_mm"] <= words[words.index("--tolerance") + 1]
+
+
+@pytest.mark.parametrize(("fit", "face"), [("spline", "knife"), ("arcs", "roller")])
+def test_other_followers_files_deviate_as_they_state(tmp_path: Path, fit: str, face: str) -> None:
+    path = saved(tmp_path, LIFT if face == "roller" else HOLLOW)
+    text = path.read_text("utf-8")
+    if face == "knife":
+        path.write_text(text.replace('face = "roller"', 'face = "knife"').replace("roller_radius_mm = 12.0\n", ""), "utf-8")
+    told = written(path, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
+    check_deviation(tmp_path / "cam.dxf", told, exact(path), False)
+
+
+def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
+    """Beside the profile by its radius, where the roller runs."""
+    told = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.001)
+    check_deviation(tmp_path / "cam.dxf", told, exact(COUPLER, 8.0), False, "CUTTER")
+    profile = drawings.arc_chain(drawings.on_layer(tmp_path / "cam.dxf", "PROFILE"))
+    assert off(exact(COUPLER), drawings.along_arcs(*profile, 5000)).max() <= 0.001
+    told = written(COUPLER, tmp_path / "cam.csv", "--cutter", 8)
+    check_deviation(tmp_path / "cam.csv", told, exact(COUPLER, 8.0), True)
+
+
+def test_points_at_equal_arc_lengths(tmp_path: Path) -> None:
+    design = saved(tmp_path, TURNED)
+    told = written(design, tmp_path / "cam.csv", "--spacing", 2)
+    rows = np.genfromtxt(tmp_path / "cam.csv", delimiter=",", names=True)
+    assert rows.size == told["points"] == math.ceil(told["length_mm"] / 2.0)
+    fine = Study(TURNED, 400 * 360)
+    curve = fine.cam.flank.profile * 1e3
+    lengths = np.append(0.0, np.cumsum(np.abs(np.diff(np.append(curve, curve[0])))))
+    at = np.interp(rows["cam_angle_deg"], np.append(fine.angle_degrees, 360.0), lengths)
+    assert np.diff(at) == pytest.approx(told["length_mm"] / rows.size, abs=1e-6)
+
+
+def test_the_table_holds_the_profile_of_the_export(tmp_path: Path) -> None:
+    written(saved(tmp_path, TURNED), tmp_path / "cam.csv", "--samples", 90)
+    rows = np.genfromtxt(tmp_path / "cam.csv", delimiter=",", names=True)
+    study = Study(TURNED, 90)
+    z = study.cam.flank.profile * 1e3
+    assert rows["cam_angle_deg"].tolist() == study.angle_degrees.tolist()
+    assert np.abs(rows["x_mm"] + 1j * rows["y_mm"] - z).max() < 1e-12
+    assert np.abs(rows["radius_mm"] * np.exp(1j * np.deg2rad(rows["polar_angle_deg"])) - z).max() < 1e-12
+
+
+# -- the fewest -------------------------------------------------------------------------------------------
+
+PLACES = 240  # on the curve, among which all choices are tried
+
+
+def least_count(deviates: np.ndarray, tolerance: float) -> int:
+    """Fewest spans round the curve from its first place, of all choices: deviates[i, j] over j + 1 steps from place i."""
+    fewest = np.full(PLACES + 1, np.inf)
+    fewest[0] = 0
+    for i in range(PLACES):
+        for j in range(min(deviates.shape[1], PLACES - i)):
+            if deviates[i, j] <= tolerance:
+                fewest[i + j + 1] = min(fewest[i + j + 1], fewest[i] + 1)
+    return int(fewest[-1])
+
+
+def test_no_choice_of_points_takes_fewer(tmp_path: Path) -> None:
+    """No choice among 240 places, by brute force, needs fewer chords, or pairs of tangent arcs; and with as much more tolerance as
+    makes up for the distance of these places none needs fewer by more than one."""
+    tolerance, inside, most = 0.8, 12, 90
+    design = saved(tmp_path, HOLLOW)
+    fine = exact(design, count=PLACES * inside)
+    rounds = np.concatenate((fine, fine))
+    tangent = np.gradient(rounds)
+    tangent /= np.abs(tangent)
+    chords, arcs = np.full((PLACES, most), np.inf), np.full((PLACES, most), np.inf)
+    for i in range(PLACES):
+        for j in range(1, most):
+            piece = slice(i * inside, (i + j) * inside + 1)
+            p, q, z = rounds[piece][0], rounds[piece][-1], rounds[piece][:: max(1, j // 2)]
+            chords[i, j - 1] = np.abs(((z - p) * (q - p).conjugate()).imag).max() / abs(q - p)
+            arcs[i, j - 1] = pair_deviation(p, q, tangent[piece][0], tangent[piece][-1], z)
+    for fit, deviates in (("polyline", chords), ("arcs", arcs)):
+        told = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", tolerance)
+        spans = told["points"] if fit == "polyline" else math.ceil(told["points"] / 2)
+        assert spans <= least_count(deviates, tolerance)
+        assert spans >= least_count(deviates, 1.2 * tolerance) - 1
+
+
+def pair_deviation(p: complex, q: complex, start: complex, end: complex, z: np.ndarray) -> float:
+    """How far points are from the two tangent arcs from p to q with equally long tangents: both circles by their centres."""
+    v, t = q - p, start + end
+    a, b, c = 2.0 * (1.0 - (start.conjugate() * end).real), 2.0 * (v.conjugate() * t).real, -abs(v) ** 2
+    length = -c / b if abs(a) < 1e-12 else (-b + math.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+    joint = 0.5 * (p + q + length * (start - end))
+    best = np.full(z.size, np.inf)
+    for here, there, direction in ((p, joint, start), (q, joint, -end)):
+        chord = there - here
+        bend = 2.0 * (direction.conjugate() * chord).imag / abs(chord) ** 2
+        if abs(bend) < 1e-9:
+            distance = np.abs(((z - here) * chord.conjugate()).imag) / abs(chord)
+        else:
+            centre = here + 1j * direction / bend
+            distance = np.abs(np.abs(z - centre) - 1.0 / abs(bend))
+        side = ((z - joint) * (chord / abs(chord)).conjugate()).real <= 1e-9
+        best = np.where(side, np.minimum(best, distance), best)
+    return float(best.max())
+
+
+# -- tangent arcs -----------------------------------------------------------------------------------------
+
+
+def test_tangent_arcs_have_no_break_anywhere(tmp_path: Path) -> None:
+    """The closure included; and turn about once in all."""
+    for words in (("--tolerance", 1e-3), ("--tolerance", 1.0), ("--samples", 24)):
+        written(saved(tmp_path, HOLLOW), tmp_path / "cam.dxf", "--as", "arcs", *words)
+        p, b = drawings.arc_chain(drawings.on_layer(tmp_path / "cam.dxf", "PROFILE"))
+        starts, ends = drawings.tangents(p, b)
+        assert np.abs(np.angle(np.exp(1j * (np.roll(starts, -1) - ends)))).max() < 1e-9
+        assert abs(4.0 * np.arctan(b).sum()) == pytest.approx(2.0 * np.pi)
+        assert np.abs(b).max() <= 1.0 + 1e-8
+
+
+def test_an_eccentric_disk_is_two_arcs(tmp_path: Path) -> None:
+    (tmp_path / "disk.toml").write_text(circle(), "utf-8")
+    told = written(tmp_path / "disk.toml", tmp_path / "disk.dxf", "--as", "arcs", "--tolerance", 1e-6)
+    assert told["points"] == 2
+    assert told["length_mm"] == pytest.approx(100.0 * np.pi, rel=1e-12)
+    assert told["deviation_mm"] < 1e-10
+    p, b = drawings.arc_chain(drawings.on_layer(tmp_path / "disk.dxf", "PROFILE"))
+    assert np.abs(np.abs(drawings.along_arcs(p, b, 100) + 10j) - 50.0).max() < 1e-10
+    assert b == pytest.approx([-1.0, -1.0] if b[0] < 0.0 else [1.0, 1.0])
+
+
+# -- what the files say -----------------------------------------------------------------------------------
+
+
+def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
+    design = saved(tmp_path, replace(TURNED, name="Kran 7, gedreht é"))
+    for fit in FITS:
+        told = written(design, tmp_path / "cam.dxf", "--as", fit)
+        read = ezdxf.readfile(tmp_path / "cam.dxf")
+        assert read.audit().errors == []
+        assert read.audit().fixes == []
+        assert {e.dxf.layer for e in read.modelspace()} == {"PROFILE", "PITCH", "BASE", "ZERO"}
+    assert drawings.header(tmp_path / "cam.dxf", "$INSUNITS") == [4.0]
+    assert drawings.header(tmp_path / "cam.dxf", "$INSBASE") == [0.0, 0.0, 0.0]
+    assert drawings.on_layer(tmp_path / "cam.dxf", "BASE").all(40).tolist() == [30.0]
+    pitch = drawings.along_dxf(tmp_path / "cam.dxf", "PITCH", 4000)
+    assert off(exact(design, 12.0), pitch).max() <= 0.001
+    mark = drawings.on_layer(tmp_path / "cam.dxf", "ZERO")
+    assert (mark.all(20).item(), mark.all(21).item()) == (0.0, 0.0)
+    assert off(np.array([mark.all(11).item()]), exact(design)).item() < 1e-4
+    text = "\n".join(drawings.comments(tmp_path / "cam.dxf"))
+    for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "0.001 mm", f"{told['points']}"):
+        assert words in text
+
+
+def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
+    from PySide6.QtSvg import QSvgRenderer
+
+    (tmp_path / "disk.toml").write_text(circle(), "utf-8")
+    written(tmp_path / "disk.toml", tmp_path / "disk.svg", "--as", "arcs")
+    text = (tmp_path / "disk.svg").read_text("utf-8")
+    drawn = QSvgRenderer(str(tmp_path / "disk.svg"))
+    assert drawn.isValid()
+    box = drawn.boundsOnElement("PROFILE")  # in units of the view box, whose y axis points down
+    assert (box.center().x(), box.center().y()) == pytest.approx((0.0, 10.0), abs=0.01)
+    assert (box.width(), box.height()) == pytest.approx((100.0, 100.0), abs=0.5)
+    assert f'width="{drawn.viewBoxF().width():g}mm"' in text
+    comment = text[text.index("<!--") + 4 : text.index("-->")]
+    assert "--" not in comment
+    for words in ("Eccentric - - disk", "clockwise (cw)", "mm", "tolerance 0.001 mm"):
+        assert words in comment
+
+
+def test_a_summary_beside_the_table_says_what_it_is(tmp_path: Path) -> None:
+    design = saved(tmp_path, TURNED)
+    told = written(design, tmp_path / "cam.csv", "--tolerance", 0.01)
+    summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
+    assert {summary[key] for key in ("design", "rotation", "file")} == {"pusher", "cw", "cam.csv"}
+    assert summary["tolerance_mm"] == 0.01
+    assert {key: summary[key] for key in told} == told
+    written(design, tmp_path / "other.csv")  # its own kind it replaces
+    (tmp_path / "summary.json").write_text('{"kind": "cam"}', "utf-8")
+    check_refused(tmp_path, "summary.json: cannot be written", design, "--out", tmp_path / "cam.csv")
+
+
+def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
+    """In another process, too, which says so in words."""
+    design = saved(tmp_path, PUSHER)
+    for name in ("one.csv", "one.dxf", "two.dxf", "one.svg", "two.svg"):
+        run(design, "--out", tmp_path / name)
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "7", "TZ": "Asia/Seoul"}
+    out = tmp_path / "elsewhere/one.dxf"
+    command = [sys.executable, "-m", "core", "profile", str(design), "--out", str(out)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert "from the exact curve" in done.stdout
+    assert done.stderr == ""
+    assert out.read_bytes() == (tmp_path / "one.dxf").read_bytes() == (tmp_path / "two.dxf").read_bytes()
+    assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
+
+
+# -- bad input --------------------------------------------------------------------------------------------
+
+
+def check_refused(folder: Path, says: str, *words: object) -> str:
+    """Exit code 2, one clear line, nothing written or changed."""
+    before = {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+    code, said, faults = run(*words)
+    assert (code, said) == (2, "")
+    assert len(faults.splitlines()) == 1
+    assert says in faults
+    assert {p: p.read_bytes() for p in folder.rglob("*") if p.is_file()} == before
+    return faults
+
+
+CORNER = with_drive(PUSHER, motion=levels(0.0, (180.0, 20.0, "constant-velocity"), (180.0, 0.0, "constant-velocity")))
+CUSP = with_drive(PUSHER, motion=levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell")))
+
+
+@pytest.mark.parametrize(
+    ("design", "words", "says"),
+    [
+        (PUSHER, ("cam.dxf", "--tolerance", 1e-12), "tolerance 1e-12 mm: below the certain digits"),
+        (PUSHER, ("cam.svg", "--tolerance", 1e-8), "allowed: 1e-06 mm and more"),
+        (PUSHER, ("cam.csv", "--tolerance", 1e-9), "choose a larger tolerance"),
+        (PUSHER, ("cam.csv", "--as", "arcs"), "allowed: polyline"),
+        (PUSHER, ("cam.stp",), "allowed: .csv, .dxf, .svg"),
+        (PUSHER, ("cam.csv", "--flank", "outer"), "flank 'outer': this cam has none of that name; allowed: inner"),
+        (PUSHER, ("cam.csv", "--drive", "feed"), "drive 'feed': this design has one drive"),
+        (PUSHER, ("cam.csv", "--spacing", 500), "spacing 500 mm: the curve is"),
+        (PUSHER, ("cam.csv", "--cutter", -3), "'-3': a length in mm; allowed: above 0"),
+        (PUSHER, ("cam.csv", "--samples", 2), "allowed: 3 ... 1000000"),
+        (PUSHER, ("cam.csv", "--samples", 20, "--spacing", 3), "not allowed with"),
+        (CORNER, ("cam.csv",), "the velocity jumps, so the profile has a corner at cam angle 180 deg"),
+        (CUSP, ("cam.csv",), "the profile is undercut"),
+        (None, ("cam.csv",), "stage 'cam': this kind of design has none of that name"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_bad_input_is_named_and_nothing_written(
+    tmp_path: Path, design: Design | None, words: tuple[object, ...], says: str
+) -> None:
+    path = FOUR_BAR if design is None else saved(tmp_path, design)
+    with contextlib.suppress(SystemExit):
+        check_refused(tmp_path, says, path, "--out", tmp_path / str(words[0]), *words[1:])
+
+
+def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path: Path) -> None:
+    """Brute force: the profile's distance from all discs of the cutter that enter it nowhere."""
+    design = saved(tmp_path, HOLLOW)
+    concave = -1e3 / Study(HOLLOW).extremes("cam", ("profile_curvature",))["profile_curvature"].low.value
+    written(design, tmp_path / "fits.csv", "--cutter", 0.999 * concave)
+    radius = round(2.0 * concave)
+    line = check_refused(tmp_path, f"cutter: a radius of {radius} mm", design, "--out", tmp_path / "cam.csv", "--cutter", radius)
+    assert f"{concave:.5g} mm" in line
+    profile, centres = exact(design), exact(design, radius)
+    places = cKDTree(np.column_stack((profile.real, profile.imag)))
+    free = centres[places.query(np.column_stack((centres.real, centres.imag)))[0] >= radius - 1e-6]
+    left = cKDTree(np.column_stack((free.real, free.imag))).query(places.data)[0] - radius
+    stated = float(line.split("leaves ")[1].split()[0])
+    assert stated == pytest.approx(left.max(), rel=0.02)
+    low, high = line.split("cam angle ")[1].split(" deg")[0].split("...")
+    worst = Study(HOLLOW, EXACT).angle_degrees[np.argmax(left)]
+    assert float(low) < worst < float(high)

@@ -1,0 +1,162 @@
+"""Reading drawings without the libraries that wrote them: DXF tag by tag, SVG by its paths; curves evaluated densely."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@dataclass
+class Entity:
+    """A DXF entity: its tags in order, code and text."""
+
+    kind: str
+    tags: list[tuple[int, str]] = field(default_factory=list)
+
+    def all(self, code: int) -> np.ndarray:
+        return np.array([float(text) for c, text in self.tags if c == code])
+
+    @property
+    def layer(self) -> str:
+        return next(text for code, text in self.tags if code == 8)
+
+
+def tags(path: Path) -> Iterator[tuple[int, str]]:
+    lines = path.read_text("utf-8").split("\n")
+    for code, text in zip(lines[::2], lines[1::2], strict=False):
+        yield int(code), text.strip()
+
+
+def comments(path: Path) -> list[str]:
+    return [text for code, text in tags(path) if code == 999]
+
+
+def header(path: Path, name: str) -> list[float]:
+    """Numbers of a header variable."""
+    found, rows = False, []
+    for code, text in tags(path):
+        if code == 9:
+            if found:
+                break
+            found = text == name
+        elif found and code != 0:
+            rows.append(float(text))
+    return rows
+
+
+def entities(path: Path) -> list[Entity]:
+    inside, found = False, []
+    for code, text in tags(path):
+        if code == 2 and text == "ENTITIES":
+            inside = True
+        elif code == 0 and inside:
+            if text == "ENDSEC":
+                break
+            found.append(Entity(text))
+        elif inside and found:
+            found[-1].tags.append((code, text))
+    return found
+
+
+def on_layer(path: Path, layer: str) -> Entity:
+    (entity,) = [each for each in entities(path) if each.layer == layer]
+    return entity
+
+
+def arc_chain(entity: Entity) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices and bulges of a closed LWPOLYLINE; a bulge of 0 need not be written."""
+    assert entity.kind == "LWPOLYLINE"
+    assert int(entity.all(70)[0]) & 1, "closed"
+    points, bulges = [], []
+    for code, text in entity.tags:
+        if code == 10:
+            points.append(complex(float(text)))
+            bulges.append(0.0)
+        elif code == 20:
+            points[-1] += 1j * float(text)
+        elif code == 42:
+            bulges[-1] = float(text)
+    return np.array(points), np.array(bulges)
+
+
+def tangents(p: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Directions [rad] of each arc where it starts and where it ends: chord less, and plus, half the turn."""
+    chord = np.angle(np.roll(p, -1) - p)
+    return chord - 2.0 * np.arctan(b), chord + 2.0 * np.arctan(b)
+
+
+def along_arcs(p: np.ndarray, b: np.ndarray, count: int) -> np.ndarray:
+    """Points of a closed chain of arcs, so many on each, by its turning: a chord of part of the turn from the start."""
+    part = np.arange(count) / count
+    turn, chord = 4.0 * np.arctan(b)[:, None], (np.roll(p, -1) - p)[:, None]
+    bent = np.abs(turn) > 1e-9
+    share = np.where(bent, np.sin(0.5 * turn * part) / np.where(bent, np.sin(0.5 * turn), 1.0), part)
+    return (p[:, None] + chord * share * np.exp(0.5j * turn * (part - 1.0))).ravel()
+
+
+def along_spline(entity: Entity, count: int) -> np.ndarray:
+    """Points of a SPLINE, so many in each span of its knots, by de Boor."""
+    assert entity.kind == "SPLINE"
+    degree, knots = int(entity.all(71)[0]), entity.all(40)
+    points = entity.all(10) + 1j * entity.all(20)
+    assert knots.size == points.size + degree + 1 == int(entity.all(72)[0])
+    assert points.size == int(entity.all(73)[0])
+    ends = np.unique(knots)
+    u = (ends[:-1, None] + np.diff(ends)[:, None] * (np.arange(count) / count)).ravel()
+    k = np.searchsorted(knots, u, side="right") - 1
+    d = [points[k - degree + j] for j in range(degree + 1)]
+    for level in range(1, degree + 1):
+        for j in range(degree, level - 1, -1):
+            low, high = knots[k - degree + j], knots[k + 1 + j - level]
+            share = (u - low) / (high - low)
+            d[j] = (1.0 - share) * d[j - 1] + share * d[j]
+    assert abs(points[0] - points[-1]) == 0.0, "closed"
+    return d[degree]
+
+
+def along_dxf(path: Path, layer: str, count: int) -> np.ndarray:
+    entity = on_layer(path, layer)
+    return along_spline(entity, count) if entity.kind == "SPLINE" else along_arcs(*arc_chain(entity), count)
+
+
+def along_svg(path: Path, layer: str, count: int) -> np.ndarray:
+    """Points of the one path of a layer, y upwards; commands M, L, C, A, Z."""
+    group = next(g for g in ElementTree.parse(path).getroot().iter(f"{SVG}g") if g.get("id") == layer)
+    (drawn,) = group.findall(f"{SVG}path")
+    words = re.findall(r"[MLCAZ]|[-+.\deE]+", drawn.get("d", ""))
+    part, here, start, found = np.arange(count) / count, 0j, 0j, []
+    while words:
+        command = words.pop(0)
+        take = {"M": 2, "L": 2, "C": 6, "A": 7, "Z": 0}[command]
+        v = [float(words.pop(0)) for _ in range(take)]
+        end = complex(v[-2], v[-1]) if v else start
+        if command == "M":
+            start = end
+        elif command == "C":
+            a, b = complex(v[0], v[1]), complex(v[2], v[3])
+            q = 1.0 - part
+            found.append(q**3 * here + 3 * q**2 * part * a + 3 * q * part**2 * b + part**3 * end)
+        elif command == "A":
+            radius, sweep = v[0], v[4]
+            assert v[0] == v[1]
+            assert v[3] == 0.0, "the shorter way"
+            half = np.arcsin(min(abs(end - here) / (2.0 * radius), 1.0)) * (1.0 if sweep else -1.0)
+            share = np.sin(half * part) / np.sin(half)
+            found.append(here + (end - here) * share * np.exp(1j * half * (part - 1.0)))
+        elif end != here:
+            found.append(here + (end - here) * part)
+        here = end
+    return np.concatenate(found).conj()
+
+
+def along_csv(path: Path, count: int) -> np.ndarray:
+    rows = np.genfromtxt(path, delimiter=",", names=True)
+    p = rows["x_mm"] + 1j * rows["y_mm"]
+    return along_arcs(p, np.zeros(p.size), count)
