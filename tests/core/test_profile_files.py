@@ -372,12 +372,12 @@ def test_a_cutter_too_large_for_a_hollow_is_refused_with_what_it_leaves(tmp_path
     radius = round(2.0 * concave)
     line = check_refused(tmp_path, f"cutter: a radius of {radius} mm", design, "--out", tmp_path / "cam.csv", "--cutter", radius)
     assert f"{concave:.5g} mm" in line
-    profile, centres = exact(design), exact(design, radius)
+    profile, centres = exact(design, count=7200), exact(design, radius, 7200)
     places = cKDTree(np.column_stack((profile.real, profile.imag)))
-    free = centres[places.query(np.column_stack((centres.real, centres.imag)))[0] >= radius - 1e-6]
+    free = centres[places.query(np.column_stack((centres.real, centres.imag)))[0] >= radius - 1e-5]
     left = cKDTree(np.column_stack((free.real, free.imag))).query(places.data)[0] - radius
     stated = float(line.split("leaves ")[1].split()[0])
-    assert stated == pytest.approx(left.max(), rel=0.02)
+    assert stated == pytest.approx(left.max(), rel=0.03)
     low, high = line.split("cam angle ")[1].split(" deg")[0].split("...")
-    worst = Study(HOLLOW, EXACT).angle_degrees[np.argmax(left)]
+    worst = 0.05 * float(np.argmax(left))
     assert float(low) < worst < float(high)
