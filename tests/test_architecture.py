@@ -1,6 +1,7 @@
 """The house, read off the syntax trees: who asks what kind of design this is, how full a folder is, and who knows Qt."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import get_args
@@ -139,3 +140,41 @@ def test_the_core_does_not_know_the_window() -> None:
                 elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in OF_QT:
                     found.add((module_of(path), node.module))
     assert found == set()
+
+
+# -- tests -------------------------------------------------------------------------------------------------
+
+PRIVATE = re.compile(r"(?P<owner>[\w.)\]]+)\._[a-z]|^\s*from (?P<module>\S+) import .*\b_[a-z]")
+OWN = {"self", "cls", "os", "sys"}  # of a test's own class; Python calls some of its functions so
+
+
+def private_uses(text: str) -> list[str]:
+    """Lines that reach for a name of somebody else that begins with an underscore."""
+    return [
+        line.strip()
+        for line in text.splitlines()
+        if any((found["owner"] or found["module"]) not in OWN for found in PRIVATE.finditer(line))
+    ]
+
+
+def test_no_test_reaches_into_what_is_private() -> None:
+    """They go through files, commands, studies and the window, so that the code behind may be written anew."""
+    tests = (path for path in sorted((ROOT / "tests").rglob("*.py")) if path != Path(__file__))
+    found = {str(path.relative_to(ROOT)): private_uses(path.read_text("utf-8")) for path in tests}
+    assert {path: lines for path, lines in found.items() if lines} == {}, "test what is shown or said instead"
+
+
+@pytest.mark.parametrize(
+    ("line", "private"),
+    [
+        ("assert view.plot._message.text", True),
+        ("wait_for(lambda: not self.dialog._soon.isActive())", True),
+        ("graph(user)._changed()", True),
+        ("from core.mechanism.groups import _begin", True),
+        ("self._values.append(1)", False),
+        ("sys._current_frames()", False),
+        ("from core.laws import LAWS", False),
+    ],
+)
+def test_a_private_use_is_seen(line: str, private: bool) -> None:
+    assert bool(private_uses(line)) is private

@@ -206,7 +206,7 @@ def test_the_chart_of_stability_has_half_of_the_window(open_user: Open) -> None:
     assert chart.width() * chart.height() >= 0.5 * SMALL[0] * SMALL[1]
     below = view.pages.mapTo(view, QPoint(0, 0)).y() - chart.mapTo(view, QPoint(0, 0)).y() - chart.height()  # type: ignore[union-attr]
     assert below <= 10, "nothing but the line that parts them stands between chart and verdicts"
-    view._stop()  # type: ignore[union-attr]
+    view.leave()  # type: ignore[union-attr]
 
 
 def test_a_first_window_uses_the_screen() -> None:
