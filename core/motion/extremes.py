@@ -47,8 +47,8 @@ class Range:
 
 @lru_cache(maxsize=64)
 def _places(count: int) -> np.ndarray:
-    """Where a piece is sampled, 0 ... 1: equally spaced, and close to its ends."""
-    return np.union1d(np.linspace(0.0, 1.0, count), ENDS)
+    """Where a piece is sampled, 0 ... 1: equally spaced, and close to its ends. Not by np.union1d, which imports numpy.ma."""
+    return np.array(sorted({*np.linspace(0.0, 1.0, count).tolist(), *ENDS}))
 
 
 def piecewise_angles(program: Program) -> Angles:
