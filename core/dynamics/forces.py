@@ -117,6 +117,8 @@ def newton_euler(
     if shape is not None and cam is not None:
         pairs[BEARING] = -contact * cam[1]
         torque = shape.sense * cross(cam[0], pairs[BEARING])
+        if not friction_of_cam:  # in a dwell no power goes in, only rounding
+            torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
         if friction_of_cam:
             lost = lost + friction_of_cam * contact * np.abs(shape.flank.sliding)
     forces = Forces(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any
@@ -23,11 +22,12 @@ from core.design import (
 from core.design.parts import SIDES
 from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
 from core.mechanism.mechanism import body_name
+from core.numerics.vectors import heading
 
 
 def _gravity(loads: Loads | LinkageLoads) -> complex:
     s = si(loads)
-    return complex(cmath.rect(s.gravity, s.gravity_angle))
+    return complex(s.gravity * heading(s.gravity_angle))
 
 
 def _contact(loads: Loads | LinkageLoads) -> float:
@@ -42,8 +42,8 @@ def _guide_friction(coefficient: float) -> tuple[Friction, ...]:
 def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
     """The roller is fixed to the arm and turns with it; a roller that turns freely would leave out its inertia."""
     g, s, gravity = si(follower), si(loads), _gravity(loads)
-    arm = Inertia(s.arm_mass, cmath.rect(s.arm_centre, s.arm_centre_angle), s.arm_inertia)
-    roller = Inertia(s.roller_mass, cmath.rect(g.roller_arm, g.fixed_angle), s.roller_inertia)
+    arm = Inertia(s.arm_mass, s.arm_centre * heading(s.arm_centre_angle), s.arm_inertia)
+    roller = Inertia(s.roller_mass, g.roller_arm * heading(g.fixed_angle), s.roller_inertia)
     masses = (
         Mass("slider", Inertia(s.slider_mass), gravity),
         Mass("rod", Inertia(s.rod_mass, complex(s.rod_centre * g.rod), s.rod_inertia), gravity),
@@ -62,7 +62,7 @@ def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loadi
 def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loading:
     """The closing spring turns the arm towards the cam; the roller is fixed to the arm and turns with it."""
     g, s = si(follower), si(loads)
-    arm = Inertia(s.arm_mass, cmath.rect(s.arm_centre, s.arm_centre_angle), s.arm_inertia)
+    arm = Inertia(s.arm_mass, s.arm_centre * heading(s.arm_centre_angle), s.arm_inertia)
     roller = Inertia(s.roller_mass, complex(g.arm), s.roller_inertia)
     masses = (Mass("arm", combined([arm, roller]), _gravity(loads)),)
     spring = OutputForce(-s.preload, s.spring_rate, SIDES[follower.side])
@@ -73,7 +73,7 @@ def oscillating_flat_loading(follower: OscillatingFlat, loads: OscillatingFlatLo
     """The arm's centre of mass is counted from the direction along the face towards the contact, -i m on the left, i m on the
     right; the body's x axis is m."""
     s, side = si(loads), SIDES[follower.side]
-    centre = -1j * side * cmath.rect(s.arm_centre, s.arm_centre_angle)
+    centre = -1j * side * s.arm_centre * heading(s.arm_centre_angle)
     masses = (Mass("arm", Inertia(s.arm_mass, centre, s.arm_inertia), _gravity(loads)),)
     spring = OutputForce(-s.preload, s.spring_rate, side)
     return Loading(masses, (spring,), contact_friction=_contact(loads))

@@ -93,9 +93,12 @@ class Walk:
 
     def hold(self, name: str, body: str) -> None:
         """The last pair of ``body`` takes all that is left of its loads and hands it on to the other body."""
-        at = self.at(name)
-        couple = 0.0 if self.kinematics.pairs[name].kind == REVOLUTE else -self.about(body, at)
-        self.pass_on(name, body, at, opposite(self.force[body]), couple)
+        at, force = self.at(name), opposite(self.force[body])
+        couple: Number = 0.0
+        if self.kinematics.pairs[name].kind != REVOLUTE:  # nothing is left along its line but rounding
+            across = 1j * self.along(name)
+            force, couple = across * dot(across, force), -self.about(body, at)
+        self.pass_on(name, body, at, force, couple)
 
     def pass_on(self, name: str, body: str, at: np.ndarray, force: np.ndarray, couple: Number) -> None:
         """Record a pair's force and couple on ``body``, and load the pair's other body with their opposites."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from dataclasses import dataclass
 
@@ -14,6 +13,7 @@ from core.followers.reach import angle_at_pivot, rounded
 from core.mechanism.mechanism import Mechanism, Reference
 from core.mechanism.solving import Solved
 from core.motion import MotionState
+from core.numerics.vectors import heading
 
 ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
@@ -87,7 +87,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
     reach [m] is Br + Rr. Raises NoAssembly where the roller does not reach the base circle or the rod not the guide.
     """
     g, base = si(follower), base_position(follower, reach)
-    roller = cmath.rect(follower.roller_arm_mm, g.fixed_angle)
+    roller = follower.roller_arm_mm * heading(g.fixed_angle)
     linkage = Linkage(
         (
             Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),

@@ -119,14 +119,17 @@ class PieceTable:
         runs = _runs_of(index)
         where = [(self._taken(index), slice(None))] if runs is None else [(self._pieces[i], part) for i, part in runs]
         parts = [
-            (part, w[part], piece, [f * w[part] + phase for f, phase in piece.angles]) for piece, part in where
+            (part, w[part], piece, [(f * w[part] + phase, quarter) for f, phase, quarter in piece.angles])
+            for piece, part in where
         ]
         known: dict[int, list[list[np.ndarray]]] = {}
 
         def row(order: int) -> np.ndarray:
             odd = order % 2
             if odd not in known:
-                known[odd] = [[(np.cos if odd else np.sin)(angle) for angle in angles] for _, _, _, angles in parts]
+                known[odd] = [
+                    [(np.cos if (odd + quarter) % 2 else np.sin)(angle) for angle, quarter in angles] for *_, angles in parts
+                ]
             out = np.empty(w.size)
             for (part, along, piece, _), waves in zip(parts, known[odd], strict=True):
                 total, powers = out[part], piece.powers[order]
@@ -156,16 +159,30 @@ class PieceTable:
 
 class _Coefficients(NamedTuple):
     """powers and gains: of value and derivatives the coefficients, the highest first, and the sines' amplitudes with their
-    signs; angles: frequency and phase of each sine. Numbers, or (n,)."""
+    signs; angles: frequency, phase and quarter turns besides of each sine. Numbers, or (n,)."""
 
     powers: list[list[Any]]
     gains: list[list[Any]]
-    angles: list[tuple[Any, Any]]
+    angles: list[tuple[Any, Any, int]]
 
 
 def _coefficients(powers: list[list[Any]], sines: Iterable[Any]) -> _Coefficients:
-    gains = [(a, f * a, -(f * f) * a, -(f * f * f) * a) for a, f, _ in sines]
-    return _Coefficients(powers, [[gain[order] for gain in gains] for order in range(ORDERS)], [(f, phase) for _, f, phase in sines])
+    gains: list[list[Any]] = [[] for _ in range(ORDERS)]
+    angles = []
+    for a, f, phase in sines:
+        quarter = _quarters(phase)
+        angles.append((f, 0.0 if quarter else phase, quarter))
+        for order, gain in enumerate((a, f * a, f * f * a, f * f * f * a)):
+            gains[order].append(-gain if (order + quarter) % 4 > 1 else gain)
+    return _Coefficients(powers, gains, angles)
+
+
+def _quarters(phase: Any) -> int:
+    """Whole quarter turns that a phase is meant to be, 0 ... 3: of a cosine what vanishes at its start is exactly 0 there."""
+    if not isinstance(phase, float):
+        return 0
+    quarters = round(phase / (0.5 * math.pi))
+    return quarters % 4 if quarters * (0.5 * math.pi) == phase else 0
 
 
 def _descending(coefficients: list[float]) -> list[float]:

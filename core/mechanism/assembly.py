@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Mapping
 from functools import lru_cache
 from types import MappingProxyType
@@ -22,7 +21,7 @@ from core.mechanism.plan import Joint, Plan
 from core.mechanism.solving import Solved, at_driver
 from core.motion import Angles, MotionState
 from core.numerics.derivatives import Derivatives, difference, product
-from core.numerics.vectors import cross, dot, spread
+from core.numerics.vectors import cross, dot, heading, spread
 
 Points = Mapping[int, Mapping[str, complex]]
 
@@ -150,7 +149,7 @@ def _body(pose: Pose, points: Mapping[str, complex], mechanism: Mechanism, n: in
     """A link of the own frame as a body in the global one, with a value at each of the n positions. Rates that are infinite
     at a dead centre warn nobody."""
     place, turn = mechanism.place, mechanism.turn
-    along = cmath.rect(1.0, turn) if turn else 1.0
+    along = heading(turn) if turn else 1.0
 
     def origin(order: int) -> np.ndarray:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -192,7 +191,7 @@ def _travel(
         return np.ones(q.size, dtype=complex)
     at = plan.points[reference.link][reference.point]
     if not ground:
-        path = course.solve(at_driver(q)).poses[reference.link].carried(at)[1] * cmath.rect(1.0, mechanism.turn)
+        path = course.solve(at_driver(q)).poses[reference.link].carried(at)[1] * heading(mechanism.turn)
         return np.asarray(np.broadcast_to(path / np.abs(path), q.size))
     held = next(j for j, name in mechanism.pair_names.items() if name == ground)
     own = held.second if held.second.link == reference.link else held.first
@@ -206,7 +205,7 @@ def _pair(mechanism: Mechanism, joint: Joint) -> Pair:
     if not joint.revolute:
         along = joint.first.along
         if on == FRAME_LINK:
-            along *= cmath.rect(1.0, mechanism.turn)
+            along *= heading(mechanism.turn)
         return Pair(SLIDING, _name(mechanism, on), _name(mechanism, body), name, along)
     if mechanism.by.get(joint.name) == body:
         on, body = body, on

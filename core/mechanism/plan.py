@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,6 +10,7 @@ from types import MappingProxyType
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
 from core.design.topology import GROUP, Step, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
+from core.numerics.vectors import heading
 
 _MM = UNITS["mm"].factor
 
@@ -124,7 +124,7 @@ def _on_line(slider: Slider, link: int) -> Held:
     if link == slider.link:
         return Held(link, 0j)
     s = si(slider)
-    return Held(link, complex(s.through_x, s.through_y), cmath.rect(1.0, s.angle))
+    return Held(link, complex(s.through_x, s.through_y), heading(s.angle))
 
 
 def _size(linkage: Linkage, points: Mapping[int, Mapping[str, complex]]) -> float:

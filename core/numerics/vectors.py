@@ -6,6 +6,9 @@ from typing import Protocol
 
 import numpy as np
 
+QUARTER = 0.5 * np.pi
+_QUARTERS = np.array([1.0, 1j, -1.0, -1j])
+
 
 class Rows(Protocol):
     """A quantity's derivatives by order."""
@@ -38,11 +41,20 @@ def spread(row: np.ndarray, n: int) -> np.ndarray:
 
 
 def unit(angle: np.ndarray) -> np.ndarray:
-    """e^{i angle}."""
+    """e^{i angle}; the number nearest to a quarter turn is meant as that: exactly 1, i, -1 or -i."""
     out = np.empty(np.shape(angle), dtype=complex)
     np.cos(angle, out=out.real)
     np.sin(angle, out=out.imag)
+    quarters = np.rint(angle * (1.0 / QUARTER))
+    meant = angle - quarters * QUARTER == 0.0
+    if meant.any():
+        out[meant] = _QUARTERS[quarters[meant].astype(int) % 4]
     return out
+
+
+def heading(angle: float) -> complex:
+    """e^{i angle} of one angle."""
+    return complex(unit(np.array([angle]))[0])
 
 
 def turned(u: np.ndarray, angle: Rows, order: int) -> np.ndarray:

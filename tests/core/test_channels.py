@@ -304,3 +304,40 @@ def test_units_of_columns_are_those_of_their_endings() -> None:
                "mm_s3": 1e-3, "deg_s": math.pi / 180, "deg_s2": math.pi / 180, "deg_s3": math.pi / 180, "per_mm": 1e3}  # fmt: skip
     for slug, unit in UNITS.items():
         assert unit.factor == factors.get(slug, 1.0), slug
+
+
+# -- zeros by construction --------------------------------------------------------------------------------
+
+QUARTERS, HALVES = (90.0, 270.0), (0.0, 180.0)
+
+
+@pytest.mark.parametrize(("name", "table", "columns", "at"), [
+    ("four_bar", "linkage.csv", ("A_x_mm", "A_vy_mm_s", "A_ax_mm_s2"), QUARTERS),
+    ("four_bar", "linkage.csv", ("A_y_mm", "A_vx_mm_s", "A_ay_mm_s2"), HALVES),
+    ("slider_crank", "linkage.csv", ("link3_deg", "link4_slide_mm_s", "B_vx_mm_s"), HALVES),
+    ("slider_crank", "dynamics.csv", ("link4_guide_x_n", "link4_couple_nm"), ()),
+    ("card_picker", "profile.csv", ("x_mm", "pitch_x_mm", "pressure_angle_deg"), (0.0,)),
+    ("kim_1990", "kinematics.csv", ("velocity_mm_s", "jerk_mm_s3"), (0.0, 90.0)),
+    ("kim_1990", "dynamics.csv", ("drive_torque_nm", "guide_force_n", "bearing_x_n"), (0.0, 90.0)),
+])  # fmt: skip
+def test_what_is_zero_by_construction_is_exported_as_zero(name: str, table: str, columns: tuple[str, ...], at: tuple[float, ...]) -> None:
+    """Cranks at quarter turns, guides straight up or along x, cosines where they begin: no 6.49e-15 for the reader to ask
+    about. Everywhere where no angles are named."""
+    design = load(Path(__file__).parents[2] / "resources" / "examples" / f"{name}.toml")
+    head, rows = tables(design, 360, ("motion", "linkage", "cam", "dynamics") if design.drive.cam else ())[table]
+    for column in columns:
+        values = rows[:, head.index(column)]
+        assert not (values[np.isin(rows[:, 0], at)] if at else values).any(), column
+        assert at == () or values.any(), f"{column} moves"
+
+
+@pytest.mark.parametrize("name", ["transfer_lift", "card_picker", "kim_1990", "rocker_cam", "four_bar_coupler_cam"])
+def test_in_a_dwell_nothing_moves_and_no_torque_is_asked_for(name: str) -> None:
+    design = load(Path(__file__).parents[2] / "resources" / "examples" / f"{name}.toml")
+    told, rests = tables(design, 360, ("motion", "dynamics")), Study(design, 360).motion.velocity_sign == 0.0
+    assert rests.any()
+    head, rows = told["kinematics.csv"]
+    assert not rows[rests][:, [head.index(c) for c in head if c.startswith(("velocity", "acceleration", "jerk"))]].any()
+    head, rows = told["dynamics.csv"]
+    assert not rows[rests, head.index("drive_torque_nm")].any()
+    assert np.abs(rows[:, head.index("contact_force_n")]).max() > 0.0
