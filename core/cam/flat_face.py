@@ -46,21 +46,22 @@ def envelope(kinematics: Kinematics, face: TiltedFlat | OffsetFlat, cam: object,
     r, turn = follower.origin, follower.turn
     m = normal_of(face) * follower.unit
     rate = turn[1] - sense
-    z0 = m.conj() * r[0]
-    h, g = z0.real, z0.imag
+    h, g = dot(m, r[0]), cross(m, r[0])
     _require_cam(kinematics, h, sense * rate, cam, face.noun)
-    z1 = m.conj() * r[1]
-    by_angle = turn[1] * g + z1.real  # h'
+    by_angle = turn[1] * g + dot(m, r[1])  # h'
     slope = by_angle / rate  # h_ν
     back = turned_back(kinematics, sense)
-    contact = cache(lambda: m * (h + 1j * slope))
+
+    def contact() -> np.ndarray:
+        place = np.empty(h.shape, dtype=complex)
+        place.real, place.imag = h, slope
+        return np.multiply(place, m, out=place)
 
     @cache
     def radius() -> np.ndarray:
-        z2 = m.conj() * r[2]
         a, b = turn[1], turn[2]
-        second = b * g - a * a * h + 2.0 * a * z1.imag + z2.real  # h''
-        return h + (second * rate - by_angle * b) / (rate * rate * rate)
+        second = b * g - a * a * h + 2.0 * a * cross(m, r[1]) + dot(m, r[2])  # h''
+        return np.asarray(h + (second * rate - by_angle * b) / (rate * rate * rate))
 
     def pressure_angle() -> np.ndarray:
         way = _travel(kinematics, contact())
@@ -79,7 +80,7 @@ def envelope(kinematics: Kinematics, face: TiltedFlat | OffsetFlat, cam: object,
         profile_radius=radius,
         on_face=lambda: slope - g,
     )
-    return CamShape((flank,), sense, motion[0], motion[1], lambda: cam_follower_centre(kinematics, sense))
+    return CamShape((flank,), sense, r[0], lambda: motion[1], lambda: cam_follower_centre(kinematics, sense))
 
 
 @np.errstate(divide="ignore")
@@ -96,7 +97,6 @@ def _travel(kinematics: Kinematics, contact: np.ndarray) -> np.ndarray:
 
 
 def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, cam: object, name: str) -> None:
-    field, hint = size_of(cam, name, 0.0)
     fast = np.broadcast_to(rate >= 0.0, support.shape)
     if fast.any():
         raise NoCam(
@@ -106,7 +106,8 @@ def _require_cam(kinematics: Kinematics, support: np.ndarray, rate: np.ndarray, 
     bad = support <= 0.0
     if bad.any():
         raise NoCam(
-            f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left", field, hint,
+            f"the {name} passes the cam centre, by {-support.min() * 1e3:.9g} mm: no cam radius is left",
+            *size_of(cam, name, 0.0),
             angle_ranges(kinematics.theta, bad),
         )  # fmt: skip
 

@@ -45,16 +45,15 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float)
     _require_cam(kinematics, reference, t, radius, cam, face.noun)
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
-    contact = cache(lambda: reference + radius * normal)
     bend = cache(lambda: curvature(motion, sense))
     flank = RoundFlank(
-        profile=lambda: contact() * back(),
-        contact=contact,
+        profile=lambda: (reference + radius * normal) * back(),
+        contact=lambda: reference + radius * normal,
         normal=normal,
         pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
         profile_curvature=lambda: _beyond(bend(), radius),
         profile_velocity=lambda: t * (1.0 - radius * bend()) * back(),
-        sliding=lambda: sliding(kinematics, motion, contact(), normal, sense),
+        sliding=lambda: sliding(kinematics, motion, reference + radius * normal, normal, sense),
         pitch=lambda: reference * back(),
         pitch_curvature=bend,
         pitch_curvature_slope=lambda: curvature_slope(motion, sense),
@@ -71,20 +70,19 @@ def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
 def _require_cam(
     kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, cam: object, name: str
 ) -> None:
-    distance, (field, hint) = np.abs(reference), size_of(cam, name, radius)
+    distance = np.abs(reference)
     bad = distance <= radius
     if bad.any():
         raise NoCam(
             f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
-            field,
-            hint,
+            *size_of(cam, name, radius),
             angle_ranges(kinematics.theta, bad),
         )
     still = t == 0.0
     if still.any():
         raise NoCam(
-            f"the {name} stands still on the cam (cusp of the pitch curve)", field, "change it",
+            f"the {name} stands still on the cam (cusp of the pitch curve)", size_of(cam, name, radius)[0], "change it",
             angle_ranges(kinematics.theta, still),
         )  # fmt: skip
 

@@ -74,7 +74,7 @@ class CamShape:
     flanks: tuple[Flank, ...]
     sense: float
     reference: np.ndarray
-    relative_velocity: np.ndarray
+    relative_velocity: Lazy[np.ndarray] = Lazy()
     centre: Lazy[Centres] = Lazy()
 
     @property
