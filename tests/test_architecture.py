@@ -20,7 +20,7 @@ OF_QT = {"PySide6", "shiboken6", "pyqtgraph", "kindyna_gui"}
 
 ALLOWED = ("core.design", "core.project", "core.followers")
 KINDS = {"Follower", "Linkage"} | {kind.__name__ for kind in get_args(parts.Follower)}
-KINDS |= {part.__name__ for row in FOLLOWER_KINDS.values() for part in (row.follower, row.loads)} | {"LinkageLoads"}
+KINDS |= {part.__name__ for row in FOLLOWER_KINDS.values() for part in (row.follower, row.loads, *(row.flat or ()))} | {"LinkageLoads"}
 SLUGS = {"linkage", *FOLLOWER_KINDS}
 
 EXCEPTIONS: dict[str, tuple[str, ...]] = {

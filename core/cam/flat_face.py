@@ -12,7 +12,7 @@ import numpy as np
 
 from core.cam.shape import CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
 from core.cam.sizes import size_of
-from core.design import DiskCam, Flat, OffsetFlat, TiltedFlat, si
+from core.design import DiskCam, Flat, si
 from core.errors import NoCam, angle_ranges
 from core.findings import ERROR, Finding
 from core.followers.reach import rounded
@@ -31,10 +31,10 @@ THICK = 0.06  # of a drawn face, parts of the cam's size
 
 def normal_of(face: Flat) -> complex:
     """The face's normal m in the frame of its body, from the cam to the face: the body's x axis, but for its tilt."""
-    return cmath.rect(1.0, si(face).face_tilt) if isinstance(face, TiltedFlat) else 1.0 + 0.0j
+    return cmath.rect(1.0, math.radians(face.tilt_deg))
 
 
-def envelope(kinematics: Kinematics, face: TiltedFlat | OffsetFlat, cam: object, sense: float) -> CamShape:
+def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> CamShape:
     """Profile of a disk cam under a straight face of normal m through the reference point R, by its support function.
 
     In the cam's frame the face's line has the normal angle ν = arg m - dθ and the distance h = Re(m̄R) from the cam centre, so

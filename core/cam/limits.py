@@ -44,8 +44,8 @@ def undercut(extremes: Mapping[str, Range], face: Any) -> bool:
     return row_of(face).undercut(extremes, face)
 
 
-def require_hold(kinematics: Kinematics) -> None:
-    """The roller of a linkage must come nearer to the cam centre or go away from it somewhere in a turn.
+def require_hold(kinematics: Kinematics, noun: str) -> None:
+    """The roller of a linkage, or another face of that ``noun``, must come nearer to the cam centre or go away from it somewhere in a turn.
 
     Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
     the linkage: NoCam.
@@ -55,6 +55,6 @@ def require_hold(kinematics: Kinematics) -> None:
         hold = np.abs(dot(kinematics.travel, reference)) / np.abs(reference)
     if not (hold > 16.0 * EPS * kinematics.condition).any():
         raise NoCam(
-            "the roller keeps its distance from the cam centre, so no cam can move it", "cam.point",
+            f"the {noun} keeps its distance from the cam centre, so no cam can move it", "cam.point",
             "choose another point",
         )  # fmt: skip

@@ -30,6 +30,7 @@ from core.design.parts import (
 )
 from core.design.paths import all_paths, of_class, put
 from core.design.whole import Design, Drive, with_drive
+from core.errors import DesignError, Fault
 from core.laws import find_law
 
 _DECIMALS = 10  # a difference is kept to these: 283.3, not 283.29999999999995; far below what closing asks
@@ -221,8 +222,12 @@ FIRST_RADIUS = 0.2  # of a roller or a shoe that was none before: parts of the b
 
 def with_face(design: Design, word: str) -> Design:
     """The design with another face on the cam: follower, cam and loads keep what they share with it; a radius goes from roller
-    to shoe and back, and what is new is assumed. A face that slides has a friction, which is 0 to begin with."""
+    to shoe and back, and what is new is assumed. A face that slides has a friction, which is 0 to begin with. Raises DesignError for
+    a face that it cannot have."""
     drive, old = design.drive, design.drive.face
+    words = words_of(type(drive.cam if drive.is_linkage else drive.mechanism), FACE)
+    if word not in words:
+        raise DesignError([Fault(drive.face_path, word, "unknown word", " | ".join(words))])
     if word == old.face:
         return design
     size = old.radius_mm or _first_radius(drive)

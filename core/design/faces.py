@@ -100,12 +100,21 @@ class Flat(_Sliding):
         """How far its reference stands off the cam: it lies on it."""
         return 0.0
 
+    @property
+    def tilt_deg(self) -> float:
+        """Of its normal from the x axis of its body."""
+        return 0.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class TiltedFlat(Flat):
     """Of a translating follower: the reference point is where the line at the offset meets the face."""
 
     face_tilt_deg: float = number("Face tilt", -89.0, 89.0, default=0.0, help="from square to the guide, counter-clockwise")
+
+    @property
+    def tilt_deg(self) -> float:
+        return self.face_tilt_deg
 
 
 @dataclass(frozen=True, kw_only=True)

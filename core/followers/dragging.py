@@ -10,12 +10,24 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CamSlider, Design, Oscillating, OscillatingFlat, Translating, put, si
+from core.design import (
+    CamSlider,
+    Design,
+    Knife,
+    Oscillating,
+    OscillatingFlat,
+    Rolling,
+    Shoe,
+    TiltedFlat,
+    Translating,
+    put,
+    si,
+)
 from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
@@ -23,6 +35,7 @@ from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
 from core.followers.reach import reach_of
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
+from core.mechanism.mechanism import ROLLER
 from core.mechanism.triangle import area4_of
 
 Changes = Mapping[str, Any]
@@ -123,11 +136,22 @@ def _on_guide(design: Design, kinematics: Kinematics, to: complex) -> Changes:
             "cam.base_radius_mm",
             "put it farther out",
         )
-    reach = math.hypot(back, place.imag)
     return {
         "follower.offset_mm": place.imag * 1e3,
-        "cam.base_radius_mm": reach * 1e3 - design.drive.face.radius_mm,
+        "cam.base_radius_mm": REACHES[type(design.drive.follower.face)](design, complex(back, place.imag)) * 1e3
+        - design.drive.face.radius_mm,
     }
+
+
+def _of_face(design: Design, place: complex) -> float:
+    """Distance of a tilted face from the cam centre where the line at the offset meets it at a place [m], in the guide's frame."""
+    return (place * cmath.exp(-1j * si(design.drive.follower.face).face_tilt)).real
+
+
+REACHES: Mapping[type, Callable[[Design, complex], float]] = MappingProxyType(
+    {**dict.fromkeys((Rolling, Knife, Shoe), lambda design, place: abs(place)), TiltedFlat: _of_face}
+)
+"""Face -> its reach on the base circle [m] by where its reference stands there, in the guide's frame."""
 
 
 def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
@@ -173,7 +197,11 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
 
 def joints_of(design: Design) -> Mapping[str, Drag]:
     """The joints of a design that can be drawn elsewhere, by the names of their points."""
-    return DRAGS.get(type(design.drive.mechanism)) or _of_linkage(design)
+    drags = DRAGS.get(type(design.drive.mechanism))
+    if not drags:
+        return _of_linkage(design)
+    noun = design.drive.face.noun
+    return {name: replace(drag, label=noun) if drag.label == ROLLER else drag for name, drag in drags.items()}
 
 
 def move_joint(design: Design, kinematics: Kinematics, name: str, to: complex, decimals: int = 6) -> Design:

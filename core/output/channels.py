@@ -125,6 +125,19 @@ _ROWS = (
 )  # fmt: skip
 
 
+_FLAT: Mapping[str, str] = MappingProxyType(
+    {
+        "profile_x": "m(h + i h_ν) e^{-idθ}",
+        "profile_y": "m(h + i h_ν) e^{-idθ}",
+        "pressure_angle": "angle between the face's normal m and travel of its point that touches",
+        "radius": "|h + i h_ν|",
+        "polar_angle": "arg(m(h + i h_ν) e^{-idθ})",
+        "profile_curvature": "1/(h + h_νν)",
+    }
+)
+"""Equations under a straight face: h its distance from the cam centre, ν the angle of its normal in the cam's frame."""
+
+
 def _for_unit(row: Channel, unit: str) -> Channel:
     return replace(row, slug=row.slug.format(m=unit))
 
@@ -186,7 +199,14 @@ def _rows_of(design: Design) -> tuple[Channel, ...]:
     unit, names = design.drive.motion_unit, names_of(design)
     shared = sorted((name for name in names if name in _ORDER), key=_ORDER.__getitem__)
     own = [name for name in names if name not in QUANTITIES]
-    return (*(_for_unit(_SHARED[name], unit) for name in shared), *(_linkage_row(name) for name in own))
+    rows = (_for_unit(_SHARED[name], unit) for name in shared)
+    if "contact_on_face" in names:
+        rows = (replace(row, equation=_FLAT.get(row.quantity, row.equation), source=_source(row)) for row in rows)
+    return (*rows, *(_linkage_row(name) for name in own))
+
+
+def _source(row: Channel) -> str:
+    return "support function of the face" if row.quantity in _FLAT else row.source
 
 
 def channels(design: Design, stages: Iterable[str] = ()) -> tuple[Channel, ...]:

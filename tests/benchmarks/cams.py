@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -29,6 +31,10 @@ from benchmarks.plain import (
 from benchmarks.table import Channels, Kernel, Method
 
 from core.cam import envelope
+from core.project import load
+from core.study import Study
+
+EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 
 # -- profile and pressure angle ---------------------------------------------------------------------------
 
@@ -236,3 +242,31 @@ CURVATURE = Kernel(
     handed=HANDED,
     warm=KEPT,
 )
+
+# -- under every face ---------------------------------------------------------------------------------------
+
+FACES = {
+    "translating roller": "card_picker",
+    "translating flat face": "tappet_flat",
+    "knife edge": "tappet_knife",
+    "swinging roller": "rocker_cam",
+    "swinging flat face": "rocker_flat",
+    "shoe": "rocker_shoe",
+}
+
+
+def under_faces(n: int) -> dict[str, Callable[[], object]]:
+    """Profile, pressure angle and curvature of an example under each face, from its solved linkage."""
+    return {what: _under(Study(load(EXAMPLES / f"{name}.toml"), n)) for what, name in FACES.items()}
+
+
+def _under(study: Study) -> Callable[[], object]:
+    kinematics, drive, sense = study.linkage, study.design.drive, study.sense
+    face, body = drive.face, kinematics.follower
+    _ = body.z, body.angle, kinematics.motion.angles.unit, kinematics.travel
+
+    def run() -> object:
+        flank = envelope(kinematics, face, drive.cam, sense).flank
+        return flank.profile, flank.pressure_angle, flank.profile_curvature
+
+    return run

@@ -66,6 +66,10 @@ def _kernels() -> dict[str, tuple[float, Callable[[], object]]]:
     return {
         "linkage: positions, velocities, accelerations, 3600 angles": (0.4, lambda: linkages.ours(linkage, None)),
         "roller profile and pressure angle, 3600 angles": (0.3, lambda: cams.ours(profile, None)),
+        **{
+            f"profile, pressure angle and curvature, {what}, 3600 angles": (0.3, run)
+            for what, run in cams.under_faces(USUAL).items()
+        },
         "whole chain motion to torque, 3600 angles": (3.0, _chain()),
         f"tongues up to 11 for Q = {hill.Q:g}, to 1e-8": (1.0, _edges(np.array([hill.Q]))),
         "chart of 64 rows of tongues up to 11": (40.0, _edges(CHART)),

@@ -37,10 +37,11 @@ from core.design import (
 )
 from core.errors import DesignError, NoAnswer, NoAssembly, NoCam
 from core.followers import built
+from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
 from core.motion import Angles, MotionState
 from core.project import dumps, load, loads
-from core.study import Study
+from core.study import Study, clear_caches
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 TAPPET = Design("tappet", Shaft("ccw", 600.0), (Drive(
@@ -433,3 +434,34 @@ def test_what_belongs_to_another_face_is_a_fault() -> None:
     unrolled = {"roller_mass_kg": None, "roller_inertia_kg_m2": None}
     (arm,) = told("rocker_cam", follower={"face": "flat"}, cam={"roller_radius_mm": None}, loads=unrolled)
     assert arm.startswith("follower.arm_mm = 90.0: unknown key")
+
+
+def test_a_face_nobody_asks_for_curvature_computes_none() -> None:
+    clear_caches()
+    study = Study(ROCKER, 36)
+    flank = study.cam.flank
+    _ = flank.profile, flank.pressure_angle
+    assert 2 not in study.linkage.follower.origin.made
+    assert callable(vars(flank)["profile_radius"])
+    assert callable(vars(flank)["profile_curvature"])
+    _ = flank.profile_curvature
+    assert 2 in study.linkage.follower.origin.made
+
+
+@pytest.mark.parametrize("name", ["tappet", "tilted, offset, clockwise"])
+def test_a_flat_tappet_is_drawn_elsewhere(name: str) -> None:
+    """Offset and base radius follow from where the reference point is put; the motion stays what it is."""
+    design = FLATS[name]
+    here = Study(design).at_theta(np.array([1.2]))
+    at = complex(here.linkage.follower.origin[0][0])
+    along = np.exp(1j * math.radians(design.drive.mechanism.direction_deg))
+    to = at + along * (0.004 + 0.003j)
+    moved = move_joint(design, here.linkage, "roller", to)
+    assert faults(moved) == []
+    assert abs(complex(Study(moved).at_theta(np.array([1.2])).linkage.follower.origin[0][0]) - to) <= 2e-9
+    assert joints_of(design)["roller"].label == "flat face"
+
+
+def test_a_face_that_a_follower_cannot_have_is_named() -> None:
+    with pytest.raises(DesignError, match=r"follower\.face = 'flat': unknown word; allowed: roller \| knife \| shoe"):
+        edited(load(EXAMPLES / "transfer_lift.toml"), "follower.face", "flat")
