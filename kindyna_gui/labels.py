@@ -101,7 +101,8 @@ def value_text(value: Any, unit: Unit) -> str:
 def step_text(name: str, value: Any, unit: Unit) -> str:
     """The name of a step of the undo stack: ``Change rod L2 to 850 mm``."""
     word = name[1:2].islower()  # and no letter: of a point, or of an angle
-    return f"Change {name[:1].lower() if word else name[:1]}{name[1:]} to {value_text(value, unit)}"
+    what = f"{name[:1].lower() if word else name[:1]}{name[1:]}"
+    return f"Clear {what}" if value is None else f"Change {what} to {value_text(value, unit)}"
 
 
 def segment_of(path: str) -> int | None:

@@ -170,6 +170,8 @@ class User:
         """Type a text into a field, and Enter."""
         box = self.number(path)
         box.selectAll()
+        if not text:
+            self.press(Qt.Key.Key_Delete)
         self.type(text)
         self.press(Qt.Key.Key_Return)
 

@@ -63,6 +63,8 @@ def _inputs(study: Study) -> list[str]:
             continue
         rows = []
         for entry in entries(study.design, name):
+            if entry.value is None:
+                continue
             value = f"{entry.value:.10g}" if isinstance(entry.value, float) else str(entry.value)
             mark = _ASSUMED if entry.path in study.design.assumed else ""
             rows.append((entry.info.label, value, entry.unit.symbol, mark))

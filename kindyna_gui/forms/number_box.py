@@ -112,6 +112,10 @@ class NameBox(TextKeys, RedFrame, QLineEdit):
     """A line of text."""
 
 
+def _text(value: float | None) -> str:
+    return "" if value is None else shortest(value)
+
+
 class _Line(QLineEdit):
     """The line inside of a number box. What it has no room for is painted rounded, its first digits first, until it is
     typed into; its text keeps every digit."""
@@ -138,13 +142,15 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     a calculation or another unit too, counts on Enter or when the focus leaves.
     Escape, or undo while typing, takes back what was typed. A wrong text stays until it is right or taken back.
 
-    entered      (float): a step was made, or a typed number confirmed
+    A field that may be empty takes an empty text for None.
+
+    entered      (float | None): a step was made, or a typed number confirmed
     unreadable   a text that is no number was confirmed
     finished     the gesture is over: Enter, mouse released, focus left
     withdrawn    what was typed is taken back
     """
 
-    entered = Signal(float)
+    entered = Signal(object)
     unreadable = Signal()
     finished = Signal()
     withdrawn = Signal()
@@ -153,7 +159,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         super().__init__(parent)
         self.setLineEdit(_Line(self))
         self._info, self._unit = info, unit
-        self._value = 0.0
+        self._value: float | None = 0.0
         self._tried = ""  # the text that was last confirmed or shown
         self._finer = 1.0  # what the keys held while an arrow is pressed make of a step
         self._wheeled = 0  # parts of a notch
@@ -168,14 +174,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     # -- the number ---------------------------------------------------------------------------------------
 
     @property
-    def value(self) -> float:
+    def value(self) -> float | None:
         """The number last shown or entered."""
         return self._value
 
-    def show_value(self, value: float) -> None:
-        """Show a number in place of whatever stands there."""
+    def show_value(self, value: float | None) -> None:
+        """Show a number, or nothing, in place of whatever stands there."""
         self._value = value
-        self._tried = shortest(value)
+        self._tried = _text(value)
         self.set_refused(False)
         if self.text() != self._tried:
             chosen = self.lineEdit().selectedText() == self.text() != ""
@@ -187,13 +193,14 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def shortened(self) -> str:
         """The number as it is painted where its field is too narrow for it: rounded to what the field holds; '' where
         all of it is seen, or something is being typed or was refused."""
-        if self.hasFocus() or self.pending:
+        if self.hasFocus() or self.pending or self._value is None:
             return ""
+        value = self._value
         line = self.lineEdit()
         metrics, room = line.fontMetrics(), line.contentsRect().width() - 2 * _PADDING
         if metrics.horizontalAdvance(self.text()) <= room:
             return ""
-        return rounded_to(self._value, lambda text: metrics.horizontalAdvance(text) <= room)
+        return rounded_to(value, lambda text: metrics.horizontalAdvance(text) <= room)
 
     @property
     def typing(self) -> bool:
@@ -203,7 +210,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     @property
     def pending(self) -> bool:
         """What stands there is not the number in place: it is being typed, or was refused."""
-        return self.text() != shortest(self._value)
+        return self.text() != _text(self._value)
 
     def confirm(self) -> None:
         """Confirm the typed text as the number."""
@@ -215,7 +222,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
             return
         self._tried = self.text()
         number = parsed(self.text(), self._unit)
-        if number is None:
+        if number is None and not (self._info.optional and not self.text().strip()):
             self.unreadable.emit()
         else:
             self.entered.emit(number)
@@ -251,7 +258,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
     def step_by(self, steps: int, scale: float = 1.0) -> None:
         """So many steps of ``scale`` times the usual size."""
         number = parsed(self.text(), self._unit)
-        start = self._value if number is None else number
+        start = (self._value or 0.0) if number is None else number
         moved = self.stepped(start, steps, scale)
         if moved == start:
             return
@@ -324,7 +331,7 @@ class NumberBox(TextKeys, RedFrame, QAbstractSpinBox):
         """The line inside claims the keys of undo; that is right only while something is being typed. The tip of a
         number that is shown rounded begins with all its digits."""
         if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip and self.shortened:
-            full = value_text(self._value, self._unit)
+            full = value_text(self._value or 0.0, self._unit)
             QToolTip.showText(event.globalPos(), "<br>".join(filter(None, (full, self.toolTip()))), self)
             return True
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:

@@ -356,3 +356,41 @@ def test_a_name_that_is_dragged_while_another_design_takes_its_field_away_change
     assert user.design == load(example("four_bar"))
     user.session.stack.undo()
     assert user.design == begun
+
+
+@pytest.mark.parametrize("name", ["card_picker", "rocker_cam"])
+def test_another_face_brings_its_own_fields(user: User, name: str) -> None:
+    user.window.documents.open_example(example(name))
+    before = user.design
+    for word, there, gone in (
+        ("shoe", "follower.shoe_radius_mm", "cam.roller_radius_mm"),
+        ("flat", "follower.face_half_width_mm", "follower.shoe_radius_mm"),
+        ("knife", "loads.contact_friction", "follower.face_half_width_mm"),
+        ("roller", "cam.roller_radius_mm", "loads.contact_friction"),
+    ):
+        box = user.field("follower.face").editor
+        assert isinstance(box, WordBox)
+        box.setCurrentIndex(box.findData(word))
+        box.activated.emit(box.currentIndex())
+        settle()
+        assert user.design.drive.face.face == word
+        assert user.field(there)
+        with pytest.raises(AssertionError):
+            user.field(gone)
+        user.turn(90.0)
+    while user.design != before:
+        user.choose("Edit", *[entry for entry in user.entries("Edit") if entry.startswith("Undo")])
+
+
+def test_a_number_that_may_be_absent_is_typed_and_cleared(user: User) -> None:
+    user.window.documents.open_example(example("tappet_flat"))
+    user.enter("follower.face_half_width_mm", "9.5")
+    assert get(user.design, "follower.face_half_width_mm") == 9.5
+    user.enter("follower.face_half_width_mm", "")
+    assert get(user.design, "follower.face_half_width_mm") is None
+    assert user.steps[-1] == "Clear face half width"
+    user.choose("Edit", "Undo Clear face half width")
+    assert user.number("follower.face_half_width_mm").text() == "9.5"
+    user.enter("follower.face_half_width_mm", "")
+    user.number("follower.face_half_width_mm").step_by(1)
+    assert get(user.design, "follower.face_half_width_mm") == 1.0
