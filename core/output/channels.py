@@ -178,6 +178,7 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
 _TABLES: Mapping[str, str] = MappingProxyType({"motion": KINEMATICS, "linkage": LINKAGE, "cam": PROFILE, "dynamics": DYNAMICS})
 
 
+@lru_cache(maxsize=1024)
 def _linkage_row(name: str) -> Channel:
     for pattern, slug, label, symbol, family, equation, source in _BY_NAME:
         match = re.fullmatch(pattern, name)
@@ -192,11 +193,14 @@ _SHARED: Mapping[str, Channel] = MappingProxyType({row.quantity: row for row in 
 _ORDER: Mapping[str, int] = MappingProxyType({name: place for place, name in enumerate(_SHARED)})
 
 
-@lru_cache(maxsize=64)
 def _rows_of(design: Design) -> tuple[Channel, ...]:
     """A row for each quantity of this very design that a reader can see, in the order of the tables: first those that any
     design may have, then those of its links."""
-    unit, names = design.drive.motion_unit, names_of(design)
+    return _rows_named(design.drive.motion_unit, names_of(design))
+
+
+@lru_cache(maxsize=64)  # an edit of a length changes no name
+def _rows_named(unit: str, names: tuple[str, ...]) -> tuple[Channel, ...]:
     shared = sorted((name for name in names if name in _ORDER), key=_ORDER.__getitem__)
     own = [name for name in names if name not in QUANTITIES]
     rows = (_for_unit(_SHARED[name], unit) for name in shared)

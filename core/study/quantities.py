@@ -202,6 +202,7 @@ _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], 
 
 
 @lru_cache(maxsize=1024)
+@lru_cache(maxsize=1024)
 def quantity(name: str) -> Quantity:
     """The row of a quantity's name: of the table, or ``link.3_velocity``, ``point.B_x``, ``transmission.B``.
 

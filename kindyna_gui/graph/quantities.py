@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -110,7 +111,12 @@ _TITLES: Mapping[str, str] = MappingProxyType(
 
 def title_for(design: Design, usual: str, title: str) -> str:
     """What a plot of the window is called: ``title`` where it shows its usual quantity, or nothing."""
-    possible, pick = names_of(design), _PLOTS.get(usual)
+    return _title(names_of(design), usual, title)
+
+
+@lru_cache(maxsize=256)
+def _title(possible: tuple[str, ...], usual: str, title: str) -> str:
+    pick = _PLOTS.get(usual)
     if usual in possible or pick is None:
         return title
     chosen = next((name for name in pick(possible) if name), "")
