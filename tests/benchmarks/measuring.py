@@ -22,6 +22,7 @@ from core.project.files import write_all
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "bench"
+FEWEST = 36  # angles of an even grid; for fewer its differences mean nothing
 MOST_MEMORY_RUN = 0.6  # [s] longer ones are not repeated to measure their memory, ...
 MOST_MEMORY_LOOP = 0.05  # ... nor loops of Python, which take many times as long then
 
@@ -145,7 +146,7 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
     for n in [n for n in kernel.sizes[: plan.sizes] if n != kernel.usual]:
         methods = [
             m for m in kernel.methods
-            if not m.lacks and (m.ours or expected[m.name].seconds * n / kernel.usual <= plan.longest)
+            if not m.lacks and (n >= FEWEST or not m.on_grid) and (m.ours or expected[m.name].seconds * n / kernel.usual <= plan.longest)
         ]  # fmt: skip
         there = kernel.given(kernel.grid(n))
         runs = {m.name: warm_run(kernel, m, there, m.settings[0]) for m in methods}
@@ -214,7 +215,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     write_all(asked.out, texts)
     write_all(asked.out, page.painted(rows, cases))
     if asked.readme:
-        ratios.into_page(ROOT / "README.md", ratios.short(rows))
+        ratios.into_page(ROOT / "README.md", f"{ratios.short(rows)}\n{ratios.noise(rows)}")
         ratios.into_page(ROOT / "resources/help/speed.md", table)
     print(table)
     print(goals)

@@ -12,6 +12,8 @@ from benchmarks.exact_dyads import LENGTHS
 from benchmarks.plain import BETA0, L0, PHI0, PIVOT, G
 from benchmarks.table import Channels
 
+from core.motion import TURN
+
 
 def _solvers(compiled: bool) -> list[Any]:
     """pylinkage's own of a pin between two pins and of a point fixed to a link: positions, velocities, accelerations."""
@@ -155,6 +157,8 @@ def _four_bar_of_pylinkage(first: float, step: float) -> Any:
 def pylinkage_four_bar(there: Any, setting: None) -> Channels:
     """As the package is used: its model, stepped once round. It knows even steps only: at any other angles one by one."""
     theta, steps = there.theta, np.diff(there.theta)
+    if not steps.size:
+        steps = np.array([TURN / 360.0])
     made, start = _four_bar_of_pylinkage(float(theta[0]), float(steps[0]))
     if float(np.ptp(steps)) < 1e-9:
         made.set_coords(start)

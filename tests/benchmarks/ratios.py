@@ -4,23 +4,27 @@ and warm; never in milliseconds, which are those of one machine."""
 from __future__ import annotations
 
 import math
+import platform
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks.measuring import COLD, WARM, WINDOW, Row
-from benchmarks.table import Kernel, kernels
+from benchmarks.table import SIZES, Kernel, kernels
 
 from core.project.files import write_all
 
 BEGIN, END = "<!-- make bench ARGS=--readme: begin -->", "<!-- make bench ARGS=--readme: end -->"
 ERRORS = tuple(range(-3, -13, -1))  # powers of ten
 SHORT = (-3, -6, -9, -12)
-TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-ups")
+TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-up")
 NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
 REGIMES = (WARM, COLD)
+NONE = "–"
+SMALL = -9  # powers of ten: an error of the rivals that are compared at other sizes
 
 
 def power(exponent: int) -> str:
@@ -161,7 +165,7 @@ def _strongest(told: Told, exponent: int) -> str:
 
 def markdown(rows: Sequence[Row]) -> str:
     """The ten lines; then for each kernel every method at every error, warm and cold; then the window."""
-    parts = [noise(rows), short(rows), *(_whole(Told.of(kernel, rows)) for kernel in kernels()), _window(rows)]
+    parts = [noise(rows), short(rows), *(_whole(Told.of(kernel, rows)) for kernel in kernels()), _sizes(rows), _window(rows)]
     return "\n".join(part for part in parts if part)
 
 
@@ -171,7 +175,9 @@ def noise(rows: Sequence[Row]) -> str:
     if not told:
         return ""
     half, most = (100.0 * v for v in (statistics.median(told), told[int(0.95 * (len(told) - 1))]))
-    return f"Noise of this run: of half the times at most {half:.1f} %, of 95 in 100 at most {most:.0f} %.\n"
+    with_what = ", ".join(f"{name} {version(name)}" for name in ("numpy", "scipy"))
+    text = f"Noise of the run: of half its times at most {half:.1f} %, of 95 in 100 at most {most:.0f} %"
+    return f"{text}; one thread, Python {platform.python_version()}, {with_what}.\n"
 
 
 def _whole(told: Told) -> str:
@@ -185,7 +191,7 @@ def _whole(told: Told) -> str:
     for method in kernel.methods[1:]:
         lacking = [r for r in told.rows if r.method == method.name and r.note]
         if lacking:
-            lines.append(_line([method.name, lacking[0].note, *[""] * (1 + len(ERRORS))]))
+            lines.append(_line([method.name, lacking[0].note, *[NONE] * (1 + len(ERRORS))]))
         elif method.name in told.rivals:
             regimes = REGIMES if told.changes(method.name) else (WARM,)
             for i, regime in enumerate(regimes):
@@ -197,7 +203,7 @@ def _whole(told: Told) -> str:
 
 def _cells(told: Told, name: str, regime: str) -> list[str]:
     ratios = [told.ratio(name, regime, exponent) for exponent in ERRORS]
-    return ["" if ratio is None else ratio.digits for ratio in ratios]
+    return [NONE if ratio is None else ratio.digits for ratio in ratios]
 
 
 def _own(told: Told) -> list[str]:
@@ -206,7 +212,7 @@ def _own(told: Told) -> list[str]:
     quickest = min(told.of_method(name, WARM), key=lambda r: r.seconds)
     able = [told.quickest(name, WARM, exponent) for exponent in ERRORS]
     ratios = [None if r is None else Ratio(r.seconds / quickest.seconds, math.hypot(r.noise, quickest.noise, NOISE)) for r in able]
-    return ["" if ratio is None else "1" if ratio.alike else ratio.digits for ratio in ratios]
+    return [NONE if ratio is None else "1" if ratio.alike else ratio.digits for ratio in ratios]
 
 
 def _cold(told: Told) -> str:
@@ -216,6 +222,33 @@ def _cold(told: Told) -> str:
         return ""
     ratio = Ratio(cold[0].seconds / warm[0].seconds, math.hypot(cold[0].noise, warm[0].noise, NOISE))
     return "" if ratio.alike else f"KINDYNA cold takes {ratio.value:.2g} times as long as warm."
+
+
+def _sizes(rows: Sequence[Row]) -> str:
+    """At other numbers of cam angles: of the rivals within a small error in their usual setting the quickest, warm."""
+    lines = []
+    for kernel in [k for k in kernels() if k.sizes == SIZES]:
+        cells = [_at_size(Told.of(kernel, rows), rows, n) for n in sorted(SIZES)]
+        if any(cell != NONE for cell in cells):
+            lines.append(_line([kernel.title, *cells]))
+    if not lines:
+        return ""
+    text = f"The quickest rival within {power(SMALL)}, each in its usual setting, warm."
+    head = _head(["kernel", *(f"{n:,}".replace(",", " ") for n in sorted(SIZES))])
+    return "\n".join(["### At other numbers of cam angles", "", text, "", *head, *lines]) + "\n"
+
+
+def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:
+    usual: dict[str, Row] = {}
+    for row in rows:
+        if (row.kernel, row.n, row.regime) == (told.kernel.name, n, WARM) and not row.note:
+            usual.setdefault(row.method, row)  # the usual setting comes first
+    ours = usual.pop(told.kernel.ours.name, None)
+    best = min([r for r in usual.values() if r.error <= 10.0**SMALL], key=lambda r: r.seconds, default=None)
+    if ours is None or best is None:
+        return NONE
+    ratio = Ratio(best.seconds / ours.seconds, math.hypot(best.noise, ours.noise, NOISE))
+    return f"{told.title(best.method)}: {ratio.words}"
 
 
 def _window(rows: Sequence[Row]) -> str:
