@@ -22,6 +22,7 @@ ERRORS = tuple(range(-3, -13, -1))  # powers of ten
 SHORT = (-3, -6, -9, -12)
 TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-up")
 NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
+BUSY = 0.15  # noise beyond which one digit is all there is
 REGIMES = (WARM, COLD)
 NONE = "–"
 SMALL = -9  # powers of ten: an error of the rivals that are compared at other sizes
@@ -72,7 +73,8 @@ class Ratio:
 
 def _rounded(value: float, noise: float) -> str:
     step = 10.0 ** math.floor(math.log10(value))
-    step /= 10.0 if 0.05 * step >= noise * value else 1.0
+    two = 0.05 * step >= noise * value or (value < 2.0 * step and noise <= BUSY)  # from 1 to 2 is a long way
+    step /= 10.0 if two else 1.0
     shown = round(value / step) * step
     if math.floor(math.log10(shown) + 1e-9) > math.floor(math.log10(value)):
         step *= 10.0  # 0.097 is 0.1

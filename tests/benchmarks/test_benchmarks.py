@@ -192,6 +192,13 @@ def test_the_strongest_rival_stands_in_the_regime_that_is_worse_for_us_and_wins_
     assert "no rival" in ratios.short([r for r in TOLD if r.method in ("KINDYNA", "linear table")])
 
 
+def test_other_numbers_of_angles_have_the_quickest_rival_that_is_accurate() -> None:
+    one = [replace(r, n=1) for r in (*row("KINDYNA", 1.0, 1e-15), *row("linear table", 0.01, 1e-4), *row("cubic spline", 0.25, 1e-10))]
+    told = ratios.markdown([*TOLD, *one])
+    line = next(line for line in told.partition("At other numbers")[2].splitlines() if line.startswith("| Law"))
+    assert [cell.strip() for cell in line.split("|")[2:5]] == ["cubic spline: 4 times faster", "–", "textbook branches*: 2 times faster"]
+
+
 @pytest.mark.parametrize(
     ("value", "noise", "digits", "words"),
     [
@@ -203,7 +210,9 @@ def test_the_strongest_rival_stands_in_the_regime_that_is_worse_for_us_and_wins_
         (340.0, 0.03, "300", "300 times slower"),
         (1.055, 0.03, "1.1", "as fast"),
         (0.95, 0.03, "0.9", "as fast"),
-        (1.2, 0.15, "1", "as fast"),
+        (1.4, 0.05, "1.4", "1.4 times slower"),
+        (0.7, 0.05, "0.7", "1.4 times faster"),
+        (1.2, 0.2, "1", "as fast"),
     ],
 )
 def test_a_ratio_has_the_digits_that_the_next_run_shows_again(value: float, noise: float, digits: str, words: str) -> None:
