@@ -37,8 +37,8 @@ class Finding:
 
     @property
     def _row(self) -> str:
-        """Key of the sentence: some codes have another one for some faces."""
-        own = f"{self.code}.{self.values.get('face', '')}"
+        """Key of the sentence: some codes have another one for some faces, or where there is play."""
+        own = f"{self.code}.{'play' if 'play_mm' in self.values else self.values.get('face', '')}"
         return own if own in SENTENCES else self.code
 
     @property
@@ -79,6 +79,20 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "enlarge the base radius, or take a shoe of smaller radius",
         "undercut.flat": "undercut: under the flat face the profile's radius of curvature comes down to {radius_mm:.5g} mm{at}, it "
         "must stay above 0: {remedy}",
+        "outer-undercut": "undercut of the groove's outer flank: the pitch curve's smallest hollow radius {pitch_radius_mm} mm{at}, "
+        "roller and play {roller_radius_mm} mm: take a smaller roller, or enlarge the base radius",
+        "groove-flanks-meet": "two stretches of the groove run into each other{at} and at {other_deg:.5g} deg: {wall_mm:.5g} mm of wall "
+        "are left between them; take a smaller roller, or enlarge the base radius",
+        "second-undercut": "undercut of the second cam: its pitch curve's smallest radius {pitch_radius_mm} mm{at}, the second roller's "
+        "{roller_radius_mm} mm: put the second roller farther out, or take a smaller one",
+        "second-pressure-angle": "pressure angle of the second roller {value} deg{at}, limit {limit} deg: put it farther out, or "
+        "elsewhere on its arm",
+        "second-roller-meets-hub": "the second roller meets the {what} of the first cam{at}: it comes as near as {distance_mm} mm to the "
+        "cam centre, the {what} has a radius of {radius_mm} mm: put the roller farther out, or take a smaller one",
+        "second-roller-pushes-along": "the second roller pushes the follower the same way as the first{at}, so the pair does not hold it: "
+        "put the second roller on the other side of the cam centre",
+        "flank-change": "the contact changes to the {to}{at}",
+        "flank-change.play": "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.4g} m/s",
         "face-too-narrow": "the contact leaves the flat face{at}: it runs to {contact_mm:.6g} mm, {needed_mm} mm from the face's "
         "centre, its half width is {half_width_mm} mm",
         "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
@@ -116,6 +130,10 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "roller-pressure-angle": (4, ("value", "limit")),
         "undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
         "undercut.shoe": (5, ("pitch_radius_mm", "shoe_radius_mm")),
+        "outer-undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
+        "second-undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
+        "second-pressure-angle": (4, ("value", "limit")),
+        "second-roller-meets-hub": (5, ("distance_mm", "radius_mm")),
         "face-too-narrow": (5, ("needed_mm", "half_width_mm")),
         "jamming": (4, ("factor", "limit")),
         "contact-jamming": (4, ("factor", "limit")),

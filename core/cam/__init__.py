@@ -1,23 +1,47 @@
 """Cam shape from the follower's motion, its limits and its proof."""
 
-from core.cam.faces import FACES, FaceRow, envelope, row_of
-from core.cam.limits import PRESSURE_LIMITS, findings, require_hold, undercut
+from core.cam.faces import FACES, FaceRow, row_of
+from core.cam.forms import FORMS, FormRow, envelope, faces_of, form_row, forward_push
+from core.cam.limits import PRESSURE_LIMITS, findings, further_findings, limits_of, require_hold, undercut
 from core.cam.proof import centre_residual, gaps, tangency, tangency_residual
-from core.cam.shape import CamShape, Flank, FlatFlank, RoundFlank, flat_flank, relative_motion, round_flank
+from core.cam.shape import (
+    INNER,
+    OUTER,
+    SECOND,
+    CamShape,
+    Flank,
+    FlatFlank,
+    RoundFlank,
+    flank_named,
+    flat_flank,
+    relative_motion,
+    round_flank,
+)
 
 __all__ = [
     "FACES",
+    "FORMS",
+    "INNER",
+    "OUTER",
     "PRESSURE_LIMITS",
+    "SECOND",
     "CamShape",
     "FaceRow",
     "Flank",
     "FlatFlank",
+    "FormRow",
     "RoundFlank",
     "centre_residual",
     "envelope",
+    "faces_of",
     "findings",
+    "flank_named",
     "flat_flank",
+    "form_row",
+    "forward_push",
+    "further_findings",
     "gaps",
+    "limits_of",
     "relative_motion",
     "require_hold",
     "round_flank",

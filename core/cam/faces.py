@@ -72,7 +72,3 @@ def row_of(face: Any) -> FaceRow:
     """The row of a face."""
     return FACES[type(face)]
 
-
-def envelope(kinematics: Kinematics, face: Any, cam: Any, sense: float) -> CamShape:
-    """The cam that moves the follower body of the kinematics; sense: d = +1 counter-clockwise, -1 clockwise. Raises NoCam."""
-    return row_of(face).envelope(kinematics, face, cam, sense)

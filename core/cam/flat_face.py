@@ -10,7 +10,7 @@ from math import degrees
 
 import numpy as np
 
-from core.cam.shape import CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
+from core.cam.shape import INNER, CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
 from core.cam.sizes import size_of
 from core.design import DiskCam, Flat, si
 from core.errors import NoCam, angle_ranges
@@ -68,6 +68,11 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         return np.arctan2(np.abs(cross(m, way)), np.abs(dot(m, way)))
 
     flank = FlatFlank(
+        name=INNER,
+        body=kinematics.carrier,
+        reference=r[0],
+        relative_velocity=lambda: motion[1],
+        centre=lambda: cam_follower_centre(kinematics, sense),
         profile=lambda: contact() * back(),
         contact=contact,
         normal=-m,
@@ -80,7 +85,7 @@ def envelope(kinematics: Kinematics, face: Flat, cam: object, sense: float) -> C
         profile_radius=radius,
         on_face=lambda: slope - g,
     )
-    return CamShape((flank,), sense, r[0], lambda: motion[1], lambda: cam_follower_centre(kinematics, sense))
+    return CamShape((flank,), sense)
 
 
 @np.errstate(divide="ignore")

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.cam.faces import LeastAt, row_of
+from core.cam.flank_limits import further_flanks
 from core.cam.sizes import ENTRIES
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
@@ -39,9 +40,31 @@ def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, le
     return found + row_of(face).findings(extremes, face, cam, least_at)
 
 
-def undercut(extremes: Mapping[str, Range], face: Any) -> bool:
-    """Whether the profile has a cusp, or crosses itself where it is curved too much for its face."""
-    return row_of(face).undercut(extremes, face)
+def limits_of(face: Any, cam: Any) -> tuple[str, ...]:
+    """The quantities whose refined extremes the findings of a cam are taken from."""
+    further = [name for _, row, _ in further_flanks(face, cam) for name in row.limits]
+    return tuple(dict.fromkeys((*row_of(face).limits, *further)))
+
+
+def further_findings(extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any) -> list[Finding]:
+    """What the flanks besides the first exceed; grounds: kind of the pair that holds what touches each."""
+    found = []
+    for name, row, touching in further_flanks(face, cam):
+        if row.pressure:
+            worst, limit = extremes[row.pressure].high, PRESSURE_LIMITS[grounds[name]]
+            angle = degrees(worst.value)
+            if angle > limit * (1.0 + ROUNDING):
+                severity = ERROR if angle > NO_DRIVE else WARNING
+                values: dict[str, float | str] = {"value": angle, "limit": limit}
+                found.append(Finding(f"{name}-pressure-angle", severity, ENTRIES[type(cam)].size, degrees(worst.theta), values))
+        found += row.findings(extremes, touching, cam)
+    return found
+
+
+def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> bool:
+    """Whether a flank has a cusp, or crosses itself where it is curved too much for what touches it."""
+    further = {name: row.undercut(extremes, touching) for name, row, touching in further_flanks(face, cam) if name == flank}
+    return further[flank] if further else row_of(face).undercut(extremes, face)
 
 
 def require_hold(kinematics: Kinematics, noun: str) -> None:

@@ -10,6 +10,8 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam.shape import (
+    INNER,
+    OUTER,
     CamShape,
     RoundFlank,
     curvature,
@@ -39,32 +41,47 @@ def envelope(kinematics: Kinematics, face: RoundFace, cam: object, sense: float)
     Takes the place of Shin1995 (19), (20), which are written for one quadrant; Q stays a check (18).
     Raises NoCam where it covers the cam centre or stands still on the cam (a cusp).
     """
-    radius = 1e-3 * face.radius_mm
-    motion = relative_motion(kinematics, sense)
+    return CamShape((round_envelope(kinematics, face, cam, sense, 1e-3 * face.radius_mm),), sense)
+
+
+def round_envelope(
+    kinematics: Kinematics, face: RoundFace, cam: object, sense: float, offset: float, name: str = INNER
+) -> RoundFlank:
+    """The flank beside the pitch curve of the reference point: (R + offset n) e^{-idθ}, with the curvature κ_p/(1 - offset κ_p).
+
+    offset [m]: Rr; of the outer flank of a groove -(Rr + play), where the follower pushes along -n. Raises as ``envelope``.
+    """
+    motion, side = relative_motion(kinematics, sense), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]
-    _require_cam(kinematics, reference, t, radius, cam, face.noun)
+    _require_cam(kinematics, reference, t, 1e-3 * face.radius_mm, cam, face.noun)
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
     bend = cache(lambda: curvature(motion, sense))
-    flank = RoundFlank(
-        profile=lambda: (reference + radius * normal) * back(),
-        contact=lambda: reference + radius * normal,
-        normal=normal,
+    return RoundFlank(
+        name=name,
+        body=kinematics.carrier,
+        reference=reference,
+        relative_velocity=t,
+        centre=lambda: cam_follower_centre(kinematics, sense),
+        profile=lambda: (reference + offset * normal) * back(),
+        contact=lambda: reference + offset * normal,
+        normal=side * normal,
         pressure_angle=lambda: np.arctan2(np.abs(cross(normal, kinematics.travel)), np.abs(dot(normal, kinematics.travel))),
-        profile_curvature=lambda: _beyond(bend(), radius),
-        profile_velocity=lambda: t * (1.0 - radius * bend()) * back(),
-        sliding=lambda: sliding(kinematics, motion, reference + radius * normal, normal, sense),
+        profile_curvature=lambda: _beyond(bend(), offset),
+        profile_velocity=lambda: t * (1.0 - offset * bend()) * back(),
+        sliding=lambda: sliding(kinematics, motion, reference + offset * normal, side * normal, sense),
+        radius=1e-3 * face.radius_mm,
+        offset=offset,
         pitch=lambda: reference * back(),
         pitch_curvature=bend,
         pitch_curvature_slope=lambda: curvature_slope(motion, sense),
     )
-    return CamShape((flank,), sense, reference, t, lambda: cam_follower_centre(kinematics, sense))
 
 
 @np.errstate(divide="ignore")
-def _beyond(pitch_curvature: np.ndarray, radius: float) -> np.ndarray:
-    """Curvature of the curve that runs beside by the radius, on the convex side's inside."""
-    return pitch_curvature / (1.0 - radius * pitch_curvature)
+def _beyond(pitch_curvature: np.ndarray, offset: float) -> np.ndarray:
+    """Curvature of the curve that runs beside, by the offset on the convex side's inside."""
+    return pitch_curvature / (1.0 - offset * pitch_curvature)
 
 
 def _require_cam(

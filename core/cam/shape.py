@@ -14,11 +14,18 @@ from core.numerics.derivatives import BINOMIAL, Derivatives
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot
 
+INNER, OUTER, SECOND = "inner", "outer", "second"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Flank:
     """One side of the cam that the follower touches, at n cam angles; each may be given as a function.
 
+    name      ``inner`` of the first cam, ``outer`` of a groove, ``second`` of the other cam of a conjugate pair
+    body      body of the kinematics that the cam's force acts on
+    reference          (n,) complex [m], the reference point R of what touches it, in the global frame
+    relative_velocity  (n,) complex [m] by cam angle: its velocity t relative to the cam
+    centre             instant centre Q of what touches it and the cam
     profile  (n,) complex [m] in the cam's own frame, which is the global frame at cam angle 0
     contact  (n,) complex [m], where they touch, in the global frame
     normal   (n,) complex unit vector in the global frame, from the follower into the cam
@@ -28,6 +35,11 @@ class Flank:
     sliding  (n,) [m] by cam angle: speed of the follower's point that touches relative to the cam's, along i d n
     """
 
+    name: str
+    body: str
+    reference: np.ndarray
+    relative_velocity: Lazy[np.ndarray] = Lazy()
+    centre: Lazy[Centres] = Lazy()
     profile: Lazy[np.ndarray] = Lazy()
     contact: Lazy[np.ndarray] = Lazy()
     normal: Lazy[np.ndarray] = Lazy()
@@ -37,20 +49,24 @@ class Flank:
     sliding: Lazy[np.ndarray] = Lazy()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class RoundFlank(Flank):
     """Under a roller, a shoe or an edge, which has a pitch curve: the path of its centre.
 
+    radius           [m] of the round
+    offset           [m] from the pitch curve to the profile along -i d t: radius and play; less than 0 of an outer flank
     pitch            (n,) complex [m] in the cam's own frame
     pitch_curvature  (n,) [1/m], positive where the cam is convex; ``pitch_curvature_slope`` (n,) its derivative by cam angle
     """
 
+    radius: float
+    offset: float
     pitch: Lazy[np.ndarray] = Lazy()
     pitch_curvature: Lazy[np.ndarray] = Lazy()
     pitch_curvature_slope: Lazy[np.ndarray] = Lazy()
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class FlatFlank(Flank):
     """Under a straight face.
 
@@ -68,29 +84,47 @@ class FlatFlank(Flank):
 
 @dataclass(frozen=True, eq=False)
 class CamShape:
-    """The cam at n cam angles: its flanks (one for an open cam), the reference point R of the follower in the
-    global frame (n,) [m], its velocity t relative to the cam, and the instant centre Q of follower and cam."""
+    """The cam at n cam angles: its flanks (one for an open cam), the first one first; of that the reference point R, its
+    velocity t relative to the cam and the instant centre Q. sense: d = +1 where it turns counter-clockwise, -1 clockwise."""
 
     flanks: tuple[Flank, ...]
     sense: float
-    reference: np.ndarray
-    relative_velocity: Lazy[np.ndarray] = Lazy()
-    centre: Lazy[Centres] = Lazy()
 
     @property
     def flank(self) -> Flank:
         return self.flanks[0]
 
     @property
+    def reference(self) -> np.ndarray:
+        return self.flank.reference
+
+    @property
+    def relative_velocity(self) -> np.ndarray:
+        return self.flank.relative_velocity
+
+    @property
+    def centre(self) -> Centres:
+        return self.flank.centre
+
+    @property
     def extent(self) -> float:
-        """Farthest that the reference point, or what it carries to the cam, comes from the cam centre [m]."""
-        return max(float(np.abs(self.reference).max()), float(np.abs(self.flank.contact).max()))
+        """Farthest that a reference point, or what it carries to the cam, comes from the cam centre [m]."""
+        return max(float(np.abs(place).max()) for flank in self.flanks for place in (flank.reference, flank.contact))
+
+    def only(self, name: str) -> CamShape:
+        """The cam with one of its flanks as the first and only one."""
+        return CamShape(tuple(flank for flank in self.flanks if flank.name == name), self.sense)
 
 
 def round_flank(shape: CamShape) -> RoundFlank:
     """The first flank of a cam under a round."""
     assert isinstance(shape.flank, RoundFlank), "a flat face has no pitch curve"
     return shape.flank
+
+
+def flank_named(shape: CamShape, name: str) -> RoundFlank:
+    """The flank under a roller of this name, of a cam that has one."""
+    return round_flank(shape.only(name))
 
 
 def flat_flank(shape: CamShape) -> FlatFlank:

@@ -8,24 +8,31 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import fields, replace
-from math import floor, fsum, hypot, log10, nan
+from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
 from types import MappingProxyType
 from typing import Any
 
 from core.design.faces import FACE, ContactFriction
 from core.design.fields import words_of
+from core.design.forms import FORM, Conjugate, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
+from core.design.linkage import LinkageCam
 from core.design.parts import (
     FOLLOWER_KINDS,
+    SIDES,
     CamSlider,
     Curve,
     Elastic,
     End,
     Motion,
+    Oscillating,
     Point,
     Polynomial,
+    SecondArm,
+    SecondPlace,
     Segment,
     Shaft,
     Spline,
+    Translating,
     curve_of,
 )
 from core.design.paths import all_paths, of_class, put
@@ -211,6 +218,8 @@ def edited(design: Design, path: str, value: Any) -> Design:
         return with_drive(design, mechanism=with_layout(design.drive.mechanism, value))
     if design.drive.cam is not None and path == design.drive.face_path:
         return with_face(design, value)
+    if design.drive.cam is not None and path == f"cam.{FORM}":
+        return with_form(design, value)
     changed = put(design, path, value)
     if changed.drive.is_linkage and changed.shaft is not None:
         return _at_one_speed(changed, path)
@@ -240,9 +249,89 @@ def with_face(design: Design, word: str) -> Design:
     return replace(changed, assumed=tuple(sorted(assumed, key=after.index)))
 
 
+def with_form(design: Design, word: str) -> Design:
+    """The design with a cam of another form; the second roller of a conjugate pair is as large as the first and stands where it
+    pushes the other way, and what is new is assumed."""
+    drive = design.drive
+    if word == drive.cam.form.form:
+        return design
+    kind = words_of(type(drive.cam), FORM)[word]
+    paired = kind in (Conjugate, LinkageConjugate)
+    values: dict[str, Any] = {"second": (_second_on_link if drive.is_linkage else _second_roller)(drive)} if paired else {}
+    changed = with_drive(design, cam=replace(drive.cam, form=of_class(kind, drive.cam.form, **values)))
+    if not drive.is_linkage:
+        follower: Any = drive.follower
+        place = SECOND_PLACES[type(follower)](drive) if paired else None
+        changed = with_drive(changed, mechanism=of_class(type(follower), follower, second=place))
+    before, after = set(all_paths(design)), list(all_paths(changed))
+    new = [path for path in after if path not in before and ".second." in path]
+    assumed = [*new, *(path for path in design.assumed if path in after)]
+    return replace(changed, assumed=tuple(sorted(assumed, key=after.index)))
+
+
+def _second_roller(drive: Drive) -> SecondRoller:
+    return SecondRoller(roller_radius_mm=drive.cam.roller_radius_mm)
+
+
+def _second_on_link(drive: Drive) -> SecondLinkRoller:
+    """At another point of the link that carries the first, where there is one."""
+    cam: LinkageCam = drive.cam
+    places = drive.linkage.by_number[cam.link].places if cam.link in drive.linkage.by_number else {}
+    point = next((name for name in places if name != cam.point), cam.point)
+    return SecondLinkRoller(link=cam.link, point=point, roller_radius_mm=cam.face.radius_mm)
+
+
+def _angle_to_cam(drive: Drive, arm: float) -> float:
+    """Of the arm from the ray to the cam centre, on the base circle [deg]; nan where arm, pivot and cam make no triangle."""
+    follower: Any = drive.follower
+    reach, pivot = drive.cam.base_radius_mm + drive.cam.roller_radius_mm, hypot(follower.pivot_x_mm, follower.pivot_y_mm)
+    cosine = (arm * arm + pivot * pivot - reach * reach) / (2.0 * arm * pivot or nan)
+    return degrees(acos(cosine)) if -1.0 <= cosine <= 1.0 else nan
+
+
+def _swing(drive: Drive) -> float:
+    """How far the arm swings [deg]; of a cam-slider, which its rod swings, a guess."""
+    return stroke(drive.motion) if drive.motion is not None and drive.motion.unit == "deg" else SOME_SWING
+
+
+def _second_arm(drive: Drive, arm: float, side: float) -> SecondArm:
+    """On the other side of the ray to the cam centre, as near to the cam at the end of the stroke as the first is before it."""
+    angle = round(-side * (2.0 * _angle_to_cam(drive, arm) + _swing(drive)), 2)
+    return SecondArm(arm_mm=arm, angle_deg=angle if abs(angle) <= 360.0 else -side * 90.0)
+
+
+def _beside_slider(drive: Drive) -> SecondArm:
+    follower = drive.follower
+    assert isinstance(follower, CamSlider)
+    left = (follower.layout in "abef") == (follower.layout in "abcd")  # the arm is turned clockwise from the ray to the cam
+    return _second_arm(drive, follower.roller_arm_mm, -1.0 if left else 1.0)
+
+
+def _beside_arm(drive: Drive) -> SecondArm:
+    follower = drive.follower
+    assert isinstance(follower, Oscillating)
+    return _second_arm(drive, follower.arm_mm, SIDES[follower.side])
+
+
+def _behind(drive: Drive) -> SecondPlace:
+    """As far behind the cam centre at the end of the stroke as the first is before it at its start."""
+    follower = drive.follower
+    assert isinstance(follower, Translating)
+    reach = drive.cam.base_radius_mm + drive.cam.roller_radius_mm
+    start = sqrt(max(reach * reach - follower.offset_mm * follower.offset_mm, 0.0))
+    return SecondPlace(distance_mm=round(2.0 * start + (stroke(drive.motion) if drive.motion else 0.0), 3))
+
+
+SOME_SWING = 20.0
+SECOND_PLACES: Mapping[type, Callable[[Drive], SecondArm | SecondPlace]] = MappingProxyType(
+    {CamSlider: _beside_slider, Oscillating: _beside_arm, Translating: _behind}
+)
+"""Follower -> where the second roller of a conjugate pair stands to begin with."""
+
+
 def _linkage_under(drive: Drive, word: str, radius: float) -> Drive:
     face = of_class(words_of(type(drive.cam), FACE)[word], roller_radius_mm=radius, shoe_radius_mm=radius)
-    return replace(drive, cam=replace(drive.cam, face=face))
+    return replace(drive, cam=replace(drive.cam, face=face, form=Open()))
 
 
 def _follower_under(drive: Drive, word: str, radius: float) -> Drive:
@@ -251,9 +340,9 @@ def _follower_under(drive: Drive, word: str, radius: float) -> Drive:
     face: Any = of_class(row.faces[word], shoe_radius_mm=radius)
     base = drive.cam.base_radius_mm
     arm = max(hypot(getattr(old, "pivot_x_mm", 0.0), getattr(old, "pivot_y_mm", 0.0)), base + radius)  # reaches the base circle
-    values = {"face": face, **({} if hasattr(old, "arm_mm") else {"arm_mm": round(arm, 3)})}
+    values = {"face": face, "second": None, **({} if hasattr(old, "arm_mm") else {"arm_mm": round(arm, 3)})}
     return replace(
-        drive, mechanism=of_class(follower, old, **values), cam=of_class(cam, drive.cam, roller_radius_mm=radius),
+        drive, mechanism=of_class(follower, old, **values), cam=of_class(cam, drive.cam, roller_radius_mm=radius, form=Open()),
         loads=of_class(loads, drive.loads),
     )  # fmt: skip
 

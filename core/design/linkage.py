@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
-from core.design.parts import FORMS
+from core.design.forms import Blank, Form, Groove, LinkageConjugate, Open, form_of
 
 FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""
@@ -108,7 +108,7 @@ class Linkage:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LinkageCam:
+class LinkageCam(Blank):
     """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link: it makes the linkage
     follow the motion. Its size follows from where that point runs."""
 
@@ -118,7 +118,7 @@ class LinkageCam:
         chosen_by_word(FACE, {"roller": Roller, "knife": Knife, "shoe": Shoe}, "Face", otherwise="roller", brief=True,
                        help="what touches the cam")
     )  # fmt: skip
-    form: str = choice("Form", FORMS, default="open")
+    form: Form = form_of(Open, Groove, LinkageConjugate)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from itertools import combinations
 
+from core.design.forms import LinkageConjugate, SecondLinkRoller
 from core.design.linkage import CRANK, FRAME_LINK, MOTION, Linkage, LinkageCam, LinkageLoads, LinkForce
 from core.design.topology import GROUP, driver_pair, is_pin, mobility, pair_count, pins, solving_order
 from core.design.whole import Drive
@@ -182,9 +183,11 @@ def _cam(drive: Drive) -> Iterator[Fault]:
     if drive.linkage.driver.kind != MOTION:
         yield Fault("cam", "[cam]", "a cam needs a motion to be made for", f'driver with kind = "{MOTION}"')
     yield from _no_point(drive.linkage, drive.cam, "cam")
+    if isinstance(drive.cam.form, LinkageConjugate):
+        yield from _no_point(drive.linkage, drive.cam.form.second, "cam.second")
 
 
-def _no_point(linkage: Linkage, at: LinkageCam | LinkForce, path: str) -> Iterator[Fault]:
+def _no_point(linkage: Linkage, at: LinkageCam | SecondLinkRoller | LinkForce, path: str) -> Iterator[Fault]:
     """A fault where something stands at a point of a link, and there is no such moving link or point."""
     if absent := list(_no_moving_link(linkage, at.link, f"{path}.link")):
         yield from absent

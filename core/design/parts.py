@@ -23,6 +23,7 @@ from core.design.faces import (
     rubs,
 )
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
+from core.design.forms import Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS
 from core.laws import LAWS
 
@@ -147,6 +148,26 @@ def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rol
 
 
 @dataclass(frozen=True, kw_only=True)
+class SecondArm:
+    """Where the second roller of a conjugate pair stands: at the end of an arm that is fixed to the first."""
+
+    arm_mm: float = length("Second arm", help="pivot to the second roller's centre")
+    angle_deg: float = number("Second arm's angle", -360.0, 360.0, help="from the first roller's arm, counter-clockwise")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SecondPlace:
+    """Where the second roller of a conjugate pair stands on a follower that slides."""
+
+    distance_mm: float = length("Second roller's distance", help="behind the first, against the direction; centre to centre")
+
+
+def _second(kind: type[SecondArm] | type[SecondPlace]) -> Any:
+    """A dataclass field for the second roller's place; None but for a conjugate pair."""
+    return placed(Placing(kind, single=True), None)
+
+
+@dataclass(frozen=True, kw_only=True)
 class CamSlider:
     """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
 
@@ -164,6 +185,7 @@ class CamSlider:
     )
     pivot_x_mm: float = coordinate("Pivot x", help="from the cam centre; > 0 puts the cam left of the pivot")
     pivot_y_mm: float = coordinate("Pivot y", help="from the cam centre")
+    second: SecondArm | None = _second(SecondArm)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,6 +195,7 @@ class Translating:
     face: Rolling | TiltedFlat | Knife | Shoe = faces_of(TiltedFlat)
     offset_mm: float = coordinate("Offset", default=0.0, help="of the guide from the cam centre, positive to its left")
     direction_deg: float = number("Direction", -360.0, 360.0, default=90.0, help="of the rise, 90 = upwards")
+    second: SecondPlace | None = _second(SecondPlace)
 
 
 SIDES: Mapping[str, float] = MappingProxyType({"left": 1.0, "right": -1.0})
@@ -189,6 +212,7 @@ class Oscillating:
     side: str = choice(
         "Side", tuple(SIDES), help="of the ray from the pivot to the cam centre on which the roller lies"
     )
+    second: SecondArm | None = _second(SecondArm)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,24 +230,22 @@ Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 
 # -- cam, shaft, loads ------------------------------------------------------------------------------------
 
-FORMS = ("open",)
-
 
 @dataclass(frozen=True)
-class DiskCam:
+class DiskCam(Blank):
     """Disk cam under a face that is not a roller."""
 
     base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
-    form: str = choice("Form", FORMS, default="open")
+    form: Open = form_of(Open)
 
 
 @dataclass(frozen=True)
-class RollerCam:
+class RollerCam(Blank):
     """Disk cam followed by a roller."""
 
     base_radius_mm: float = length("Base radius Br", help="smallest radius of the cam where the motion is 0")
     roller_radius_mm: float = length("Roller radius Rr")
-    form: str = choice("Form", FORMS, default="open")
+    form: Form = form_of(Open, Groove, Conjugate)
 
 
 Cam = RollerCam | DiskCam

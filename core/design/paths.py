@@ -72,6 +72,8 @@ def _walk(part: Any, path: str, unit: str) -> Iterator[tuple[str, Entry | None]]
             yield from _values(holder, slot, at, path)
             continue
         value = getattr(holder, slot.names[0])
+        if value is None:
+            continue
         if slot.placing.whole and value:
             yield at, None
         if slot.placing.key:

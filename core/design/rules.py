@@ -8,8 +8,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
 
+from core.design.faces import Roller
+from core.design.fields import slots
+from core.design.forms import FORM, Blank, Conjugate, Open
+from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
-from core.design.parts import FOLLOWER_KINDS, CamSlider, Motion, Named, Scca, Segment, Spline
+from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline
 from core.design.paths import entries_of
 from core.design.whole import Design
 from core.errors import MISSING, Fault
@@ -126,6 +130,15 @@ def _segments_hold(motion: Motion, path: str) -> Iterator[Fault]:
             yield from rule(segment.curve, segment, at)
 
 
+def _bore_and_hub(cam: Blank, path: str) -> Iterator[Fault]:
+    """The hub is thicker than the bore, the bore wider than the keyway."""
+    bore, hub, key = cam.bore_mm, cam.hub_mm, cam.keyway_width_mm
+    if bore is not None and hub is not None and hub <= bore:
+        yield Fault(f"{path}.hub_mm", hub, "no larger than the bore", f"> {bore:g} mm")
+    if bore is not None and key is not None and key >= bore:
+        yield Fault(f"{path}.keyway_width_mm", key, "no narrower than the bore", f"< {bore:g} mm")
+
+
 def _layout_agrees_with_pivot(follower: CamSlider, path: str) -> Iterator[Fault]:
     x, letter = follower.pivot_x_mm, follower.layout
     if x == 0.0:
@@ -150,6 +163,9 @@ RULES: Mapping[type, tuple[Callable[[Any, str], Iterator[Fault]], ...]] = Mappin
     {
         Motion: (_segments_hold, _spans_make_a_turn, _rises_return_to_start),
         CamSlider: (_layout_agrees_with_pivot,),
+        RollerCam: (_bore_and_hub,),
+        DiskCam: (_bore_and_hub,),
+        LinkageCam: (_bore_and_hub,),
     }
 )
 
@@ -190,7 +206,7 @@ def faults(design: Design) -> list[Fault]:
             if fault.path not in wrong:
                 wrong.add(fault.path)
                 found.append(fault)
-    return [*found, *_one_face(design), *_one_speed(design)]
+    return [*found, *_one_face(design), *_one_form(design), *_one_speed(design)]
 
 
 def _one_face(design: Design) -> Iterator[Fault]:
@@ -207,6 +223,27 @@ def _one_face(design: Design) -> Iterator[Fault]:
     if contact is not None and not drive.face.slides:
         problem = "a roller rolls on the cam"
         yield Fault("loads.contact_friction", contact.contact_friction, problem, "for a flat face, a knife edge or a shoe")
+
+
+def _one_form(design: Design) -> Iterator[Fault]:
+    """Only a roller runs in a groove, or in a conjugate pair; only of that a second one stands on the follower."""
+    drive = design.drive
+    if drive.mechanism is None or drive.cam is None:
+        return
+    form = drive.cam.form
+    if form.holds and drive.face.face != Roller.face:
+        yield Fault(f"cam.{FORM}", form.form, f"takes a roller, no {drive.face.noun}", f"{Open.form}, or another face")
+    if drive.is_linkage:
+        return
+    kind: Any = type(drive.follower)
+    second = getattr(drive.follower, "second", None)
+    if isinstance(form, Conjugate) and second is None:
+        places = [slot.placing.kind for slot in slots(kind) if slot.key == "second"]
+        keys = ", ".join(slot.key for place in places for slot in slots(place))
+        yield Fault("follower.second", MISSING, "missing", f"where the second roller of the conjugate pair stands: {keys}")
+    elif second is not None and not isinstance(form, Conjugate):
+        problem = f"a cam of the form {form.form} has no second roller"
+        yield Fault("follower.second", "[follower.second]", problem, f'cam.{FORM} = "{Conjugate.form}", or take it away')
 
 
 def _one_speed(design: Design) -> Iterator[Fault]:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 from core.design.faces import Face
+from core.design.forms import Blank
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
 
 D = TypeVar("D")
+BLANK = tuple(field.name for field in fields(Blank))
 SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads")
 """The tables of a file in their order; no design has all of them."""
 
@@ -61,6 +63,11 @@ class Drive:
         assert self.cam is not None, "a drive without a cam"
         face: Face = self.cam.face if self.is_linkage else face_of(self.follower, self.cam)
         return face
+
+    @property
+    def bare_cam(self) -> Any:
+        """The cam without what its profile does not depend on."""
+        return replace(self.cam, **dict.fromkeys(BLANK)) if self.cam is not None else None
 
     @property
     def face_path(self) -> str:

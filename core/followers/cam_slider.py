@@ -9,7 +9,7 @@ import numpy as np
 
 from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, Place, Side, Slider, si
 from core.errors import NoAssembly, angle_ranges
-from core.followers.reach import angle_at_pivot, rounded
+from core.followers.reach import angle_at_pivot, rounded, second_on_arm
 from core.mechanism.mechanism import Mechanism, Reference
 from core.mechanism.solving import Solved
 from core.motion import MotionState
@@ -93,6 +93,7 @@ def cam_slider(follower: CamSlider, reach: float) -> Mechanism:
             Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
             Link(ARM, (
                 Place("pivot", 0.0, 0.0), Place("arm_pin", follower.slider_arm_mm, 0.0), Place("roller", roller.real, roller.imag),
+                *second_on_arm(follower.second, g.fixed_angle),
             )),
             Link(ROD, (Place("arm_pin", 0.0, 0.0), Place("slider_pin", follower.rod_mm, 0.0))),
             Link(SLIDER, (Place("slider_pin", 0.0, 0.0),)),

@@ -7,7 +7,7 @@ import math
 from core.design import FRAME_LINK, Driver, Link, Linkage, Oscillating, OscillatingFlat, Place, si
 from core.design.parts import SIDES
 from core.errors import NoAssembly
-from core.followers.reach import angle_at_pivot, rounded
+from core.followers.reach import angle_at_pivot, rounded, second_on_arm
 from core.mechanism.mechanism import Mechanism, Reference
 
 ARM = 2
@@ -27,7 +27,7 @@ def oscillating(follower: Oscillating, reach: float) -> Mechanism:
     linkage = Linkage(
         (
             Link(FRAME_LINK, (Place("pivot", 0.0, 0.0),)),
-            Link(ARM, (Place("pivot", 0.0, 0.0), Place("roller", follower.arm_mm, 0.0))),
+            Link(ARM, (Place("pivot", 0.0, 0.0), Place("roller", follower.arm_mm, 0.0), *second_on_arm(follower.second))),
         ),
         (),
         Driver(ARM, "motion"),

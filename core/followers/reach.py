@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Callable
 
-from core.design import Cam, Follower, Rolling, RoundFace, face_of
+from core.design import Cam, Follower, Place, Rolling, RoundFace, SecondArm, face_of
 from core.errors import NoAssembly
 from core.mechanism.triangle import opposite_angle
+
+SECOND = "second_roller"
+"""Name of the point of a follower at which the second roller of a conjugate pair stands."""
+
+
+def second_on_arm(second: SecondArm | None, first: float = 0.0) -> tuple[Place, ...]:
+    """The second roller's centre in the frame of the arm; first: angle of the first roller's arm there [rad]."""
+    if second is None:
+        return ()
+    at = cmath.rect(second.arm_mm, first + math.radians(second.angle_deg))
+    return (Place(SECOND, at.real, at.imag),)
 
 
 def rounded(length: float, direction: Callable[[float], int], digits: int = 6) -> str:

@@ -25,6 +25,7 @@ from core.design import (
     si,
 )
 from core.errors import NoAssembly, NoCam, angle_ranges
+from core.followers.reach import SECOND
 from core.mechanism.mechanism import Mechanism, Reference
 from core.motion import MotionState
 
@@ -42,7 +43,7 @@ def translating(follower: Translating, reach: float) -> Mechanism:
     base = STARTS[type(follower.face)](follower, reach)
     require = None if isinstance(follower.face, TiltedFlat) else partial(_require_radius, base, follower.face.noun)
     linkage = Linkage(
-        (Link(FRAME_LINK, ()), Link(FOLLOWER, (Place("roller", 0.0, 0.0),))),
+        (Link(FRAME_LINK, ()), Link(FOLLOWER, (Place("roller", 0.0, 0.0), *_second(follower)))),
         (Slider(link=FOLLOWER, on=FRAME_LINK, through_y_mm=follower.offset_mm),),
         Driver(FOLLOWER, "motion"),
     )
@@ -58,6 +59,11 @@ def translating(follower: Translating, reach: float) -> Mechanism:
         base={"follower": (base, "mm")},
         require=require,
     )
+
+
+def _second(follower: Translating) -> tuple[Place, ...]:
+    """The second roller of a conjugate pair, behind the first."""
+    return () if follower.second is None else (Place(SECOND, -follower.second.distance_mm, 0.0),)
 
 
 def _round_start(follower: Translating, reach: float) -> float:

@@ -13,10 +13,12 @@ from core.design import (
     CURVES,
     FOLLOWER_KINDS,
     MOTION,
+    Conjugate,
     Design,
     Drive,
     Driver,
     FollowerKind,
+    Groove,
     Linkage,
     LinkageCam,
     LinkageLoads,
@@ -34,6 +36,7 @@ from core.design import (
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
 from core.design.fields import LAW, Slot, inside_of_table, slots
+from core.design.forms import FORM
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
@@ -163,10 +166,10 @@ class Reader:
             values[slot.within].update(zip(slot.names, read, strict=False))
         if extra := table.keys() - {slot.key for slot in entries}:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
-            for key in sorted(extra - (_FACE_KEYS.keys() if unsure else set()), key=str):
+            for key in sorted(extra - (_CHOSEN_KEYS.keys() if unsure else set()), key=str):
                 at = f"{path}.{spelled(key)}"
-                if path in ("cam", "follower") and key in _FACE_KEYS:
-                    self.faults.append(Fault(at, table[key], f'only with face = "{_FACE_KEYS[key]}"', " | ".join(known)))
+                if path in ("cam", "follower") and key in _CHOSEN_KEYS:
+                    self.faults.append(Fault(at, table[key], f"only with {_CHOSEN_KEYS[key]}", " | ".join(known)))
                 else:
                     self.faults.append(unknown_key(at, key, table[key], known))
         own = values.pop("") | {name: part(**values[name]) for name, part in inside}
@@ -270,8 +273,12 @@ class Reader:
 # -- the kind of the design -------------------------------------------------------------------------------
 
 
-_FACE_KEYS = {slot.key: face.face for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)}
-"""Key of a face's own entry -> the face's word."""
+_CHOSEN_KEYS = {
+    **{slot.key: f'{FACE} = "{face.face}"' for face in (Roller, Shoe, TiltedFlat, OffsetFlat) for slot in slots(face)},
+    **{slot.key: f'{FORM} = "{form.form}"' for form in (Groove, Conjugate) for slot in slots(form) if slot.key != "play_mm"},
+    "play_mm": f'{FORM} = "{Groove.form}" or "{Conjugate.form}"',
+}
+"""Key of the own entry of a face or a form -> the word that it takes."""
 
 
 def _face_word(table: Tables, row: FollowerKind | None) -> str | None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,12 +34,7 @@ def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
         if study.mechanism.ranged:
             proof["three_centres"] = _three_centres(study)
     if "cam" in stages:
-        bound = 16.0 * EPS * study.linkage.condition * study.cam.centre.error_bound
-        proof["instant_centre"] = _worst(cam.centre_residual(study.cam), bound)
-        face = study.design.drive.face
-        # rounding grows with the distance, which a motion long against the base circle carries beyond it
-        farthest = max(1.0, study.cam.extent / study.reach)
-        proof[cam.row_of(face).proof] = cam.tangency(study.cam, face, study.reach, 64.0 * EPS * farthest, lambda: study.undercut)
+        proof.update(_of_flanks(study))
     if "dynamics" in stages:
         bound = np.maximum(1e-13, 64.0 * EPS * study.linkage.condition * _over_lever(study))
         parts = (study.linkage, study.shape, study.dynamics, study.loading)
@@ -46,6 +43,21 @@ def certificate(study: Study, stages: tuple[str, ...]) -> dict[str, Residual]:
     if "stability" in stages and study.stability is not None:
         proof.update(study.stability.certificate)
     return proof
+
+
+def _of_flanks(study: Study) -> Iterator[tuple[str, Residual]]:
+    """Instant centre and tangency of every flank: a groove's two share their centre."""
+    shape, faces = study.cam, cam.faces_of(study.design.drive.face, study.design.drive.cam)
+    # rounding grows with the distance, which a motion long against the base circle carries beyond it
+    farthest = max(1.0, shape.extent / study.reach)
+    for flank in shape.flanks:
+        only, face, first = shape.only(flank.name), faces[flank.name], flank is shape.flank
+        if first or flank.reference is not shape.reference:
+            bound = 16.0 * EPS * study.linkage.condition * flank.centre.error_bound
+            yield "instant_centre" if first else f"{flank.name}_centre", _worst(cam.centre_residual(only), bound)
+        name = cam.row_of(face).proof if first else f"{flank.name}_tangency"
+        undercut = partial(study.undercut_on, flank.name)
+        yield name, cam.tangency(only, face, study.reach, 64.0 * EPS * farthest, undercut)
 
 
 def _worst(residual: np.ndarray, bound: np.ndarray) -> Residual:

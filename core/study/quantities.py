@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from core.cam import flat_flank, round_flank, row_of
+from core.cam import OUTER, SECOND, flank_named, flat_flank, form_row, forward_push, round_flank, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
@@ -39,6 +39,8 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "cam": lambda design: design.drive.cam is not None,
         "pitch": lambda design: design.drive.cam is not None and "pitch_curvature" in row_of(design.drive.face).limits,
         "flat": lambda design: design.drive.cam is not None and "contact_on_face" in row_of(design.drive.face).limits,
+        OUTER: lambda design: design.drive.cam is not None and OUTER in form_row(design.drive.cam.form).flanks,
+        SECOND: lambda design: design.drive.cam is not None and SECOND in form_row(design.drive.cam.form).flanks,
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -136,6 +138,18 @@ def _force_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
     return lambda s: part(s.dynamics.pairs[name])
 
 
+def _of_flank(name: str, value: Callable[[Any], np.ndarray]) -> Quantity:
+    """A figure of a flank that not every cam has."""
+    return Quantity("cam", lambda s: value(flank_named(s.cam, name)), needs=name)
+
+
+def _second_push(study: Study) -> np.ndarray:
+    """What one newton on the second roller pushes forward, times what one on the first does, as parts of that newton (n,):
+    negative where they push opposite ways."""
+    shape = study.cam
+    return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, flank_named(shape, SECOND))
+
+
 def _polar_angle(study: Study) -> np.ndarray:
     """0 ... 2π, 2π itself never."""
     angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
@@ -163,6 +177,18 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "contact_on_face": Quantity("cam", lambda s: flat_flank(s.cam).on_face, needs="flat"),
         "radius": Quantity("cam", lambda s: np.abs(s.cam.flank.profile), needs="cam"),
         "polar_angle": Quantity("cam", _polar_angle, needs="cam", turns=True),
+        "outer_x": _of_flank(OUTER, lambda flank: flank.profile.real),
+        "outer_y": _of_flank(OUTER, lambda flank: flank.profile.imag),
+        "outer_curvature": _of_flank(OUTER, lambda flank: flank.profile_curvature),
+        "second_x": _of_flank(SECOND, lambda flank: flank.profile.real),
+        "second_y": _of_flank(SECOND, lambda flank: flank.profile.imag),
+        "second_pitch_x": _of_flank(SECOND, lambda flank: flank.pitch.real),
+        "second_pitch_y": _of_flank(SECOND, lambda flank: flank.pitch.imag),
+        "second_pressure_angle": _of_flank(SECOND, lambda flank: flank.pressure_angle),
+        "second_pitch_curvature": _of_flank(SECOND, lambda flank: flank.pitch_curvature),
+        "second_profile_curvature": _of_flank(SECOND, lambda flank: flank.profile_curvature),
+        "second_roller_distance": _of_flank(SECOND, lambda flank: np.abs(flank.reference) - flank.radius),
+        "second_push": Quantity("cam", _second_push, needs=SECOND),
         "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact, needs="cam"),
         "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque, needs="cam"),
         "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), needs="shaft", exists=_motor_runs),

@@ -19,7 +19,7 @@ from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_li
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
-from core.mechanism.kinematics import REVOLUTE, Kinematics
+from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.numerics.lazy import locked
@@ -234,7 +234,7 @@ class Study:
     @cached_property
     def _cam(self) -> CamShape:
         with self._located("cam"):
-            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.cam, self.sense)
+            shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense)
             if self._given is None and self.mechanism.ranged:
                 cam.require_hold(self.linkage, self.design.drive.face.noun)
             return shape
@@ -445,13 +445,18 @@ class Study:
 
     @property
     def _cam_extremes(self) -> Mapping[str, Range]:
-        return self.extremes("cam", cam.row_of(self.design.drive.face).limits)
+        return self.extremes("cam", cam.limits_of(self.design.drive.face, self.design.drive.cam))
 
     def _cam_findings(self) -> list[Finding]:
-        kinematics = self.linkage
-        ground = kinematics.pairs[kinematics.ground].kind if kinematics.ground else REVOLUTE
-        drive = self.design.drive
-        return cam.findings(self._cam_extremes, ground, drive.face, drive.cam, self._least_at)
+        drive, extremes = self.design.drive, self._cam_extremes
+        grounds = {flank.name: self._held_by(flank.body) for flank in self.cam.flanks}
+        found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, self._least_at)
+        return found + cam.further_findings(extremes, grounds, drive.face, drive.cam)
+
+    def _held_by(self, body: str) -> str:
+        """Kind of the pair that holds a body on the frame; a body that none holds turns with its pole."""
+        pairs = self.linkage.pairs.values()
+        return next((pair.kind for pair in pairs if {pair.on, pair.body} == {FRAME, body}), REVOLUTE)
 
     def _least_at(self, name: str, base_radius_mm: float) -> float:
         """The refined least value of a quantity of the cam with another base radius; NaN where there is none."""
@@ -470,11 +475,11 @@ class Study:
             found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
-    @property
-    def undercut(self) -> bool:
-        """Where the velocity jumps the pitch curve has a corner, which is sharper than any roller."""
+    def undercut_on(self, flank: str) -> bool:
+        """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity
+        jumps the pitch curve has a corner, which is sharper than any roller."""
         corners = any(join.jumps[:2].any() for join in self.program.joins)
-        return corners or cam.undercut(self._cam_extremes, self.design.drive.face)
+        return corners or cam.undercut(self._cam_extremes, flank, self.design.drive.face, self.design.drive.cam)
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft is None or self.design.shaft.elastic is None:

@@ -45,6 +45,18 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
             "touches, cuts nowhere",
             "the face touches the profile and cuts into it nowhere, tried point by point; left out is what an undercut takes away",
         ),
+        "outer_tangency": (
+            "touches, cuts nowhere",
+            "the roller with its play touches the outer flank and cuts into it nowhere, tried point by point",
+        ),
+        "second_tangency": (
+            "touches, cuts nowhere",
+            "the second roller touches the second cam and cuts into it nowhere, tried point by point",
+        ),
+        "second_centre": (
+            "sliding as Q asks",
+            "the second roller and its cam slide past each other as their instant centre asks, at every cam angle",
+        ),
         "power_balance": (
             "power in is power out",
             "what the cam puts in is what kinetic energy, weight, load and friction take, at every cam angle",

@@ -1,0 +1,103 @@
+"""Forms of a disk cam: one small class per form, chosen by the word ``form`` of the file, and what a cam may state besides.
+
+Each class has its word as ``form`` and as ``holds`` whether the cam holds the follower from both sides, so that the contact
+changes sides where its force would change its sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from core.design.fields import LONGEST_MM, Placing, chosen_by_word, length, number, placed, whole
+
+FORM = "form"
+"""Key of the word."""
+
+
+def _play(help: str) -> Any:
+    return number("Play", 0.0, LONGEST_MM, default=0.0, help=help)
+
+
+@dataclass(frozen=True)
+class Open:
+    """One flank; something has to press the follower on it."""
+
+    form: ClassVar[str] = "open"
+    holds: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class Groove:
+    """The roller runs between an inner and an outer flank."""
+
+    form: ClassVar[str] = "groove"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("the groove is so much wider than the roller; the outer flank is the farther one")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SecondRoller:
+    """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
+
+    roller_radius_mm: float = length("Second roller radius")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SecondLinkRoller:
+    """The roller on the second cam of a conjugate pair, at a point of a link."""
+
+    link: int = whole("Second roller on link", 2, 999)
+    point: str = placed(Placing(missing="the name of a point"))
+    roller_radius_mm: float = length("Second roller radius")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Conjugate:
+    """Two cams on one shaft, a roller on each: where the one would pull, the other pushes."""
+
+    form: ClassVar[str] = "conjugate"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("between the second roller and its cam")
+    second: SecondRoller = placed(Placing(SecondRoller, single=True, missing="{ roller_radius_mm = 20.0 }"))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkageConjugate:
+    """The same under a linkage."""
+
+    form: ClassVar[str] = "conjugate"
+    holds: ClassVar[bool] = True
+    play_mm: float = _play("between the second roller and its cam")
+    second: SecondLinkRoller = placed(
+        Placing(SecondLinkRoller, single=True, missing='{ link = 3, point = "C", roller_radius_mm = 20.0 }')
+    )
+
+
+Form = Open | Groove | Conjugate | LinkageConjugate
+FORMS = (Open.form, Groove.form, Conjugate.form)
+
+
+def form_of(*classes: type[Form]) -> Any:
+    """A dataclass field for the form of a cam, whose keys stand in the cam's table."""
+    words = {each.form: each for each in classes}
+    return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form), Open())
+
+
+def _known(label: str, help: str) -> Any:
+    return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = not known")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blank:
+    """What the drawing of a cam may state besides its form, as far as it is known."""
+
+    thickness_mm: float | None = _known("Thickness", "width of the profile along the shaft")
+    bore_mm: float | None = _known("Bore", "diameter")
+    hub_mm: float | None = _known("Hub", "diameter")
+    keyway_width_mm: float | None = _known("Keyway width", "of the groove in the bore")
+    keyway_depth_mm: float | None = _known("Keyway depth", "from the bore")
+    keyway_angle_deg: float | None = number(
+        "Keyway angle", -360.0, 360.0, default=None, help="of its middle in the cam's own frame; empty = not known"
+    )
+    cutter_radius_mm: float | None = _known("Cutter radius", "of cutter or grinding wheel")
