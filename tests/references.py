@@ -641,7 +641,8 @@ def sensitivity(
 ) -> tuple[list[Any], list[float]]:
     """What a function of the placed mechanism gives for a motion y with three derivatives (4,), and how far that moves
     by the cam angle, the motion and all numbers of these sections of the design (``conditioned``)."""
-    paths = [e.path for section in sections for e in entries(design, section) if not e.info.choices]
+    numbers = (e for section in sections for e in entries(design, section) if not e.info.choices)
+    paths = [e.path for e in numbers if e.value is not None]
 
     def of(numbers: list[Any]) -> Sequence[Any]:
         moved = design

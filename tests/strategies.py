@@ -10,6 +10,7 @@ from core.design import (
     FOLLOWER_KINDS,
     SECTIONS,
     CamSlider,
+    Conjugate,
     ContactFriction,
     Curve,
     Design,
@@ -23,12 +24,18 @@ from core.design import (
     Point,
     Polynomial,
     Scca,
+    SecondArm,
+    SecondPlace,
+    SecondRoller,
     Segment,
     Shaft,
     Spline,
+    Translating,
     entries,
     info_of,
 )
+from core.design.fields import words_of
+from core.design.forms import FORM, Blank
 from core.laws import LAWS
 
 
@@ -45,7 +52,30 @@ def values(info: Info) -> st.SearchStrategy[Any]:
 def parts(part: type) -> st.SearchStrategy[Any]:
     """A part of a design, each field within its range; a layout fits its pivot."""
     drawn = st.builds(part, **{f.name: values(info) for f in fields(part) if (info := info_of(f))})
-    return drawn.filter(lambda p: p.pivot_x_mm != 0.0).map(_fitting) if part is CamSlider else drawn
+    if part is CamSlider:
+        return drawn.filter(lambda p: p.pivot_x_mm != 0.0).map(_fitting)
+    return drawn.map(_bored) if issubclass(part, Blank) else drawn
+
+
+def _bored(cam: Any) -> Any:
+    """A hub wider than the bore, and a keyway narrower."""
+    if cam.bore_mm is None:
+        return cam
+    return replace(
+        cam, hub_mm=None if cam.hub_mm is None or cam.hub_mm <= cam.bore_mm else cam.hub_mm,
+        keyway_width_mm=None if cam.keyway_width_mm is None or cam.keyway_width_mm >= cam.bore_mm else cam.keyway_width_mm,
+    )  # fmt: skip
+
+
+@st.composite
+def formed(draw: st.DrawFn, drive: Drive) -> Drive:
+    """The drive with a cam of any form that its face allows, and the second roller of a conjugate pair."""
+    forms = words_of(type(drive.cam), FORM)
+    kind = forms[draw(st.sampled_from(tuple(forms)))]
+    roller = {"second": draw(parts(SecondRoller))} if kind is Conjugate else {}
+    place = {"second": draw(parts(SecondPlace if isinstance(drive.mechanism, Translating) else SecondArm))} if roller else {}
+    form = kind(play_mm=draw(st.floats(0.0, 1e9)), **roller) if roller else draw(parts(kind))
+    return replace(drive, cam=replace(drive.cam, form=form), mechanism=replace(drive.mechanism, **place))
 
 
 def _fitting(follower: CamSlider) -> CamSlider:
@@ -110,6 +140,7 @@ def designs(draw: st.DrawFn) -> Design:
     )
     if drive.face.slides:
         drive = replace(drive, loads=replace(drive.loads, contact=draw(parts(ContactFriction))))
+    drive = draw(formed(drive))
     name = draw(st.text(st.characters(exclude_categories=["Cs"]), min_size=1).filter(str.strip))
     shaft = replace(draw(parts(Shaft)), elastic=draw(st.none() | parts(Elastic)))
     design = Design(name, shaft, (drive,))

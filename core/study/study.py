@@ -299,8 +299,8 @@ class Study:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         with self._located("linkage"):
             found = self._stage(
-                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.face, drive.cam, self.sense,
-                shaft_part.elastic, self.omega,
+                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
+                self.sense, shaft_part.elastic, self.omega,
             )  # fmt: skip
         if isinstance(found, NoStability):
             raise found
@@ -358,7 +358,8 @@ class Study:
 
     def _depends_on(self, stage: str) -> tuple[Any, ...]:
         """The parts of the design that the quantities of a stage depend on."""
-        design, drive = self.design, self.design.drive
+        design = self.design
+        drive = replace(design.drive, cam=design.drive.bare_cam)
         speed = (design.sense, design.speed_rpm)
         parts: Mapping[str, tuple[Any, ...]] = {
             "motion": (drive.motion, speed),

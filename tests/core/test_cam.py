@@ -24,7 +24,7 @@ from mechanisms import (
 from references import EPS, MP, Series, Shape, Solved, cam_shape, off, placed, reach_of, sense_of, sensitivity, solved
 from scipy.optimize import brentq, minimize_scalar
 
-from core.cam import centre_residual, envelope, relative_motion, tangency_residual
+from core.cam import CamShape, centre_residual, envelope, relative_motion, tangency_residual
 from core.design import Design
 from core.errors import NoCam
 from core.findings import ERROR, WARNING
@@ -217,11 +217,13 @@ def test_the_proof_holds_where_the_follower_overtakes_the_cam() -> None:
 
 def test_the_certificates_centre_sees_a_wrong_centre() -> None:
     study = Study(PUSHER, 360)
-    centre = study.cam.centre
-    wrong = replace(study.cam, centre=replace(centre, point=-centre.point))
-    assert centre_residual(wrong).max() > 1e-2
-    shifted = replace(study.cam, centre=replace(centre, point=centre.point + 1e-9))
-    assert centre_residual(shifted).max() > 1e-9
+    flank, centre = study.cam.flank, study.cam.centre
+
+    def with_centre(point: np.ndarray) -> CamShape:
+        return CamShape((replace(flank, centre=replace(centre, point=point)),), study.sense)
+
+    assert centre_residual(with_centre(-centre.point)).max() > 1e-2
+    assert centre_residual(with_centre(centre.point + 1e-9)).max() > 1e-9
 
 
 # -- mirrors ----------------------------------------------------------------------------------------------

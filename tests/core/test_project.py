@@ -246,7 +246,7 @@ def test_byte_order_mark_and_windows_lines(tmp_path: Path) -> None:
         ("motion.segments[1].rise_mm", math.nan, "outside its range"),
         # keys
         ("cam.base_radius", 400.0, "wrong unit; allowed: base_radius_mm"),
-        ("cam.bore", 40.0, "unknown key; allowed: base_radius_mm | roller_radius_mm | form"),
+        ("cam.hole", 40.0, "unknown key; allowed: base_radius_mm | roller_radius_mm | form"),
         ("cam.rollr_radius_mm", 40.0, "did you mean 'roller_radius_mm'?"),
         ("shaft.speed_deg", 40.0, "wrong unit; allowed: speed_rpm"),
         ("shaft.sense", "ccw", "unknown key"),
@@ -394,8 +394,8 @@ def test_what_is_assumed_of_a_flexible_shaft_is_kept() -> None:
     ("edits", "expected"),
     [
         (
-            {"cam.bore": 1.0, "motion.segments[2].span_deg": 200.0, "follower.rod_mm": -1.0},
-            {"cam.bore": "unknown key", "motion.segments": "353 deg", "follower.rod_mm": "range"},
+            {"cam.hole": 1.0, "motion.segments[2].span_deg": 200.0, "follower.rod_mm": -1.0},
+            {"cam.hole": "unknown key", "motion.segments": "353 deg", "follower.rod_mm": "range"},
         ),
         (  # in one table
             {
