@@ -41,7 +41,7 @@ def sized(design: Design, factor: float) -> Design:
     """Every length times the factor."""
 
     def part(old: object) -> object:
-        return replace(old, **{k: v * factor for k, v in vars(old).items() if k.endswith("_mm")})  # type: ignore[type-var]
+        return replace(old, **{k: v * factor for k, v in vars(old).items() if k.endswith("_mm") and v is not None})  # type: ignore[type-var]
 
     drive = design.drive
     segments = tuple(replace(s, rise=s.rise * factor) for s in drive.motion.segments)
@@ -131,7 +131,8 @@ def test_an_instant_centre_at_infinity_leaves_a_line_across_the_picture() -> Non
     study = Study(LIFT, SAMPLES)
     weight = study.cam.centre.weight.copy()
     weight[7] = 0.0
-    cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
+    flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
+    cam = replace(study.cam, flanks=(flank,))
     parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
              "stages": study.stages, "sense": study.sense}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]
@@ -226,7 +227,8 @@ def test_a_label_that_was_out_of_reach_comes_back() -> None:
     study = Study(LIFT, SAMPLES)
     weight = study.cam.centre.weight.copy()
     weight[7] = 0.0
-    cam = replace(study.cam, centre=Centres(study.cam.centre.point, weight))
+    flank = replace(study.cam.flank, centre=Centres(study.cam.centre.point, weight))
+    cam = replace(study.cam, flanks=(flank,))
     parts = {"linkage": study.linkage, "design": LIFT, "theta": study.theta, "omega": study.omega,
              "stages": study.stages, "sense": study.sense}  # fmt: skip
     scene = MechanismScene(SimpleNamespace(cam=cam, **parts))  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ import numpy as np
 
 from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
-from core.output.profile.made import Fitted, beside
+from core.output.profile.made import Fitted, beside, touching
 from core.output.profile.points import SAMPLINGS
 from core.output.profile.request import Request
 from core.study import Study
@@ -67,7 +67,7 @@ def _cutter(job: Job) -> Iterator[Shape]:
 
 
 def _pitch(job: Job) -> Iterator[Shape]:
-    radius = job.study.design.drive.face.radius_mm
+    radius = touching(job.study, job.request).radius_mm
     if radius:
         yield beside(job.study, job.request, radius)
 

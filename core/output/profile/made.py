@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from core.cam import faces_of, form_row
 from core.cam.sizes import size_of
+from core.design import Face
 from core.errors import KindynaError, NoCam
 from core.motion import Angles
 from core.motion.extremes import find_extremes
@@ -18,7 +20,7 @@ from core.output.profile.deviation import largest
 from core.output.profile.digits import rounded_down, rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
 from core.output.profile.points import Points, points
-from core.output.profile.request import FLANKS, Request
+from core.output.profile.request import Request
 from core.study import Study
 
 CERTAIN = 1e-11  # of the curve's size: its digits
@@ -58,17 +60,23 @@ def exact_curve(study: Study, request: Request) -> Exact:
     exact = profile(study, flank)
     curve = Curve(exact, study.program.starts, study.program.ends)
     rolling, cutting = side(study, flank), request.cutter_mm
-    if study.design.drive.face.radius_mm > 0.0:
-        _require_whole(study, curve, rolling)
+    face = touching(study, request)
+    if face.radius_mm > 0.0:
+        _require_whole(study, curve, rolling, face)
     if cutting:
         _require_reach(study, curve, rolling, cutting)
     return offset(exact, rolling * cutting) if cutting else exact
 
 
+def touching(study: Study, request: Request) -> Face:
+    """What touches the flank; of a flank with play it is so much larger."""
+    return faces_of(study.design.drive.face, study.design.drive.cam)[request.flank]
+
+
 def _flank(study: Study, request: Request) -> int:
     """Its place among the flanks of the cam."""
     study.require_stage("cam")
-    there = FLANKS[study.design.drive.cam.form]
+    there = form_row(study.design.drive.cam.form).flanks
     if request.flank not in there:
         raise KindynaError(f"flank {request.flank!r}: this cam has none of that name; allowed: {', '.join(there)}")
     return there.index(request.flank)
@@ -100,9 +108,8 @@ def _require_smooth(study: Study, flank: int) -> None:
         )  # fmt: skip
 
 
-def _require_whole(study: Study, curve: Curve, rolling: float) -> None:
+def _require_whole(study: Study, curve: Curve, rolling: float, face: Face) -> None:
     """The roller or shoe touches the whole profile."""
-    face = study.design.drive.face
     found = hollow(curve, curve.exact, study.program, rolling, face.radius_mm)
     if found is not None:
         raise NoCam(

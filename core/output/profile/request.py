@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
-FLANKS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {"open": ("inner",), "groove": ("inner", "outer"), "conjugate": ("inner", "second")}
-)
-"""Form of a cam -> what its flanks are called, in the order of ``CamShape.flanks``."""
+from core.cam import INNER, OUTER, SECOND
 
-ALL_FLANKS = tuple(dict.fromkeys(name for names in FLANKS.values() for name in names))
+ALL_FLANKS = (INNER, OUTER, SECOND)
 
 
 @dataclass(frozen=True)
@@ -20,7 +15,7 @@ class Request:
 
     sampling   row of ``SAMPLINGS``, and its value: how many points, or [mm]
     fit        row of ``FITS``: what runs from point to point
-    flank      one of ``FLANKS``
+    flank      name of one of the cam's flanks
     cutter_mm  radius of a cutter or grinding wheel, the path of whose centre is wanted; 0 where the profile is
     """
 
@@ -31,4 +26,4 @@ class Request:
     cutter_mm: float = 0.0
 
 
-__all__ = ["ALL_FLANKS", "FLANKS", "Request"]
+__all__ = ["ALL_FLANKS", "Request"]
