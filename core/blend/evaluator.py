@@ -166,8 +166,9 @@ class Evaluator:
                 better = np.isfinite(slopes).all(axis=(1, 2)) & (trial[0] > 0.0)
                 better &= worst < (1.0 - 0.5 * part[going]) * least[going]
                 gained = going[better]
-                best[:, gained], least[gained] = trial[:, better], worst[better]
-                step[:, gained] = np.einsum("nzc,nc->zn", np.linalg.pinv(slopes[better], rcond=1e-14), miss[better])
+                if gained.size:
+                    best[:, gained], least[gained] = trial[:, better], worst[better]
+                    step[:, gained] = np.einsum("nzc,nc->zn", np.linalg.pinv(slopes[better], rcond=1e-14), miss[better])
                 part[going] = np.where(better, 1.0, 0.5 * part[going])
                 going = going[better | ((least[going] > 1.0) & (part[going] > SHORTEST) & np.isfinite(least[going]))]
                 if not going.size:
