@@ -106,6 +106,9 @@ def test_a_spike_near_a_dead_centre_is_cut_and_a_click_shows_it(open_user: Open,
     locks = sorted(np.rad2deg(end) for r in user.session.study.course.ranges for end in (r.low, r.high))
     assert all(min(abs(mark.angle - lock) for lock in locks) < 1e-6 for mark in plot.marked())
     assert len(marks(plot)) == 2
+    forces = [tag.text for tag in marks(plot_view(user, "contact_force").plot)]
+    assert len(set(forces)) == len(forces), "what several curves share is written once"
+    view = plot_view(user, "torque")
     button = plot.whole_button
     assert button is not None
     assert button.isVisible()

@@ -129,9 +129,14 @@ class ExtremeMark:
 def lay_marks(marks: Sequence[ExtremeMark], frame: Frame, taken: Sequence[QRectF], curves: Sequence[CurveLine]) -> list[QRectF]:
     """Lay the texts clear of each other, of what is taken and of the curves, those at the edge first; the boxes they take."""
     boxes = [*taken, *(mark.sign_box(frame) for mark in marks)]
-    laid = []
+    laid: list[QRectF] = []
+    texts: set[tuple[float, float, str]] = set()
     for mark in sorted(marks, key=lambda mark: not mark.outside):
-        own = mark.sign_box(frame)
+        own, text = mark.sign_box(frame), (mark.tag.x(), mark.tag.y(), mark.tag.text)
+        if text in texts:  # several curves that leave the axis at a dead centre
+            mark.tag.setVisible(False)
+            continue
+        texts.add(text)
         laid.append(mark.lay(frame, [box for box in boxes if box != own], curves))
         boxes.append(laid[-1])
     return laid
