@@ -70,15 +70,16 @@ def check(design: Design, positions: int = 24, points: int = 1080) -> str:
     bend = study.cam.flank.profile_curvature * 1e-3
     # the profile's own curvature changes its sign through infinity where the face needs more than there is
     reversed_ = (bend < -1.0 / where.radius if where.radius else bend < 0.0) if where.can_undercut else np.zeros(1, dtype=bool)
-    near = where.can_undercut and bool((bend > 1e3 / size).any())
+    near = where.can_undercut and bool((bend > 100.0 / size).any())
     told = False
     if near or reversed_.any() or gaps.min() < -1e-10 * size:
         found = [finding for finding in study.findings(("cam",)) if finding.code == "undercut"]
         told = bool(found)
         assert told or not reversed_.any()
         for finding in found:
-            there = study.at_theta(np.array([math.radians(finding.cam_angle_deg)])).cam.flank.profile_curvature[0] * 1e-3
-            assert there <= 0.0 or there > 1e3 / size, "and at an angle where it is so"
+            sides = math.radians(finding.cam_angle_deg) + np.array([-1e-7, 0.0, 1e-7])  # of a join, too
+            there = study.at_theta(sides).cam.flank.profile_curvature * 1e-3
+            assert ((there <= 0.0) | (there > 10.0 / size)).any(), "and at an angle where it is so"
     if told:
         return "undercut"
     assert np.abs(gaps).max() <= 1e-10 * size, "entered, or not touched, and no undercut named"
@@ -91,10 +92,10 @@ def run(seed: int, count: int) -> dict[tuple[str, str, str], list[str]]:
 
 
 def test_every_face_touches_its_profile_and_enters_it_nowhere() -> None:
-    outcome = run(15, 25)
-    assert min(found.count("sound") for found in outcome.values()) >= 8
-    assert sum(found.count("none") for found in outcome.values()) <= 70
-    assert sum(found.count("undercut") for found in outcome.values()) >= 30
+    outcome = run(15, 18)
+    assert min(found.count("sound") for found in outcome.values()) >= 6
+    assert sum(found.count("none") for found in outcome.values()) <= 50
+    assert sum(found.count("undercut") for found in outcome.values()) >= 20
 
 
 @pytest.mark.stress
@@ -264,6 +265,25 @@ def test_the_torque_of_a_flat_tappet_by_hand() -> None:
     assert np.abs(study.dynamics.contact - force).max() <= 1e-12 * np.abs(force).max()
     torque = force * (v + 0.1 * (40e-3 + s))
     assert np.abs(study.dynamics.torque - torque).max() <= 1e-12 * np.abs(torque).max()
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_the_torque_of_a_flat_rocker_by_hand(side: str) -> None:
+    """T_c = d/dθ(½ J ω² + V); its mass centre lies on the side of the contact, along the face and 12 degrees from it."""
+    design = edited(edited(edited(ROCKER, "follower.side", side), "loads.arm_centre_angle_deg", 12.0), "follower.face_offset_mm", 7.0)
+    study = Study(design, 180)
+    f, load = design.drive.mechanism, design.drive.loads
+    y, v, a = study.motion.y[:3]
+    sign, pivot = (1.0 if side == "left" else -1.0), complex(f.pivot_x_mm, f.pivot_y_mm) * 1e-3
+    contact = study.cam.flank.contact
+    foot = pivot + 7e-3 * -study.cam.flank.normal
+    towards = (contact - foot) / np.abs(contact - foot)
+    centre = towards * load.arm_centre_mm * 1e-3 * np.exp(1j * math.radians(12.0))
+    lift = (1j * centre).imag * sign
+    inertia = load.arm_inertia_kg_m2 + load.arm_mass_kg * (load.arm_centre_mm * 1e-3) ** 2
+    spring = load.preload_nm + load.spring_rate_nm_per_rad * y
+    torque = v * (inertia * study.omega**2 * a + load.arm_mass_kg * 9.80665 * lift + spring)
+    assert np.abs(study.dynamics.torque - torque).max() <= 1e-11 * np.abs(torque).max()
 
 
 @pytest.mark.parametrize(("follower", "face", "sense"), [case for case in CASES if case[1] != "roller"])
