@@ -71,6 +71,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "jump-velocity": "velocity jumps by {jump:.6g} {unit_name}/rad at a join: infinite acceleration",
         "jump-acceleration": "acceleration jumps by {jump:.6g} {unit_name}/rad^2 at a join: infinite jerk",
         "pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: enlarge the base radius, or lengthen the rise",
+        "pressure-angle.flat": "pressure angle {value} deg{at}, limit {limit} deg: lessen the {what} of the face",
         "roller-pressure-angle": "pressure angle {value} deg{at}, limit {limit} deg: carry the roller at another point, or move "
         "the cam's centre",
         "undercut": "undercut: the pitch curve's smallest radius {pitch_radius_mm} mm{at}, the roller's {roller_radius_mm} mm: "
@@ -127,6 +128,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
 COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
     {
         "pressure-angle": (4, ("value", "limit")),
+        "pressure-angle.flat": (4, ("value", "limit")),
         "roller-pressure-angle": (4, ("value", "limit")),
         "undercut": (5, ("pitch_radius_mm", "roller_radius_mm")),
         "undercut.shoe": (5, ("pitch_radius_mm", "shoe_radius_mm")),

@@ -32,6 +32,7 @@ class FaceRow(NamedTuple):
     gaps          shape, face, positions -> (m,) [m] least distance of any profile point from the face, by brute force
     outline       shape, face, kinematics -> (m,) [m] its closed outline in the frame of the follower's body
     rolls         it turns on its own axis, so that nothing slides on the cam
+    steep         what makes its pressure angle large, and the field of that; empty where it is the cam's size
     """
 
     envelope: Callable[[Kinematics, Any, Any, float], CamShape]
@@ -43,6 +44,7 @@ class FaceRow(NamedTuple):
     gaps: Callable[[CamShape, Any, int], np.ndarray]
     outline: Callable[[CamShape, Any, Kinematics], np.ndarray]
     rolls: bool = False
+    steep: tuple[str, str] = ("", "")
 
 
 def _round(proof: str = "face_tangency", rolls: bool = False) -> FaceRow:
@@ -62,8 +64,8 @@ FACES: Mapping[type, FaceRow] = MappingProxyType(
         Roller: _round("roller_tangency", rolls=True),
         Knife: _round(),
         Shoe: _round(),
-        TiltedFlat: _FLAT,
-        OffsetFlat: _FLAT,
+        TiltedFlat: _FLAT._replace(steep=("tilt", "follower.face_tilt_deg")),
+        OffsetFlat: _FLAT._replace(steep=("offset from the pivot", "follower.face_offset_mm")),
     }
 )
 

@@ -33,10 +33,12 @@ def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, le
     worst, limit = extremes["pressure_angle"].high, PRESSURE_LIMITS[ground]
     angle = degrees(worst.value)
     if angle > limit * (1.0 + ROUNDING):
-        values = {"value": angle, "limit": limit}
+        values: dict[str, float | str] = {"value": angle, "limit": limit}
         severity = ERROR if angle > NO_DRIVE else WARNING
-        row = ENTRIES[type(cam)]
-        found.append(Finding(row.pressure, severity, row.size, degrees(worst.theta), values))
+        row, (what, field) = ENTRIES[type(cam)], row_of(face).steep
+        if what:
+            values |= {"face": face.face, "what": what}
+        found.append(Finding(row.pressure, severity, field or row.size, degrees(worst.theta), values))
     return found + row_of(face).findings(extremes, face, cam, least_at)
 
 
@@ -68,7 +70,8 @@ def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> 
 
 
 def require_hold(kinematics: Kinematics, noun: str) -> None:
-    """The roller of a linkage, or another face of that ``noun``, must come nearer to the cam centre or go away from it somewhere in a turn.
+    """The roller of a linkage, or another face of that ``noun``, must come nearer to the cam centre or go away from it somewhere
+    in a turn.
 
     Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
     the linkage: NoCam.

@@ -220,7 +220,7 @@ def _one_face(design: Design) -> Iterator[Fault]:
             yield Fault(drive.face_path, drive.follower.face.face, "needs other entries of follower, cam or loads", "another face")
             return
     contact = drive.loads.contact
-    if contact is not None and not drive.face.slides:
+    if contact is not None and contact.contact_friction > 0.0 and not drive.face.slides:
         problem = "a roller rolls on the cam"
         yield Fault("loads.contact_friction", contact.contact_friction, problem, "for a flat face, a knife edge or a shoe")
 

@@ -346,6 +346,16 @@ def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> 
     assert "undercut" in {f.code for f in Study(edited(TAPPET, "cam.base_radius_mm", base * 0.9999)).findings(("cam",))}
 
 
+def test_the_pressure_angle_of_a_flat_face_is_its_own_doing() -> None:
+    tilted = edited(TAPPET, "follower.face_tilt_deg", -32.0)
+    (finding,) = [f for f in Study(tilted).findings(("cam",)) if f.code == "pressure-angle"]
+    assert (finding.field, finding.values["value"]) == ("follower.face_tilt_deg", pytest.approx(32.0, rel=1e-12))
+    assert finding.message.endswith("limit 30 deg: lessen the tilt of the face")
+    offset = edited(edited(ROCKER, "follower.face_offset_mm", -110.0), "follower.pivot_x_mm", 190.0)
+    (finding,) = [f for f in Study(offset).findings(("cam",)) if f.code == "pressure-angle"]
+    assert finding.field == "follower.face_offset_mm"
+
+
 def test_a_face_too_narrow_names_the_width_that_it_needs() -> None:
     study = Study(TAPPET)
     reach = 1e3 * max(abs(end.value) for end in vars(study.extremes("cam")["contact_on_face"]).values())
@@ -452,6 +462,8 @@ def test_what_belongs_to_another_face_is_a_fault() -> None:
     assert told("card_picker", loads={"contact_friction": 0.1}) == [
         "loads.contact_friction = 0.1: a roller rolls on the cam; allowed: for a flat face, a knife edge or a shoe"
     ]
+    table = tomllib.loads((EXAMPLES / "card_picker.toml").read_text("utf-8"))
+    assert faults(loads(tomli_w.dumps(table | {"loads": table["loads"] | {"contact_friction": 0.0}}))) == [], "none is none"
     unrolled = {"roller_mass_kg": None, "roller_inertia_kg_m2": None}
     (arm,) = told("rocker_cam", follower={"face": "flat"}, cam={"roller_radius_mm": None}, loads=unrolled)
     assert arm.startswith("follower.arm_mm = 90.0: unknown key")
