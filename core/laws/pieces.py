@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.numerics.derivatives import ORDERS, Derivatives
+from core.numerics.vectors import QUARTER
 
 
 @dataclass(frozen=True)
@@ -127,9 +128,7 @@ class PieceTable:
         def row(order: int) -> np.ndarray:
             odd = order % 2
             if odd not in known:
-                known[odd] = [
-                    [(np.cos if (odd + quarter) % 2 else np.sin)(angle) for angle, quarter in angles] for *_, angles in parts
-                ]
+                known[odd] = [[_wave(angle, quarter + odd) for angle, quarter in angles] for *_, angles in parts]
             out = np.empty(w.size)
             for (part, along, piece, _), waves in zip(parts, known[odd], strict=True):
                 total, powers = out[part], piece.powers[order]
@@ -148,13 +147,21 @@ class PieceTable:
         """Of each piece, in plain numbers."""
         columns = zip(*(rows.T.tolist() for rows in self.derivatives), strict=True)
         return [
-            _coefficients([_descending(c) for c in orders], [wave for wave in waves if wave[0]])
-            for orders, waves in zip(columns, self.sines.T.tolist(), strict=True)
+            _coefficients([_descending(c) for c in orders], [(*wave, q) for wave, q in zip(waves, quarters, strict=True) if wave[0]])
+            for orders, waves, quarters in zip(columns, self.sines.T.tolist(), self._quarters.T.tolist(), strict=True)
         ]
 
     def _taken(self, index: np.ndarray) -> _Coefficients:
         """Of the pieces ``index`` (n,), each number as (n,)."""
-        return _coefficients([list(rows[::-1, index]) for rows in self.derivatives], self.sines[:, :, index].swapaxes(0, 1))
+        waves = zip(*self.sines[:, :, index], self._quarters[:, index], strict=True)
+        return _coefficients([list(rows[::-1, index]) for rows in self.derivatives], waves)
+
+    @cached_property
+    def _quarters(self) -> np.ndarray:
+        """Whole quarter turns that the phases of the sines are meant to be, 0 ... 3 (j, m): of a cosine what vanishes at its
+        start is exactly 0 there."""
+        quarters = np.rint(self.sines[2] / QUARTER)
+        return np.where(quarters * QUARTER == self.sines[2], quarters, 0.0).astype(int) % 4
 
 
 class _Coefficients(NamedTuple):
@@ -163,26 +170,25 @@ class _Coefficients(NamedTuple):
 
     powers: list[list[Any]]
     gains: list[list[Any]]
-    angles: list[tuple[Any, Any, int]]
+    angles: list[tuple[Any, Any, Any]]
 
 
 def _coefficients(powers: list[list[Any]], sines: Iterable[Any]) -> _Coefficients:
     gains: list[list[Any]] = [[] for _ in range(ORDERS)]
     angles = []
-    for a, f, phase in sines:
-        quarter = _quarters(phase)
-        angles.append((f, 0.0 if quarter else phase, quarter))
+    for a, f, phase, quarter in sines:
+        angles.append((f, phase * (quarter == 0), quarter))
         for order, gain in enumerate((a, f * a, f * f * a, f * f * f * a)):
-            gains[order].append(-gain if (order + quarter) % 4 > 1 else gain)
+            gains[order].append(gain * (1.0 - 2.0 * ((order + quarter) % 4 > 1)))
     return _Coefficients(powers, gains, angles)
 
 
-def _quarters(phase: Any) -> int:
-    """Whole quarter turns that a phase is meant to be, 0 ... 3: of a cosine what vanishes at its start is exactly 0 there."""
-    if not isinstance(phase, float):
-        return 0
-    quarters = round(phase / (0.5 * math.pi))
-    return quarters % 4 if quarters * (0.5 * math.pi) == phase else 0
+def _wave(angle: np.ndarray, quarters: Any) -> np.ndarray:
+    """The sine of an angle (n,) and so many quarter turns, a number or (n,), without its sign."""
+    if isinstance(quarters, int):
+        return np.asarray((np.cos if quarters % 2 else np.sin)(angle))
+    odd = quarters % 2 == 1
+    return np.where(odd, np.cos(angle), np.sin(angle)) if odd.any() else np.asarray(np.sin(angle))
 
 
 def _descending(coefficients: list[float]) -> list[float]:
