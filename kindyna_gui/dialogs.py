@@ -76,6 +76,13 @@ def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return with_suffix(parent, name, ".csv")
 
 
+def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a profile to, with the ending of the suggestion."""
+    ending = suggestion.suffix
+    name, _ = QFileDialog.getSaveFileName(parent, "Export profile", str(suggestion), f"Profile (*{ending})")
+    return with_suffix(parent, name, ending)
+
+
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a report to, ending in .txt."""
     name, _ = QFileDialog.getSaveFileName(parent, "Export report", str(suggestion), REPORTS)

@@ -154,6 +154,29 @@ class Exports(QObject):
         design = self._session.design
         self._report(written(self._window, path, lambda: report(Study(design))))
 
+    def profile(self) -> None:
+        """The cam's profile, or the path of a cutter, for machines and drawings."""
+        from core.output.profile import write
+        from kindyna_gui.documents import export_dialogs, profile_dialog
+
+        wanted = profile_dialog.profile_wanted(self._window, self._session.design)
+        if wanted is None:
+            return
+        job, ending = wanted
+        path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._name}{ending}")
+        if path is None:
+            return
+        try:
+            made = export_dialogs.beside(self._window, f"Writing {path.name}", lambda: write(job, path))
+        except KindynaError as error:
+            dialogs.show_faults(self._window, f"{path.name} cannot be written.", str(error).splitlines())
+            return
+        if made is None:
+            self._report(f"{path.name} was cancelled; nothing is written")
+            return
+        self._settings.folder = path.parent
+        self._report(f"Wrote {' and '.join(str(each) for each in made)}")
+
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
         from kindyna_gui.documents import export_dialogs

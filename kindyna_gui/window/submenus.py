@@ -89,23 +89,33 @@ def choose_layout(window: MainWindow, letter: str) -> None:
 
 
 def fill_exports(window: MainWindow, menu: QMenu) -> None:
-    """Everything that can be written besides the design."""
-    for text, tip, slot in (
+    """Everything that can be written besides the design; the last of each: why this design has none of it."""
+    no_cam = "" if window.session.design.drive.cam is not None else "This design has no cam"
+    for text, tip, slot, why_not in (
         (
             "&Tables...",
             "Write profile, kinematics, dynamics (CSV) and summary (JSON) into a folder",
             window.exports.tables,
+            "",
         ),
-        ("&Report...", "Write the whole report as text", window.exports.report),
+        (
+            "Pro&file...",
+            "Write the cam's profile, or the path of a cutter, as DXF, SVG or CSV, and how far that is from the exact curve",
+            window.exports.profile,
+            no_cam,
+        ),
+        ("&Report...", "Write the whole report as text", window.exports.report, ""),
         (
             "&Picture of the mechanism...",
             "Write the drawing as PNG or SVG",
             partial(window.export_picture, "mechanism"),
+            "",
         ),
-        ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation),
+        ("&Animation...", "Write one turn of the mechanism as GIF or WebP", window.exports.animation, ""),
     ):
         action = menu.addAction(text)
-        action.setStatusTip(tip)
+        action.setEnabled(not why_not)
+        action.setStatusTip(why_not or tip)
         action.triggered.connect(partial(_without_state, lambda call: call(), slot))
 
 

@@ -19,7 +19,7 @@ from core.output.report import report
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
-from kindyna_gui.documents import export_dialogs
+from kindyna_gui.documents import export_dialogs, profile_dialog
 from kindyna_gui.documents.export_dialogs import (
     FilmDialog,
     TablesDialog,
@@ -41,7 +41,7 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 
 def test_file_export_offers_everything(user: User) -> None:
-    assert user.entries(*EXPORT) == ["Tables...", "Report...", "Picture of the mechanism...", "Animation..."]
+    assert user.entries(*EXPORT) == ["Tables...", "Profile...", "Report...", "Picture of the mechanism...", "Animation..."]
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
 
@@ -79,6 +79,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     user.picks("picture_to_save", None)
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
     monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
+    monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []

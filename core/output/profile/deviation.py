@@ -54,9 +54,9 @@ def _vertex(value: np.ndarray, top: np.ndarray) -> np.ndarray:
     return np.asarray(middle + rise)
 
 
-def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> float:
+def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> tuple[float, float]:
     """The largest distance [mm] of any point of the curve from the whole chain, whose n spans begin at the arc lengths
-    ``nodes`` (n,) [mm] and end at the next: true to within ``ROUNDING``, and never less than it is.
+    ``nodes`` (n,) [mm] and end at the next: true to within ``ROUNDING``, and never less than it is; and its arc length [mm].
 
     The spans are refined in the order of what their own pieces say, which is never too little, as long as that may be the
     largest; where points are few, other spans' pieces may be nearer than a point's own.
@@ -68,25 +68,25 @@ def largest(curve: Curve, chain: Chain, nodes: np.ndarray) -> float:
         checkpoint()
         span = np.arange(first, min(first + BLOCK, count))
         own[span] = _own(curve, chain, span, nodes[span], length[span])
-    best = 0.0
+    best = (0.0, 0.0)
     order = np.argsort(-own, kind="stable")
     for first in range(0, count, AT_ONCE):
         span = order[first : first + AT_ONCE]
-        if own[span[0]] <= best:
+        if own[span[0]] <= best[0]:
             break
         checkpoint()
         best = max(best, _refined(curve, chain, nodes, length, span))
-    return best * (1.0 + ROUNDING) + curve.error
+    return best[0] * (1.0 + ROUNDING) + curve.error, best[1]
 
 
-def _refined(curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray) -> float:
-    """The largest distance of points of the spans (m,) from the chain."""
+def _refined(curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, span: np.ndarray) -> tuple[float, float]:
+    """The largest distance of points of the spans (m,) from the chain, and the arc length where it is."""
     count = nodes.size
     reach = min(NEIGHBOURS, count // 2)
     others = np.mod(span[:, None] + np.arange(-reach, reach + 1), count)
     part = np.broadcast_to(INSIDE, (span.size, INSIDE.size))
     rows = np.arange(span.size)
-    best = np.zeros(span.size)
+    best, place = np.zeros(span.size), np.zeros(span.size)
     for _ in range(PASSES):
         z = curve.at(nodes[span, None] + part * length[span, None])
         off = np.full(z.shape, np.inf)
@@ -95,6 +95,8 @@ def _refined(curve: Curve, chain: Chain, nodes: np.ndarray, length: np.ndarray, 
             guess = np.where((other == span)[:, None], part, 0.5)
             np.minimum(off, chain.distance(other, z, guess), out=off)
         top = np.argmax(off, axis=1)
+        place = np.where(off[rows, top] > best, part[rows, top], place)
         np.maximum(best, off[rows, top], out=best)
         part = _around(part, top)
-    return float(best.max())
+    row = int(np.argmax(best))
+    return float(best[row]), float(nodes[span[row]] + place[row] * length[span[row]])

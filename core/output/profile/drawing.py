@@ -9,11 +9,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from core.output.profile.curve import MM
 from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
 from core.output.profile.made import Fitted, beside, touching
 from core.output.profile.points import SAMPLINGS
-from core.output.profile.request import Request
+from core.output.profile.request import FLANKS, Request
 from core.study import Study
 
 ZERO_FROM = 0.8  # of the way from the centre to the profile: where the angle-zero mark begins
@@ -45,6 +46,12 @@ class Job:
     study: Study
     request: Request
     main: Fitted
+
+    @property
+    def profile(self) -> np.ndarray:
+        """Points (n,) complex [mm] of the profile, where a cutter's path runs beside it."""
+        flank = FLANKS[self.study.design.drive.cam.form].index(self.request.flank)
+        return self.study.cam.flanks[flank].profile * MM
 
 
 @dataclass(frozen=True)

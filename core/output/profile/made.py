@@ -35,13 +35,14 @@ class Fitted:
     curve      the exact one
     points     on it
     chain      what runs from point to point
-    deviation  [mm] the largest distance of the exact curve from the chain
+    deviation  [mm] the largest distance of the exact curve from the chain, and ``worst`` the curve's point there [mm]
     """
 
     curve: Curve
     points: Points
     chain: Arcs | Cubics
     deviation: float
+    worst: complex
 
     @property
     def count(self) -> int:
@@ -149,13 +150,13 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) 
         checkpoint()
         at = points(curve, study.program, request.sampling, fit, asked)
         chain = fit.pieces(*at.spans(curve.length))
-        deviation = largest(curve, chain, at.ends.s)
+        deviation, place = largest(curve, chain, at.ends.s)
         if not by_tolerance or deviation <= request.value:
             break
         asked *= request.value / deviation * (1.0 - 1e-6)
     else:
         raise KindynaError(f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one")
-    return Fitted(curve, at, chain.simplified(), deviation)
+    return Fitted(curve, at, chain.simplified(), deviation, complex(curve.at(np.array([place]))[0]))
 
 
 def beside(study: Study, request: Request, by_mm: float) -> Arcs | Cubics:

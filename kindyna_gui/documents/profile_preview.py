@@ -1,0 +1,97 @@
+"""A picture of the points of a profile file on its curve, with the place where it deviates most."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from PySide6.QtCore import QPointF, QSize
+from PySide6.QtGui import QPainter, QPaintEvent, QPolygonF, QTransform
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from core.output.profile import Job
+from kindyna_gui.pictures.drawing.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
+
+DRAWN = 1440  # points of the curve
+MARGIN = 24  # pixels
+DOT, RING = 2.2, 8.0  # radii, pixels
+CROSS = 5.0  # half the size of the cam centre's mark, pixels
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and beside a cutter's path
+    the profile (k,)."""
+
+    job: Job
+    curve: np.ndarray
+    points: np.ndarray
+    worst: complex
+    profile: np.ndarray
+
+
+def preview(job: Job) -> Preview:
+    """The picture of a job."""
+    main, part = job.main, np.arange(DRAWN) / DRAWN
+    beside = job.profile if job.request.cutter_mm else np.zeros(0, dtype=complex)
+    return Preview(job, main.curve.at(main.curve.length * part), main.chain.vertices, main.worst, beside)
+
+
+class PreviewPicture(QWidget):
+    """Draws the last preview, faintly while another is computed."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self.shown: Preview | None = None
+        self._faint = False
+        self.setMinimumSize(300, 300)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def sizeHint(self) -> QSize:
+        return QSize(420, 420)
+
+    def show_preview(self, shown: Preview | None) -> None:
+        self.shown, self._faint = shown, False
+        self.update()
+
+    def wait(self) -> None:
+        self._faint = True
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), brush(LIGHT.paper))
+        if self.shown is None:
+            return
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        if self._faint:
+            painter.setOpacity(0.35)
+        self._draw(painter, self.shown)
+
+    def _draw(self, painter: QPainter, shown: Preview) -> None:
+        mm = self._scale(shown)
+        if shown.profile.size:
+            painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
+            painter.drawPath(mm.map(outline(shown.profile)))
+        painter.setPen(LIGHT.pen(LIGHT.ink, OUTLINE))
+        painter.drawPath(mm.map(outline(shown.curve)))
+        centre = mm.map(QPointF(0.0, 0.0))
+        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+        place = complex(centre.x(), centre.y())
+        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        painter.setPen(no_pen())
+        painter.setBrush(brush(LIGHT.family("displacement")))
+        for dot in mm.map(QPolygonF([at(z) for z in shown.points.tolist()])):
+            painter.drawEllipse(dot, DOT, DOT)
+        worst = mm.map(at(shown.worst))
+        painter.strokePath(circle(RING, complex(worst.x(), worst.y())), LIGHT.pen(LIGHT.limit, OUTLINE))
+
+    def _scale(self, shown: Preview) -> QTransform:
+        """From mm, y upwards, to pixels: all of the picture in sight."""
+        z = np.concatenate((shown.curve, shown.profile, [0.0]))
+        low, high = complex(z.real.min(), z.imag.min()), complex(z.real.max(), z.imag.max())
+        size, middle = high - low, 0.5 * (low + high)
+        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
+        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
+        return made.scale(scale, -scale).translate(-middle.real, -middle.imag)

@@ -1,0 +1,137 @@
+"""File > Export > Profile: what the dialog shows is what the core computes, and what it writes are the core's bytes."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QComboBox
+from window_user import User, wait_for
+
+from core.__main__ import main
+from core.project import load, save
+from kindyna_gui.documents.profile_dialog import ProfileDialog
+from kindyna_gui.look import WRONG
+from kindyna_gui.places import example
+
+WAY = ("File", "Export", "Profile...")
+
+
+@contextmanager
+def answering(act: Callable[[ProfileDialog], None]) -> Iterator[None]:
+    """Act on the dialog that is about to open; what goes wrong there is raised here, once it is closed."""
+    raised: list[BaseException] = []
+    seen: list[Any] = []
+
+    def look() -> None:
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, ProfileDialog):
+            QTimer.singleShot(5, look)
+            return
+        seen.append(dialog)
+        try:
+            act(dialog)
+        except BaseException as error:
+            raised.append(error)
+            dialog.reject()
+
+    QTimer.singleShot(0, look)
+    yield
+    assert seen, "no dialog opened"
+    if raised:
+        raise raised[0]
+
+
+def pick(box: QComboBox, text: str) -> None:
+    """By the arrow keys."""
+    box.setFocus()
+    for _ in range(box.count()):
+        QTest.keyClick(box, Qt.Key.Key_Up)
+    while text not in box.currentText():
+        before = box.currentIndex()
+        QTest.keyClick(box, Qt.Key.Key_Down)
+        assert box.currentIndex() > before, f"{text}: not offered"
+
+
+def type_number(box: Any, text: str) -> None:
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, text)
+
+
+def computed(dialog: ProfileDialog) -> str:
+    """What the dialog says once the preview is there."""
+    wait_for(lambda: not dialog.result.text().startswith("computing"))
+    return dialog.result.text()
+
+
+def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) -> None:
+    def act(dialog: ProfileDialog) -> None:
+        pick(dialog.fit, "Tangent arcs")
+        type_number(dialog.value, "0.02")
+        assert not dialog.export.isEnabled(), "nothing can be written before it is computed"
+        text = computed(dialog)
+        assert "at most 0.02 mm" in text
+        assert dialog.picture.shown.points.size == int(text.split()[0])
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    suggested = user.picks("profile_to_save", tmp_path / "cam.dxf")
+    with answering(act):
+        user.choose(*WAY)
+    assert suggested[0].suffix == ".dxf"
+    assert user.window.status.currentMessage() == f"Wrote {tmp_path / 'cam.dxf'}"
+    save(user.design, tmp_path / "design.toml")
+    words = ["profile", tmp_path / "design.toml", "--out", tmp_path / "again.dxf", "--as", "arcs", "--tolerance", "0.02"]
+    assert main([str(word) for word in words]) == 0
+    assert (tmp_path / "cam.dxf").read_bytes() == (tmp_path / "again.dxf").read_bytes()
+
+
+def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path: Path) -> None:
+    def act(dialog: ProfileDialog) -> None:
+        pick(dialog.format, "CSV")
+        assert [dialog.fit.itemText(i) for i in range(dialog.fit.count())] == ["Closed polyline"]
+        pick(dialog.points, "At equal cam angles")
+        type_number(dialog.value, "90")
+        assert computed(dialog).startswith("90 points on")
+        pick(dialog.points, "At equal arc lengths")
+        type_number(dialog.value, "20")
+        pick(dialog.points, "At equal cam angles")
+        assert dialog.value.value() == 90, "each keeps its value"
+        type_number(dialog.cutter, "2000")
+        assert "cutter: a radius of 2000 mm does not get into the profile" in computed(dialog)
+        assert WRONG.lower() in dialog.result.palette().windowText().color().name()
+        assert not dialog.export.isEnabled()
+        type_number(dialog.cutter, "30")
+        assert computed(dialog).startswith("90 points on")
+        assert dialog.picture.shown.profile.size, "the profile beside the path"
+        dialog.grab()
+        QTest.keyClick(dialog, Qt.Key.Key_Escape)
+
+    with answering(act):
+        user.choose(*WAY)
+    assert list(tmp_path.iterdir()) == []
+    assert user.faults == []
+
+
+def test_a_summary_of_something_else_is_not_replaced(user: User, tmp_path: Path) -> None:
+    def act(dialog: ProfileDialog) -> None:
+        pick(dialog.format, "CSV")
+        computed(dialog)
+        QTest.mouseClick(dialog.export, Qt.MouseButton.LeftButton)
+
+    (tmp_path / "summary.json").write_text("{}", "utf-8")
+    user.picks("profile_to_save", tmp_path / "cam.csv")
+    with answering(act):
+        user.choose(*WAY)
+    assert [what for what, _ in user.faults] == ["cam.csv cannot be written."]
+    assert [path.name for path in tmp_path.iterdir()] == ["summary.json"]
+
+
+def test_a_design_without_a_cam_has_no_profile(user: User) -> None:
+    user.session.start(load(example("four_bar")))
+    action = user.action(*WAY)
+    assert not action.isEnabled()
+    assert action.statusTip() == "This design has no cam"
