@@ -23,9 +23,10 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
-from core.output.profile import FITS, FLANKS, FORMATS, LEAST_POINTS, MOST_POINTS, Job, Request, job_of
+from core.output.profile import FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Job, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.study import Study
 from kindyna_gui.background import Background
@@ -94,7 +95,7 @@ class ProfileDialog(QDialog):
         self.format.setCurrentIndex(self.format.findData(".dxf"))
         _chosen(self.points, {name: row.text for name, row in ENTRIES.items()})
         assert design.drive.cam is not None, "a design without cam has no profile"
-        _chosen(self.flank, {name: name.capitalize() for name in FLANKS[design.drive.cam.form]})
+        _chosen(self.flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
         self.cutter.setDecimals(4)
         self.cutter.setRange(0.0, 1e5)
         self.cutter.setSuffix(" mm")

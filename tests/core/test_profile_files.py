@@ -273,6 +273,22 @@ def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
         assert words in text
 
 
+def test_bore_and_keyway_are_drawn_where_they_are_known(tmp_path: Path) -> None:
+    """Sides and bottom of the keyway by their corners: from the bore to its depth, half its width beside its angle."""
+    design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8))
+    written(design, tmp_path / "cam.dxf")
+    assert "KEYWAY" not in {entity.layer for entity in drawings.entities(tmp_path / "cam.dxf")}, "nobody knows where"
+    design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0))
+    written(design, tmp_path / "cam.dxf")
+    assert drawings.on_layer(tmp_path / "cam.dxf", "BORE").all(40).tolist() == [10.0]
+    lines = [entity for entity in drawings.entities(tmp_path / "cam.dxf") if entity.layer == "KEYWAY"]
+    corners = [(line.all(10).item(), line.all(20).item(), line.all(11).item(), line.all(21).item()) for line in lines]
+    rim = math.sqrt(100.0 - 9.0)
+    assert corners == [
+        pytest.approx(sides) for sides in ((3.0, rim, 3.0, 12.8), (3.0, 12.8, -3.0, 12.8), (-3.0, 12.8, -3.0, rim))
+    ]
+
+
 def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
     from PySide6.QtSvg import QSvgRenderer
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import cmath
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
+from math import radians, sqrt
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
@@ -14,7 +17,7 @@ from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
 from core.output.profile.made import Fitted, beside, touching
 from core.output.profile.points import SAMPLINGS
-from core.output.profile.request import FLANKS, Request
+from core.output.profile.request import Request
 from core.study import Study
 
 ZERO_FROM = 0.8  # of the way from the centre to the profile: where the angle-zero mark begins
@@ -50,8 +53,7 @@ class Job:
     @property
     def profile(self) -> np.ndarray:
         """Points (n,) complex [mm] of the profile, where a cutter's path runs beside it."""
-        flank = FLANKS[self.study.design.drive.cam.form].index(self.request.flank)
-        return self.study.cam.flanks[flank].profile * MM
+        return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
 @dataclass(frozen=True)
@@ -85,6 +87,25 @@ def _base(job: Job) -> Iterator[Shape]:
         yield Circle(radius)
 
 
+def _bore(job: Job) -> Iterator[Shape]:
+    diameter = job.study.design.drive.cam.bore_mm
+    if diameter is not None:
+        yield Circle(0.5 * diameter)
+
+
+def _keyway(job: Job) -> Iterator[Shape]:
+    """The sides and the bottom of the keyway, from the bore outwards."""
+    cam = job.study.design.drive.cam
+    known = (cam.bore_mm, cam.keyway_width_mm, cam.keyway_depth_mm, cam.keyway_angle_deg)
+    if any(value is None for value in known):
+        return
+    diameter, width, depth, angle = known
+    radius, half, turn = 0.5 * diameter, 0.5 * width, cmath.rect(1.0, radians(angle))
+    inner, outer = sqrt(radius * radius - half * half), radius + depth
+    corners = [turn * complex(x, y) for x, y in ((inner, -half), (outer, -half), (outer, half), (inner, half))]
+    yield from (Line(start, end) for start, end in pairwise(corners))
+
+
 def _zero(job: Job) -> Iterator[Shape]:
     """A radial line up to the profile, along the cam's own x axis, which is the global one at cam angle 0."""
     edge = _edge(job.main.curve.at(job.main.curve.length * np.arange(3600) / 3600.0))
@@ -105,6 +126,8 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "CUTTER": Layer(1, "CONTINUOUS", _cutter),
         "PITCH": Layer(5, "CENTER", _pitch),
         "BASE": Layer(8, "DASHED", _base),
+        "BORE": Layer(7, "CONTINUOUS", _bore),
+        "KEYWAY": Layer(7, "CONTINUOUS", _keyway),
         "ZERO": Layer(3, "CONTINUOUS", _zero),
     }
 )

@@ -17,8 +17,11 @@ from core.output.profile.fits import Arcs, Cubics
 MARGIN = 0.05  # of the drawing's size, around it
 STROKE = 0.25  # mm
 STYLES: Mapping[str, str] = MappingProxyType(
-    {"PROFILE": "#000000", "CUTTER": "#d55e00", "PITCH": "#0072b2", "BASE": "#808080", "ZERO": "#009e73"}
-)
+    {
+        "PROFILE": "#000000", "CUTTER": "#d55e00", "PITCH": "#0072b2", "BASE": "#808080", "BORE": "#000000",
+        "KEYWAY": "#000000", "ZERO": "#009e73",
+    }
+)  # fmt: skip
 DASHES: Mapping[str, str] = MappingProxyType({"PITCH": "8 1.5 1 1.5", "BASE": "2.5 1.5"})
 
 
