@@ -22,6 +22,7 @@ from kindyna_gui.view import View
 from kindyna_gui.window.docks import VIEWS
 from kindyna_gui.window.main_window import MainWindow
 from kindyna_gui.window.player import Player
+from kindyna_gui.window.tasks import TASKS, task_with
 
 ROUNDS = 4  # of events, after which nothing is left to do: shown, laid out, pulled, drawn
 PATIENCE, BREATH = 60.0, 0.005  # seconds
@@ -108,7 +109,7 @@ def picture_angle(study: Study) -> float:
 
 
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
-    """File name -> picture of the window and of each view, where the pressure angle is largest. Raises NoAnswer."""
+    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest. Raises NoAnswer."""
     study = Study(design)
     top = picture_angle(study)
     window = hidden_window(design, size)
@@ -116,15 +117,17 @@ def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
         window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)
         rest(window)
         made = {"window.png": png(window)}
+        for task in TASKS:
+            window.show_task(task)
+            rest(window)
+            made[f"window_{task}.png"] = png(window)
         for name in VIEWS:
+            window.show_task(task_with(name))
             view = window.show_view(name)
             rest(window)
             for ending in (_as_it_is if view.not_here else FORMS.get(name, _as_it_is))(view):
                 rest(window)
                 made[f"{name}{ending}.png"] = png(view)
-        window.show_view("graph")
-        rest(window)
-        made["window_graph.png"] = png(window)
     finally:
         dismiss(window)
     return made

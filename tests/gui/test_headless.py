@@ -25,6 +25,7 @@ from kindyna_gui.places import example, examples
 from kindyna_gui.settings import Settings
 from kindyna_gui.stability.stability_view import StabilityView
 from kindyna_gui.window.docks import VIEWS
+from kindyna_gui.window.tasks import TASKS
 
 PICKER = example("card_picker")
 
@@ -50,7 +51,7 @@ def test_every_view_is_painted(tmp_path: Path, capsys: pytest.CaptureFixture[str
         str(tmp_path / "shots" / name) for name in map(os.path.basename, told.out.split("\n")) if name
     ]
     assert told.err == ""
-    wanted = {"window", "window_graph", "mechanism_vectors", "graph_polar", *VIEWS}
+    wanted = {"window", *(f"window_{task}" for task in TASKS), "mechanism_vectors", "graph_polar", *VIEWS}
     wanted |= {f"parameters_{name}" for name in ("cam", "shaft", "loads")}
     assert set(made) == {f"{name}.png" for name in wanted}
     for name, path in made.items():
