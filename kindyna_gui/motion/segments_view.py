@@ -40,8 +40,8 @@ _ACTS = "motion.segments"
 """The path at which edits of whole segments are made, and refused."""
 TABLE_PART = 0.42  # of the width, where the table stands beside the diagram
 BESIDE = 760  # from this width on the diagram stands beside the table, where it is wider than high
-BELOW, BELOW_BESIDE = 0.2, 0.3  # of the height, for what stands below the table: one above the other, and side by side
-LEAST_BELOW, MOST_BELOW = 66, 240  # pixels
+BELOW, BELOW_BESIDE = 0.2, 0.22  # of the height, for what stands below the table: one above the other, and side by side
+LEAST_BELOW, MOST_BELOW = 66, 200  # pixels
 
 
 class Below(QScrollArea):
