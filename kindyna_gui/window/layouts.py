@@ -14,6 +14,7 @@ from PySide6.QtCore import QObject, QSize, Qt, Signal
 from core.design import Design, motion_of
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Layout
+from kindyna_gui.view import in_sight
 from kindyna_gui.window.docks import BOTTOM, VIEWS, Dock
 from kindyna_gui.window.tasks import TASKS, Area
 
@@ -155,17 +156,24 @@ class Layouts(QObject):
         if self._links[self.current] and row.of_links:
             self._docks[row.of_links[0]].raise_()
 
-    def place(self, dock: Dock) -> None:
-        """A dock that has come alone to its side takes the usual part of the window."""
+    def open(self, dock: Dock) -> None:
+        """Show a dock at its place, which keeps its width; alone at its side it takes the usual part of the window."""
+        if not dock.isHidden():
+            return
         area = self._window.dockWidgetArea(dock)
-        others = [each for each in self._docks.values() if each is not dock and not each.isHidden() and not each.isFloating()]
-        if dock.isFloating() or any(self._window.dockWidgetArea(each) == area for each in others):
+        below = area in (BOTTOM, Area.TopDockWidgetArea)
+        docks = [each for each in self._docks.values() if in_sight(each) and not each.isFloating()]
+        beside = [each for each in docks if self._window.dockWidgetArea(each) == area]
+        width = beside[0].width() if beside else 0
+        dock.show()
+        if dock.isFloating():
             return
         side = TASKS[self.current].sides.get(area)
-        if side is not None:
-            upwards = area in (BOTTOM, Area.TopDockWidgetArea)
-            whole = self._window.height() if upwards else self._window.width()
-            self._window.resizeDocks([dock], [side.size(whole)], UPWARDS if upwards else ACROSS)
+        if beside and not below:
+            self._window.resizeDocks([dock], [width], ACROSS)
+        elif not beside and side is not None:
+            whole = self._window.height() if below else self._window.width()
+            self._window.resizeDocks([dock], [side.size(whole)], UPWARDS if below else ACROSS)
 
     # -- kinds of design ------------------------------------------------------------------------------------
 

@@ -151,10 +151,7 @@ class MainWindow(QMainWindow):
         if VIEWS[name].area == CENTRE:
             return self.centre.show_page(name)
         dock = self.docks[name]
-        hidden = dock.isHidden()
-        dock.show()
-        if hidden:
-            self.layouts.place(dock)
+        self.layouts.open(dock)
         dock.raise_()
         view = dock.build()
         view.wake()

@@ -133,9 +133,9 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "mechanism",
             (
                 Group(LEFT, more=("motion",)),
-                Group(RIGHT, ("torque",), ("camshaft_speed",)),
+                Group(RIGHT, ("torque",), ("camshaft_speed",), 1.15),
                 Group(RIGHT, ("contact_force",)),
-                Group(RIGHT, ("parameters", "flywheel", "findings"), part=1.2),
+                Group(RIGHT, ("parameters", "flywheel", "findings"), part=1.15),
             ),
         ),
         "stability": Task(

@@ -1,5 +1,5 @@
 """What a newcomer does first, as events of mouse and keyboard on the real window: see the lift turn, change its
-stroke, watch cam, pressure angle and torque follow, export the profile, undo everything."""
+stroke, go from task to task to see cam, pressure angle and torque follow, export the profile, undo everything."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -106,10 +106,14 @@ def seen(user: User) -> dict[str, Any]:
     """What the newcomer looks at: the outline of the cam, the values at the cursors, the picture itself."""
     window = user.window
     told: dict[str, Any] = {}
-    for name in ("displacement", "pressure_angle", "torque"):
-        view = window.view(name)
-        assert isinstance(view, PlotView)
-        told[name] = (view.plot.readings(), [curve.y.tobytes() for curve in curves(view.plot)])
+    for key, names in ((Qt.Key.Key_3, ("displacement", "pressure_angle")), (Qt.Key.Key_4, ("torque",))):
+        user.press(key, modifier=CONTROL)
+        for name in names:
+            wait_for(lambda name=name: window.view(name) is not None and window.view(name).up_to_date)
+            view = window.view(name)
+            assert isinstance(view, PlotView)
+            told[name] = (view.plot.readings(), [curve.y.tobytes() for curve in curves(view.plot)])
+    user.press(Qt.Key.Key_1, modifier=CONTROL)
     mechanism = window.view("mechanism")
     path = mechanism.scene.item("cam").path()  # type: ignore[union-attr]
     told["cam"] = [(path.elementAt(i).x, path.elementAt(i).y) for i in range(0, path.elementCount(), 50)]
