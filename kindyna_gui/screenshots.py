@@ -109,7 +109,10 @@ def picture_angle(study: Study) -> float:
 
 
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
-    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest. Raises NoAnswer."""
+    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest.
+
+    Raises NoAnswer.
+    """
     study = Study(design)
     top = picture_angle(study)
     window = hidden_window(design, size)
