@@ -29,7 +29,7 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).parents[2]))
     os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-from PySide6.QtCore import QEvent, QPointF, Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QWidget
@@ -43,6 +43,7 @@ from kindyna_gui.linkage.mechanism_view import MechanismView
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
+from kindyna_gui.view import View
 from kindyna_gui.window.docks import LEFT, RIGHT, VIEWS, Dock, ViewRow, lazily
 from kindyna_gui.window.main_window import MainWindow
 
@@ -193,7 +194,11 @@ def _tables(window: MainWindow) -> dict[str, Callable[[int], None]]:
 
     def edited(count: int) -> None:
         assert window.session.edit(path, start + step * (count + 1001), "Benchmark")
-        _process()
+        for view in window.findChildren(View):
+            if view not in views and view.on_screen():
+                view.pull()
+        QCoreApplication.sendPostedEvents()  # paints, but lets no pause end
+        assert not any(view is not None and view.up_to_date for view in views)
 
     return {TABLES: Run(edited, painted), BARE: Run(None, painted)}
 
