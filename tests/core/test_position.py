@@ -3,10 +3,11 @@
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 from linkages import slider_crank
 
-from core.output.position import position
+from core.output.position import Position
 from core.project import load
 from core.study import Study
 
@@ -18,6 +19,11 @@ def study(name: str) -> Study:
     found = Study(load(EXAMPLES / f"{name}.toml"), 24)
     assert found.design.drive.is_linkage
     return found
+
+
+def position(found: Study, theta: float) -> Position:
+    """Of a linkage with its driver at this angle [rad]."""
+    return Position(found.at_theta(np.array([theta])))
 
 
 def test_the_six_bar_of_the_lecture() -> None:
