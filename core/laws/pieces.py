@@ -131,9 +131,9 @@ class PieceTable:
                 known[odd] = [[_wave(angle, quarter + odd) for angle, quarter in angles] for *_, angles in parts]
             out = np.empty(w.size)
             for (part, along, piece, _), waves in zip(parts, known[odd], strict=True):
-                total, powers = out[part], piece.powers[order]
-                total[...] = powers[0]
-                for c in powers[1:]:
+                total, (highest, *lower) = out[part], piece.powers[order]
+                total[...] = highest
+                for c in lower:
                     total *= along
                     total += c
                 for gain, wave in zip(piece.gains[order], waves, strict=True):

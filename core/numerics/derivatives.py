@@ -53,7 +53,9 @@ class Derivatives:
     def all(self) -> np.ndarray:
         """(4, n)."""
         if self._all is None:
-            self._all = np.array(np.broadcast_arrays(*(self[order] for order in range(ORDERS))))
+            rows = [self[order] for order in range(ORDERS)]
+            same = all(row.size == rows[0].size for row in rows)
+            self._all = np.array(rows if same else np.broadcast_arrays(*rows))
             self._all.flags.writeable = False
         return self._all
 
