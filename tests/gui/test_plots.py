@@ -7,7 +7,7 @@ from math import radians
 
 import numpy as np
 import pytest
-from mechanisms import LIFT, PUSHER, with_cam, with_drive, with_follower, with_loads, with_shaft
+from mechanisms import LIFT, PUSHER, with_drive, with_follower, with_loads, with_shaft
 from PIL import Image
 from plot_reading import box_of, cursor, curves, limits, readouts
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -270,21 +270,23 @@ def test_limits_stand_as_red_lines_with_their_value(design: Design, slug: str, t
     assert all(low < limit.y() < high for limit in limits(plot))
 
 
-QUIET = with_drive(with_cam(LIFT, base_radius_mm=401.7), motion=Motion(150.0, (Segment(360.0, 0.0, Named("dwell")),)))
-"""A dwell all round: the torque is the difference of two equal products."""
+QUIET = with_drive(
+    with_follower(PUSHER, offset_mm=0.0, direction_deg=37.0), motion=Motion(0.0, (Segment(360.0, 0.0, Named("dwell")),))
+)
+"""A dwell all round: the pressure angle is the difference of two equal directions."""
 
 
 def test_what_rounding_leaves_of_a_zero_is_drawn_as_zero() -> None:
-    raw = channel(LIFT, "drive_torque_nm").values(Study(QUIET, SAMPLES))
+    raw = channel(QUIET, "pressure_angle_deg").values(Study(QUIET, SAMPLES))
     assert 0.0 < np.abs(raw).max() < 1e-9, "else there is nothing to be seen here"
-    plot = plot_of(QUIET, "drive_torque_nm")
+    plot = plot_of(QUIET, "pressure_angle_deg")
     (curve,) = curves(plot)
     assert not curve.y.any()
-    assert plot.rung.symbol == "N·m"
+    assert plot.rung.symbol == "°"
     low, high = plot.getViewBox().viewRange()[1]
     assert low < -0.1 < 0.1 < high
     plot.set_angle(1.0, Study(QUIET, SAMPLES).at_theta(np.array([1.0])))
-    assert plot.readings() == ["0 N·m"]
+    assert plot.readings() == ["0°"]
 
 
 def test_a_small_quantity_is_no_zero() -> None:
