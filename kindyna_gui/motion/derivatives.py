@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from PySide6.QtCore import Signal
 from PySide6.QtGui import QPalette, QResizeEvent
 from PySide6.QtWidgets import QVBoxLayout, QWidget
 
+from core.motion.extremes import Range
+from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.quantities import rows_of
@@ -52,6 +56,16 @@ class DerivativePlots(QWidget):
         if self.roomy:
             for plot, quantity in zip(self.plots, QUANTITIES, strict=True):
                 plot.set_curves(study, rows_of(study, (quantity,)), read=False)
+
+    def lacking(self, study: Study) -> tuple[Channel, ...]:
+        """The channels of the plots whose extremes are not marked yet."""
+        pairs = zip(self.plots, QUANTITIES, strict=True) if self.roomy else ()
+        return tuple(row for plot, quantity in pairs if plot.lacks_extremes for row in rows_of(study, (quantity,)))
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        """Mark the extremes of each plot, by its quantity; None: mark none."""
+        for plot in self.plots:
+            plot.show_extremes(found)
 
     def set_angle(self, theta: float, at_angle: Study) -> None:
         """Move the cursors to cam angle theta [rad]; at_angle: the study there."""

@@ -7,7 +7,7 @@ from math import degrees
 
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtGui import QHideEvent, QResizeEvent
 from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import Design, is_assumed, motion_of
@@ -19,6 +19,7 @@ from kindyna_gui.documents.session import SAMPLES, Refusal, Session
 from kindyna_gui.documents.texts import closing_text, faulty_paths, joins_of, misses
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
+from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.quantities import rows_of
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import WRONG, coloured
@@ -94,6 +95,7 @@ class SegmentsView(View):
         self.diagram = MotionEditor(session, player)
         self.diagram.setMinimumSize(240, 90)
         self.derivatives = DerivativePlots(self.diagram)
+        self.extremes, self.marks = ExtremesSearch(self), marks_action(session)
         self.curve = CurveForm(session, player)
         self.head = MotionHead(session)
         self.draft = DraftBar()
@@ -152,6 +154,8 @@ class SegmentsView(View):
         self.diagram.released.connect(self._forget_before)
         self.derivatives.angle_moved.connect(self._turn)
         self.derivatives.room_changed.connect(self._draw_derivatives)
+        self.extremes.found.connect(self.derivatives.show_extremes)
+        self.marks.toggled.connect(self._switch_marks)
         self.splitter.splitterMoved.connect(self._part)
         self.draft.close_requested.connect(self.session.close_draft)
         self.draft.drop_requested.connect(self.session.drop_draft)
@@ -203,11 +207,12 @@ class SegmentsView(View):
         self.diagram.set_angle(theta)
         if self.derivatives.roomy:
             self.derivatives.set_angle(theta, self.session.at(theta))
+            self.extremes.resume()
 
     def _draw_derivatives(self) -> None:
         """The plots below the diagram have come, and are to be what it is."""
         if self.up_to_date and not self.in_trouble:
-            self.derivatives.show_study(self.session.study)
+            self._show_derivatives(self.session.study)
             self.follow(self.player.theta)
 
     def _turn(self, theta: float) -> None:
@@ -219,7 +224,31 @@ class SegmentsView(View):
         study = self.session.study
         self.diagram.chosen = self.chosen
         self.diagram.show_motion(study, self._channel(study), self._values_before(study))
+        self._show_derivatives(study)
+
+    def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study)
+        self.extremes.want(study, self.derivatives.lacking(study) if self.marks.isChecked() else ())
+
+    def _switch_marks(self, on: bool) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self.derivatives.show_extremes(None)
+            self._show_derivatives(self.session.study)
+            self.extremes.settle()
+
+    @property
+    def busy(self) -> bool:
+        return self.on_screen() and self.extremes.busy
+
+    def settle(self) -> None:
+        self.extremes.settle()
+
+    def leave(self) -> None:
+        self.extremes.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self.extremes.stop()
 
     @staticmethod
     def _channel(study: Study) -> Channel:

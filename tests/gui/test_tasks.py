@@ -378,6 +378,7 @@ def test_velocity_acceleration_and_jerk_stand_below_the_displacement_on_one_axis
     assert [plot.angle for plot in view.derivatives.plots] == [user.window.player.theta] * 3
     assert all(plot.readings() for plot in view.derivatives.plots)
     assert study.motion.y[1] != 0.0
+    wait_for(lambda: not any(plot.lacks_extremes for plot in view.derivatives.plots))
     scale = view.diagram.scale_now()
     for angle in (0.0, 120.0, 360.0):
         over = {round(plot.mapTo(view, plot.pixel_at(angle).toPoint()).x()) for plot in view.derivatives.plots}
