@@ -61,7 +61,7 @@ class View(QWidget):
 
     ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
-    ``reading_ms``: nor need it show every angle while the cam is played, but one in so long, and the last; 0 shows each.
+    ``reading_ms``: nor need it show every angle while the cam turns, but one in so long, and the last; 0 shows each.
     """
 
     status_message = Signal(str)
@@ -95,7 +95,7 @@ class View(QWidget):
         session.started.connect(self._forget_fault)
         session.design_changed.connect(self.invalidate)
         player.angle_changed.connect(self._angle_changed)
-        player.playing_changed.connect(self._catch_up)
+        player.playing_changed.connect(self._cam_rests)
 
     @property
     def content(self) -> QWidget:
@@ -216,14 +216,15 @@ class View(QWidget):
 
     def settle(self) -> None:
         """Do now what waits for a pause."""
+        self._cam_rests()
 
     def leave(self) -> None:
         """The window closes: nothing may be computed beside it any longer."""
 
     @property
     def busy(self) -> bool:
-        """Whether something shown is still being computed beside the window."""
-        return False
+        """Whether something shown is still being computed beside the window, or waits for the cam to rest."""
+        return self._reading.isActive() and self._followed != self.player.theta
 
     @property
     def in_trouble(self) -> bool:
@@ -240,12 +241,16 @@ class View(QWidget):
 
     def _angle_changed(self, theta: float) -> None:
         # a design with other ranges moves the angle before the views know it; then ``pull`` follows
-        if self._reading.isActive() and self.player.playing:
+        if self._reading.isActive():
             return
         if self.up_to_date and not self.in_trouble and self.on_screen():
             if self.reading_ms:
                 self._reading.start()
             self._follow()
+
+    def _cam_rests(self) -> None:
+        self._reading.stop()
+        self._catch_up()
 
     def _catch_up(self) -> None:
         """Show the angle at hand where it has been left out so far."""

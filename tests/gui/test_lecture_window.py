@@ -31,6 +31,7 @@ def opened(open_user: Open, name: str) -> User:
 def centres(user: User) -> CentresView:
     view = user.window.view("centres")
     assert isinstance(view, CentresView)
+    wait_for(lambda: not view.busy)
     return view
 
 
