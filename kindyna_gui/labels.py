@@ -19,7 +19,8 @@ SECTION_NAMES: Mapping[str, str] = MappingProxyType(
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
-    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "open": "open (disk)",
+    {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "flat": "flat face", "knife": "knife edge",
+     "shoe": "curved shoe", "open": "open (disk)", "conjugate": "conjugate pair",
      "1": "left (+1)", "-1": "right (\u22121)"}
 )
 """Words of the file that read better otherwise."""

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from core.cam import flat_face, round_face
-from core.cam.shape import CamShape
+from core.cam.shape import CamShape, FaceOutline
 from core.design import Knife, OffsetFlat, Roller, Shoe, TiltedFlat
 from core.findings import Finding
 from core.mechanism.kinematics import Kinematics
@@ -30,7 +30,7 @@ class FaceRow(NamedTuple):
     proof         name of its tangency in the certificate
     own_distance  shape, face -> (n,) [m] distance of the profile's own points from the face, which should be 0
     gaps          shape, face, positions -> (m,) [m] least distance of any profile point from the face, by brute force
-    outline       shape, face, kinematics -> (m,) [m] its closed outline in the frame of the follower's body
+    outline       shape, face, kinematics -> how it looks
     rolls         it turns on its own axis, so that nothing slides on the cam
     steep         what makes its pressure angle large, and the field of that; empty where it is the cam's size
     """
@@ -42,7 +42,7 @@ class FaceRow(NamedTuple):
     proof: str
     own_distance: Callable[[CamShape, Any], np.ndarray]
     gaps: Callable[[CamShape, Any, int], np.ndarray]
-    outline: Callable[[CamShape, Any, Kinematics], np.ndarray]
+    outline: Callable[[CamShape, Any, Kinematics], FaceOutline]
     rolls: bool = False
     steep: tuple[str, str] = ("", "")
 

@@ -10,7 +10,7 @@ from math import degrees
 
 import numpy as np
 
-from core.cam.shape import INNER, CamShape, FlatFlank, flat_flank, relative_motion, sliding, turned_back
+from core.cam.shape import INNER, CamShape, FaceOutline, FlatFlank, flat_flank, relative_motion, sliding, turned_back
 from core.cam.sizes import size_of
 from core.design import DiskCam, Flat, si
 from core.errors import NoCam, angle_ranges
@@ -137,9 +137,8 @@ def gaps(shape: CamShape, face: Flat, positions: int) -> np.ndarray:
     return np.array([float((h - dot(m, profile)).min()) for m, h in rows])
 
 
-def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> np.ndarray:
-    """The face as a plate (5,) [m], closed, in the frame of the follower's body: as wide as it is, else a little wider than
-    where it touches."""
+def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> FaceOutline:
+    """The face as a plate, held at the middle of its back: as wide as it is, else a little wider than where it touches."""
     flank, m, own = flat_flank(shape), normal_of(face), si(face)
     size = float(np.abs(shape.flank.contact).max())
     if own.face_half_width is None:
@@ -148,7 +147,8 @@ def outline(shape: CamShape, face: Flat, kinematics: Kinematics) -> np.ndarray:
     else:
         low, high = own.face_centre - own.face_half_width, own.face_centre + own.face_half_width
     thick = THICK * size
-    return m * np.array([1j * low, 1j * high, thick + 1j * high, thick + 1j * low, 1j * low])
+    corners = m * np.array([1j * low, 1j * high, thick + 1j * high, thick + 1j * low, 1j * low])
+    return FaceOutline(corners, m * complex(thick, 0.5 * (low + high)))
 
 
 def findings(extremes: Mapping[str, Range], face: Flat, cam: DiskCam, least_at: LeastAt) -> list[Finding]:

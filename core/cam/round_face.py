@@ -13,6 +13,7 @@ from core.cam.shape import (
     INNER,
     OUTER,
     CamShape,
+    FaceOutline,
     RoundFlank,
     curvature,
     curvature_slope,
@@ -32,6 +33,7 @@ from core.numerics.vectors import cross, dot
 
 POINTS = 181  # of an outline
 _WORDS: Mapping[type, Mapping[str, str]] = MappingProxyType({Shoe: {"face": Shoe.face}})
+SPARE = 0.3  # of a drawn shoe beyond where it touches [rad]
 WEDGE = 0.12  # length of a drawn edge, parts of the cam's size
 
 
@@ -124,15 +126,19 @@ def gaps(shape: CamShape, face: RoundFace, positions: int) -> np.ndarray:
     return np.array([float(np.abs(profile - centre).min()) - radius for centre in pitch[::step]])
 
 
-def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> np.ndarray:
-    """The round about its centre (m,) [m], closed, in the frame of the follower's body; of an edge a wedge whose point lies
-    there, away from the cam."""
-    radius = 1e-3 * face.radius_mm
-    if radius:
-        return radius * np.exp(1j * np.linspace(0.0, 2.0 * np.pi, POINTS))
-    away = -(shape.flank.normal / kinematics.follower.unit).mean()
-    size = WEDGE * float(np.abs(shape.reference).max()) * away / (abs(away) or 1.0)
-    return np.array([0.0, size * (1.0 + 0.4j), size * (1.0 - 0.4j), 0.0])
+def outline(shape: CamShape, face: RoundFace, kinematics: Kinematics) -> FaceOutline:
+    """A roller as a circle; a shoe as half of one, or as much more as the contact wanders, held at its centre; an edge as a wedge
+    whose point lies there, held at its back."""
+    radius, away = 1e-3 * face.radius_mm, -shape.flank.normal / kinematics.follower.unit
+    middle = complex(away.mean())
+    middle /= abs(middle) or 1.0
+    if not radius:
+        length = WEDGE * float(np.abs(shape.reference).max()) * middle
+        return FaceOutline(np.array([0.0, length * (1.0 + 0.4j), length * (1.0 - 0.4j), 0.0]), length)
+    half = np.pi
+    if face.slides:
+        half = min(np.pi, max(np.pi / 2.0, float(np.abs(np.angle(away / middle)).max()) + SPARE))
+    return FaceOutline(-radius * middle * np.exp(1j * np.linspace(-half, half, POINTS)), 0j)
 
 
 def findings(extremes: Mapping[str, Range], face: RoundFace, cam: object, least_at: object) -> list[Finding]:

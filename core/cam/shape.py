@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -80,6 +81,14 @@ class FlatFlank(Flank):
     support_angle: Lazy[np.ndarray] = Lazy()
     profile_radius: Lazy[np.ndarray] = Lazy()
     on_face: Lazy[np.ndarray] = Lazy()
+
+
+class FaceOutline(NamedTuple):
+    """How a face looks, in the frame of the follower's body: its closed outline (m,) [m], and ``held``, the place [m] from where
+    the follower holds it."""
+
+    points: np.ndarray
+    held: complex
 
 
 @dataclass(frozen=True, eq=False)

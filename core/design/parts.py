@@ -23,7 +23,7 @@ from core.design.faces import (
     rubs,
 )
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
-from core.design.forms import Blank, Conjugate, Form, Groove, Open, form_of
+from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS
 from core.laws import LAWS
 
@@ -406,6 +406,11 @@ class FollowerKind:
     def faces(self) -> Mapping[str, type]:
         """The faces that it can have, by the words of the file."""
         return words_of(self.follower, FACE)
+
+    @property
+    def forms(self) -> Mapping[str, type]:
+        """The forms that its cam can have under a roller, by the words of the file."""
+        return words_of(self.under(Rolling.face)[1], FORM)
 
     @property
     def followers(self) -> tuple[type[Follower], ...]:

@@ -2,27 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, Named, Segment, stroke, with_drive
+from core.design import Design
 from core.errors import KindynaError
 from core.project import differences, load
 from core.project.on_disk import OnDisk
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import Answer, OnConflict, Unfinished
+from kindyna_gui.documents.beginnings import FIRST_OF_KIND, beginning
 from kindyna_gui.documents.session import Session
 from kindyna_gui.documents.texts import closing_text, difference_text, misses
-from kindyna_gui.places import examples
 from kindyna_gui.settings import Settings
-
-NEW_LAW = "modified-sine"
-"""Of the rise and the return that a new design begins with."""
-
 
 NOT_ON_DISK = {OnDisk.CHANGED: "has been changed on the disk by another program", OnDisk.GONE: "is no longer on the disk"}
 """What is said of a design whose file is not as it was read or written last."""
@@ -70,16 +65,11 @@ class Documents(QObject):
     # -- opening ------------------------------------------------------------------------------------------
 
     def new(self, kind: str) -> None:
-        """A design of this kind of follower to begin with: lengths and stroke of the first example of that kind, and a
-        whole motion."""
+        """A design of this kind of follower to begin with: lengths and stroke of an example, and a whole motion."""
         if not self.may_leave():
             return
-        for _, path in examples():
-            design = load(path)
-            if design.drive.kind == kind:
-                self._session.start(_begun(design, FOLLOWER_KINDS[kind].label))
-                self.status_message.emit(f"Began with the lengths of {path.stem} and a motion of four segments to be changed")
-                return
+        self._session.start(beginning(kind))
+        self.status_message.emit(f"Began with the lengths of {FIRST_OF_KIND[kind]} and a motion of four segments to be changed")
 
     def open_file(self) -> None:
         """Ask for a file and open it."""
@@ -210,18 +200,6 @@ class Documents(QObject):
 
     def _show_error(self, what: str, error: KindynaError) -> None:
         dialogs.show_faults(self._window, what, str(error).splitlines())
-
-
-def _begun(design: Design, label: str) -> Design:
-    """The design with a motion to begin with: dwell, rise, dwell and return of a quarter turn each, from the base
-    position to its stroke and back."""
-    height = stroke(design.drive.motion)
-    segments = tuple(Segment(90.0, rise, Named(law)) for rise, law in (
-        (0.0, "dwell"), (height, NEW_LAW), (0.0, "dwell"), (-height, NEW_LAW),
-    ))  # fmt: skip
-    assumed = tuple(path for path in design.assumed if not path.startswith("motion."))
-    renamed = replace(design, name=f"New {label[:1].lower()}{label[1:]}", assumed=assumed)
-    return with_drive(renamed, motion=replace(design.drive.motion, start=0.0, segments=segments))
 
 
 def dropped_design(event: QDropEvent) -> Path | None:

@@ -47,7 +47,7 @@ class Theme:
 
     ink    outlines of the mechanism, texts; quiet: axes, hatching, construction lines; faint: grid; band: every other
            segment of the motion; limit: lines that must not be crossed
-    cam, roller, slider, shaft, links   fills of the mechanism, links in turn
+    cam, second, roller, slider, shaft, links   fills of the mechanism, links in turn; second: of a conjugate pair
     ratio  dots per pixel of the device: Qt counts the width of cosmetic pens in dots
     """
 
@@ -60,6 +60,8 @@ class Theme:
     limit: str
     cam: str
     cam_line: str
+    second: str
+    second_line: str
     roller: str
     slider: str
     shaft: str
@@ -93,6 +95,8 @@ LIGHT = Theme(
     limit="#C62828",
     cam="#F7EFD9",
     cam_line="#6B5416",
+    second="#E1E8EE",
+    second_line="#4A6072",
     roller="#FFFFFF",
     slider="#DCE8DF",
     shaft="#D5D8DB",
@@ -108,6 +112,8 @@ DARK = Theme(
     limit="#FF6B6B",
     cam="#3A3524",
     cam_line="#D9C68A",
+    second="#2B3640",
+    second_line="#8FA9BF",
     roller="#262B30",
     slider="#2C3A31",
     shaft="#454C53",

@@ -61,14 +61,22 @@ class Designing(QObject):
 
     # -- the mechanism ------------------------------------------------------------------------------------
 
+    def new_by_picture(self) -> None:
+        """Begin with a mechanism chosen by its picture, and with its own motion."""
+        self._choose_mechanism(keeps_motion=False)
+
     def choose_mechanism(self) -> None:
-        """Begin with a layout or a linkage, chosen by its picture."""
+        """Begin with a mechanism chosen by its picture; the motion that is there goes on where it suits."""
+        self._choose_mechanism(keeps_motion=True)
+
+    def _choose_mechanism(self, keeps_motion: bool) -> None:
         from kindyna_gui.window import gallery
 
         if self._window.documents.may_leave():
             choice = gallery.mechanism_wanted(self._window)
             if choice is not None:
-                self._window.documents.begin(choice.design(), choice.name)
+                motion = motion_of(self._session.design) if keeps_motion else None
+                self._window.documents.begin(choice.begun(motion), choice.called)
 
     def change(self, make: Callable[[], Design], text: str) -> None:
         """Another design in one step; where it cannot be made or is refused, the status line shows why."""

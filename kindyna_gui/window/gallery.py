@@ -1,42 +1,47 @@
-"""Mechanisms to choose from as pictures: the eight layouts of the cam slider, and the linkages that come with the program."""
+"""Mechanisms to choose from as pictures: every follower with every face and form of its cam, the layouts of the cam slider,
+and the linkages that come with the program."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from functools import lru_cache, partial
 from math import ceil
 from pathlib import Path
 from types import MappingProxyType
 
 from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer
-from PySide6.QtGui import QIcon, QPainter, QPixmap
+from PySide6.QtGui import QIcon, QImage, QPainter, QPixmap
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QDialog,
     QDialogButtonBox,
+    QHBoxLayout,
     QLabel,
     QListWidget,
     QListWidgetItem,
+    QStackedWidget,
     QVBoxLayout,
     QWidget,
 )
 
-from core.design import Design, edited, get
+from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
 from core.project import load
 from core.study import Study
-from kindyna_gui.labels import choice_tip
+from kindyna_gui.documents.beginnings import beginning, with_motion_kept
+from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.pictures.files import Sheet
 from kindyna_gui.places import FIRST_EXAMPLE, example, examples
 from kindyna_gui.requirements import lists_links
 
-THUMB, SMALL_THUMB = QSize(168, 118), QSize(136, 96)  # the small ones where the screen has no room for all of the others
-MOST_COLUMNS = 8  # the layouts in one row
-BESIDE, BELOW = QSize(14, 44), QSize(60, 176)  # room for gaps and captions; of the dialog for margins, headings and buttons
+THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # the smaller ones where the screen has no room for all of the others
+MOST_COLUMNS = 6
+BESIDE, BELOW = QSize(14, 30), QSize(230, 120)  # room for gaps and captions; of the dialog for list, margins and buttons
+LIST_WIDTH, LINE_HEIGHT = 170, 28
 SAMPLES = 180  # of a thumbnail's turn
 _LEFT_OUT = ("labels", "scale", "pitch", "base", "normal", "centre")
 
@@ -51,14 +56,45 @@ LAYOUT_LENGTHS: Mapping[str, tuple[float, float]] = MappingProxyType(
 FORCE = "loads.external_force_n"
 """Of the cylinder on the slider, along the guide."""
 
+ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
+
 
 @dataclass(frozen=True)
 class Choice:
-    """One picture: its caption, what it is, and the design that it begins."""
+    """One picture: its caption, what it is, and the design that it begins; title: what it is called outside its group;
+    keeps_motion: it can go with the motion that was there before."""
 
     name: str
     tip: str
     design: Callable[[], Design]
+    title: str = ""
+    keeps_motion: bool = False
+
+    @property
+    def called(self) -> str:
+        return self.title or self.name
+
+    def begun(self, motion: Motion | None) -> Design:
+        """The design, with the motion that is there where it suits."""
+        return with_motion_kept(self.design(), motion) if self.keeps_motion else self.design()
+
+
+def kinds() -> Iterator[tuple[str, list[Choice]]]:
+    """Every kind of follower with every face, and with every form of a cam under a roller; those that have layouts, first
+    with these."""
+    for kind, row in FOLLOWER_KINDS.items():
+        letters = layouts() if any(field.name == "layout" for field in fields(row.follower)) else []
+        words = [("follower.face", word) for word in row.faces if not (letters and word == ROLLER)]
+        words += [("cam.form", word) for word in row.forms if word != OPEN]
+        yield row.label, [*letters, *(_variant(kind, path, word) for path, word in words)]
+
+
+def _variant(kind: str, path: str, word: str) -> Choice:
+    text = choice_text(word)
+    title = f"{FOLLOWER_KINDS[kind].label}, {text}"
+    return Choice(
+        text[:1].upper() + text[1:], title, partial(beginning, kind, {path: word}, title), title, keeps_motion=True
+    )
 
 
 def layout_design(letter: str) -> Design:
@@ -80,7 +116,7 @@ def layout_design(letter: str) -> Design:
 
 def layouts() -> list[Choice]:
     return [
-        Choice(f"{letter}", f"Layout {letter}: {choice_tip(letter)}", partial(layout_design, letter))
+        Choice(f"Layout {letter}", f"Layout {letter}: {choice_tip(letter)}", partial(layout_design, letter), keeps_motion=True)
         for letter in LAYOUT_LENGTHS
     ]
 
@@ -95,14 +131,21 @@ def presets() -> list[Choice]:
     return choices
 
 
+def groups() -> Iterator[tuple[str, list[Choice]]]:
+    """All choices, by the group that they stand in."""
+    yield from kinds()
+    yield LINKAGES, presets()
+
+
 def _loaded(path: Path) -> Design:
     design: Design = load(path)
     return design
 
 
-def thumbnail(design: Design, size: QSize = THUMB, ratio: float = 1.0) -> QPixmap:
+@lru_cache(maxsize=128)
+def thumbnail(design: Design, width: int, height: int, ratio: float = 1.0) -> QImage:
     """A small picture of the mechanism, without texts; empty where it has no position."""
-    picture = QPixmap(size * ratio)
+    picture = QImage(QSize(width, height) * ratio, QImage.Format.Format_RGB32)
     picture.setDevicePixelRatio(ratio)
     picture.fill(Qt.GlobalColor.white)
     try:
@@ -115,7 +158,7 @@ def thumbnail(design: Design, size: QSize = THUMB, ratio: float = 1.0) -> QPixma
     assert scene.overlay is not None
     scene.overlay.angle.hide()
     scene.set_fraction(0.125)
-    sheet = Sheet(scene, size.width(), size.height(), scene.fill(size.width(), size.height()))
+    sheet = Sheet(scene, width, height, scene.fill(width, height))
     sheet.grab(QRect(0, 0, 1, 1))  # sizes are settled by drawing once
     painter = QPainter(picture)
     QWidget.render(sheet, painter, QPoint())
@@ -127,7 +170,7 @@ def thumbnail(design: Design, size: QSize = THUMB, ratio: float = 1.0) -> QPixma
 class Pictures(QListWidget):
     """Pictures with captions, side by side; they are painted one after the other once the dialog is on the screen."""
 
-    def __init__(self, choices: list[Choice], thumb: QSize = THUMB) -> None:
+    def __init__(self, choices: list[Choice], thumb: QSize = THUMBS[0]) -> None:
         super().__init__()
         self.choices, self._thumb = choices, thumb
         self.setViewMode(QListWidget.ViewMode.IconMode)
@@ -151,32 +194,34 @@ class Pictures(QListWidget):
         if self._next >= len(self.choices):
             return False
         at, self._next = self._next, self._next + 1
-        self.item(at).setIcon(QIcon(thumbnail(self.choices[at].design(), self._thumb, self.devicePixelRatioF())))
+        size = (self._thumb.width(), self._thumb.height())
+        image = thumbnail(self.choices[at].design(), *size, self.devicePixelRatioF())
+        self.item(at).setIcon(QIcon(QPixmap.fromImage(image)))
         return True
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How pictures are laid out: their size, how many stand beside each other, rows of each group."""
+    """How the pictures of a group are laid out: their size, how many stand beside each other, and in how many rows at most."""
 
     thumb: QSize
     columns: int
-    rows: tuple[int, ...]
+    rows: int
 
     @property
     def size(self) -> QSize:
-        """Of the dialog that shows them all."""
+        """Of the dialog that shows a group whole."""
         grid = self.thumb + BESIDE
-        return QSize(self.columns * grid.width(), sum(self.rows) * grid.height()) + BELOW
+        return QSize(self.columns * grid.width(), self.rows * grid.height()) + BELOW
 
 
-def plan(room: QSize, counts: tuple[int, ...]) -> Plan:
-    """The largest pictures that can all be seen in a room [pixels], in as few columns as that takes; else the small ones,
-    in as many columns as there are."""
-    best = Plan(SMALL_THUMB, 1, counts)
-    for thumb in (THUMB, SMALL_THUMB):
-        for columns in range(2, MOST_COLUMNS + 1):
-            candidate = Plan(thumb, columns, tuple(ceil(count / columns) for count in counts))
+def plan(room: QSize, most: int) -> Plan:
+    """The largest pictures of which a group of so many can be seen whole in a room [pixels], in as few columns as that takes;
+    else the small ones, in as many columns as there are."""
+    best = Plan(THUMBS[-1], 1, most)
+    for thumb in THUMBS:
+        for columns in range(4, MOST_COLUMNS + 1):
+            candidate = Plan(thumb, columns, ceil(most / columns))
             if candidate.size.width() > room.width():
                 break
             best = candidate
@@ -186,15 +231,16 @@ def plan(room: QSize, counts: tuple[int, ...]) -> Plan:
 
 
 class Gallery(QDialog):
-    """Layouts above, linkages below; a double click or Enter chooses. room: of the screen, where None [pixels]."""
+    """Groups on the left, the pictures of the chosen one beside them; a double click or Enter on a picture begins with it.
+    room: of the screen, where None [pixels]; first: the group that is shown at first."""
 
-    def __init__(self, parent: QWidget, room: QSize | None = None) -> None:
+    def __init__(self, parent: QWidget, room: QSize | None = None, first: str = "") -> None:
         super().__init__(parent)
         self.setWindowTitle("Choose a mechanism")
         room = self.screen().availableGeometry().size() - QSize(20, 40) if room is None else room
-        above, below = layouts(), presets()
-        laid = plan(room, (len(above), len(below)))
-        self.layouts, self.presets = Pictures(above, laid.thumb), Pictures(below, laid.thumb)
+        found = dict(groups())
+        laid = plan(room, max(len(choices) for choices in found.values()))
+        self.groups = {title: Pictures(choices, laid.thumb) for title, choices in found.items()}
         self.chosen: Choice | None = None
         self.resize(laid.size.boundedTo(room))
         hint = QLabel(
@@ -208,36 +254,53 @@ class Gallery(QDialog):
         self.ok.setEnabled(False)
         self.buttons.accepted.connect(self.accept)
         self.buttons.rejected.connect(self.reject)
-        column = QVBoxLayout(self)
-        groups = (("Layouts of the cam slider", self.layouts), ("Linkages", self.presets))
-        for (title, pictures), rows in zip(groups, laid.rows, strict=True):
-            column.addWidget(QLabel(f"<b>{title}</b>"))
-            column.addWidget(pictures, rows)
+        self.names, self._stack = QListWidget(), QStackedWidget()
+        self.names.setFixedWidth(LIST_WIDTH)
+        for title, pictures in self.groups.items():
+            self.names.addItem(title)
+            self.names.item(self.names.count() - 1).setSizeHint(QSize(0, LINE_HEIGHT))
+            self._stack.addWidget(pictures)
             pictures.currentRowChanged.connect(partial(self._choose, pictures))
             pictures.itemActivated.connect(lambda _: self.accept())
+        self.names.currentRowChanged.connect(self._show)
+        beside = QHBoxLayout()
+        beside.addWidget(self.names)
+        beside.addWidget(self._stack, 1)
+        column = QVBoxLayout(self)
+        column.addLayout(beside, 1)
         column.addWidget(hint)
         column.addWidget(self.buttons)
         self._soon = QTimer(self, interval=0)
         self._soon.timeout.connect(self._paint)
+        self.show_group(first if first in self.groups else next(iter(self.groups)))
+
+    def show_group(self, title: str) -> None:
+        """Show the pictures of a group."""
+        self.names.setCurrentRow(list(self.groups).index(title))
+
+    @property
+    def shown(self) -> Pictures:
+        """The pictures that are seen."""
+        return list(self.groups.values())[self._stack.currentIndex()]
+
+    def _show(self, row: int) -> None:
+        self._stack.setCurrentIndex(row)
         self._soon.start()
+        self._choose(self.shown, self.shown.currentRow())
 
     def _paint(self) -> None:
-        if not self.layouts.paint_next() and not self.presets.paint_next():
+        if not self.shown.paint_next():
             self._soon.stop()
 
     def _choose(self, pictures: Pictures, row: int) -> None:
-        if row < 0:
-            return
-        self.chosen = pictures.choices[row]
-        self.ok.setEnabled(True)
-        other = self.presets if pictures is self.layouts else self.layouts
-        other.setCurrentRow(-1)
-        other.clearSelection()
+        """The picture that is chosen among those that are seen."""
+        self.chosen = pictures.choices[row] if row >= 0 else None
+        self.ok.setEnabled(self.chosen is not None)
 
 
-def mechanism_wanted(parent: QWidget) -> Choice | None:
-    """Ask for a mechanism; None where the user thinks better of it."""
-    dialog = Gallery(parent)
+def mechanism_wanted(parent: QWidget, first: str = "") -> Choice | None:
+    """Ask for a mechanism; None where the user thinks better of it. first: the group that is shown at first."""
+    dialog = Gallery(parent, first=first)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     chosen = dialog.chosen if accepted else None
     dialog.deleteLater()

@@ -131,7 +131,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Mechanism", "mechanism", "The mechanism to scale"),
             SEPARATOR,
             Item("C&hoose a mechanism...", "designing.choose_mechanism", None, None,
-                 "The layouts of the cam slider and the linkages, as pictures to begin with"),
+                 "Followers with every face and form of cam, and linkages, as pictures to begin with; the motion is kept"),
             SEPARATOR,
             _field("&Follower", "follower", "Lengths of the follower"),
             _field("&Cam", "cam", "Base circle and roller"),

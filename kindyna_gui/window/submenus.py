@@ -27,8 +27,8 @@ def fill_new(window: MainWindow, menu: QMenu) -> None:
         action.setStatusTip(f"Begin a design of this kind: {row.label}")
         action.triggered.connect(partial(_without_state, window.documents.new, slug))
     action = menu.addAction("Chosen by its picture...")
-    action.setStatusTip("Begin with a layout of the cam slider or with a linkage")
-    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.choose_mechanism))
+    action.setStatusTip("Begin with a follower, its face and the form of its cam, or with a linkage")
+    action.triggered.connect(partial(_without_state, lambda call: call(), window.designing.new_by_picture))
 
 
 def fill_recent(window: MainWindow, menu: QMenu) -> None:

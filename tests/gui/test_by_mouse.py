@@ -143,8 +143,9 @@ def test_the_lift_is_laid_out_by_mouse(open_user: Open, tmp_path: Path, monkeypa
     assert user.window.docks["motion"].width() > 700
 
     editor = Editor(mouse)
-    editor.row(3)  # half of it; the joins find their places below
-    mouse.click(editor.view.bar.buttons["insert"])
+    for row, name in ((0, "delete"), (1, "duplicate"), (1, "insert")):  # the joins find their places below
+        editor.row(row)
+        mouse.click(editor.view.bar.buttons[name])
     assert len(editor.motion.segments) == 5
     for join, angle in ((1, 35.0), (2, 76.5), (4, 325.0), (3, 283.5)):
         editor.angle(join, angle)
@@ -162,7 +163,7 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     mouse = Mouse(user)
     mouse.menu("File", "New", "Translating follower")
     editor = Editor(mouse)
-    for row in (1, 2, 0):  # nothing but a dwell
+    for row in (0, 1, 0):  # nothing but a dwell
         editor.row(row)
         mouse.click(editor.view.bar.buttons["delete"])
     still = user.design

@@ -262,7 +262,7 @@ def rise_alone(user: User) -> None:
     """A new design left with dwells; by keys, a law and 40 mm for its second segment."""
     user.choose("File", "New", "Translating follower")
     view = user.motion()
-    for row in (3, 1):
+    for row in (2, 0):
         view.choose(row)
         view.table.setFocus()
         user.press(Qt.Key.Key_Delete)

@@ -20,17 +20,25 @@ from kindyna_gui.motion.segments_model import RISE
 from kindyna_gui.places import example
 from kindyna_gui.window import gallery
 
+FACES = ["Roller", "Flat face", "Knife edge", "Curved shoe"]
+FORMS = ["Groove", "Conjugate pair"]
+
 # -- chosen by picture ------------------------------------------------------------------------------------
 
 
-def test_the_gallery_has_the_layouts_and_the_linkages_as_pictures(user: User) -> None:
+def test_the_gallery_has_every_follower_with_every_face_and_form_and_the_linkages_as_pictures(user: User) -> None:
     dialog = gallery.Gallery(user.window)
     dialog.show()
-    assert [choice.name for choice in dialog.layouts.choices] == list(LAYOUTS)
-    assert len(dialog.presets.choices) == len(gallery.presets()) == 9
-    while dialog.layouts.paint_next() or dialog.presets.paint_next():
-        pass
-    for pictures in (dialog.layouts, dialog.presets):
+    assert {title: [choice.name for choice in pictures.choices] for title, pictures in dialog.groups.items()} == {
+        "Cam-driven slider": [*(f"Layout {letter}" for letter in LAYOUTS), "Knife edge", "Curved shoe", *FORMS],
+        "Translating follower": [*FACES, *FORMS],
+        "Oscillating follower": [*FACES, *FORMS],
+        "Linkages": [choice.name for choice in gallery.presets()],
+    }
+    for title, pictures in dialog.groups.items():
+        dialog.show_group(title)
+        while pictures.paint_next():
+            pass
         seen = set()
         for row in range(pictures.count()):
             image = pictures.item(row).icon().pixmap(pictures.iconSize()).toImage()
@@ -42,12 +50,22 @@ def test_the_gallery_has_the_layouts_and_the_linkages_as_pictures(user: User) ->
     dialog.deleteLater()
 
 
-@pytest.mark.parametrize("letter", LAYOUTS)
-def test_each_layout_begins_a_sound_mechanism(letter: str) -> None:
-    design = gallery.layout_design(letter)
-    assert not design.drive.is_linkage
+@pytest.mark.parametrize("choice", [each for _, choices in gallery.kinds() for each in choices], ids=lambda each: each.called)
+def test_each_picture_of_a_follower_begins_a_design_without_faults_or_findings(choice: gallery.Choice) -> None:
+    design = choice.design()
     assert faults(design) == []
-    assert [f for f in Study(design, 180).findings(("linkage", "cam")) if f.severity == "error"] == []
+    assert [f for f in Study(design, 180).findings() if f.severity != "note"] == []
+    if not choice.name.startswith("Layout"):
+        assert [segment.span_deg for segment in design.drive.motion.segments] == [120.0, 60.0, 120.0, 60.0]
+
+
+def test_the_motion_that_is_there_goes_on_under_another_follower_as_far_as_it_suits() -> None:
+    own = load(example("tappet_flat")).drive.motion
+    by_name = {choice.called: choice for _, choices in gallery.kinds() for choice in choices}
+    assert by_name["Translating follower, knife edge"].begun(own).drive.motion == own
+    swung = by_name["Oscillating follower, curved shoe"].begun(own).drive.motion
+    assert [(s.span_deg, s.curve) for s in swung.segments] == [(s.span_deg, s.curve) for s in own.segments]
+    assert (swung.unit, [s.rise for s in swung.segments]) == ("deg", [0.0, 18.0, -18.0])
 
 
 @pytest.mark.parametrize("letter", LAYOUTS)
@@ -56,20 +74,20 @@ def test_the_roller_of_each_layout_stays_on_the_cam(letter: str) -> None:
 
 
 def test_whatever_is_chosen_begins_and_undo_brings_the_design_before_back(open_user: Open, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Every layout and every linkage, from the lift; nothing is to be saved on either side."""
+    """Every follower and every linkage, from the lift; nothing is to be saved on either side."""
     user = open_user()
     before, window = user.design, user.window
-    for choice in [*gallery.layouts(), *gallery.presets()]:
+    for choice in [each for _, choices in gallery.groups() for each in choices]:
         monkeypatch.setattr(gallery, "mechanism_wanted", lambda parent, choice=choice: choice)
         user.choose("Compo", "Choose a mechanism...")
-        assert user.design == choice.design(), choice.name
+        assert user.design == choice.begun(before.drive.motion), choice.name
         assert user.session.path is None
         assert not user.session.modified
         view = window.view("mechanism")
         assert view is not None
         assert not view.in_trouble
         assert view.canvas.visible.contains(view.scene.least_rect()), "the whole of it is in sight"  # type: ignore[attr-defined]
-        name = f"Undo Begin with {choice.name}" if choice.design() != before else ""
+        name = f"Undo Begin with {choice.called}" if user.design != before else ""
         if name:
             user.choose("Edit", name)
         assert user.design == before
@@ -94,13 +112,15 @@ def test_a_file_comes_back_with_its_name(open_user: Open, tmp_path: Path, monkey
 
 
 @pytest.mark.parametrize("room", [QSize(1420, 860), QSize(1260, 680)])
-def test_all_pictures_are_seen_at_once(room: QSize, user: User) -> None:
+def test_all_pictures_of_a_group_are_seen_at_once(room: QSize, user: User) -> None:
     dialog = gallery.Gallery(user.window, room)
     dialog.show()
     settle()
     assert dialog.width() <= room.width()
     assert dialog.height() <= room.height()
-    for pictures in (dialog.layouts, dialog.presets):
+    for title, pictures in dialog.groups.items():
+        dialog.show_group(title)
+        settle()
         for row in range(pictures.count()):
             seen = pictures.visualItemRect(pictures.item(row))
             assert pictures.viewport().rect().contains(seen), pictures.item(row).text()
@@ -140,10 +160,13 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     user = open_user()
 
     def choose(dialog: gallery.Gallery) -> None:
-        row = next(i for i in range(dialog.presets.count()) if dialog.presets.item(i).text() == "Four bar")
-        at = dialog.presets.visualItemRect(dialog.presets.item(row)).center()
-        QTest.mouseClick(dialog.presets.viewport(), Qt.MouseButton.LeftButton, pos=at)
-        QTest.keyClick(dialog.presets, Qt.Key.Key_Return)
+        names, pictures = dialog.names, dialog.groups["Linkages"]
+        at = names.visualItemRect(names.item(names.count() - 1)).center()
+        QTest.mouseClick(names.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        row = next(i for i in range(pictures.count()) if pictures.item(i).text() == "Four bar")
+        at = pictures.visualItemRect(pictures.item(row)).center()
+        QTest.mouseClick(pictures.viewport(), Qt.MouseButton.LeftButton, pos=at)
+        QTest.keyClick(pictures, Qt.Key.Key_Return)
 
     with answering(gallery.Gallery, choose):
         user.choose("File", "New", "Chosen by its picture...")

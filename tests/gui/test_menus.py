@@ -114,7 +114,8 @@ def test_a_design_of_each_kind_can_be_begun(user: User) -> None:
         levels = user.session.study.whole.motion.y[0]
         assert levels[0] == levels.min() == 0.0
         assert levels.max() == pytest.approx(stroke(user.design.drive.motion) * user.design.drive.motion.scale, rel=1e-15)
-        assert [s.curve.law for s in user.design.drive.motion.segments] == ["dwell", "modified-sine"] * 2
+        assert [s.curve.law for s in user.design.drive.motion.segments] == ["modified-sine", "dwell"] * 2
+        assert [s.span_deg for s in user.design.drive.motion.segments] == [120.0, 60.0] * 2
         assert user.session.study.findings() == ()
         assert not any(path.startswith("motion") for path in user.design.assumed)
 

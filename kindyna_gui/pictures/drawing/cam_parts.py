@@ -10,13 +10,15 @@ import numpy as np
 from PySide6.QtCore import QLineF
 from PySide6.QtWidgets import QGraphicsLineItem
 
+from core.cam import OUTER, SECOND
 from core.mechanism.kinematics import REVOLUTE, SLIDING
-from kindyna_gui.pictures.drawing.geometry import Geometry, Joint
+from kindyna_gui.pictures.drawing.geometry import MM, Geometry, Joint
 from kindyna_gui.pictures.drawing.items import Loop, Outline, Part, Tag, pinned, turning
-from kindyna_gui.pictures.drawing.shapes import arc_arrow, at, bearing, circle, cross, joined, segments
-from kindyna_gui.pictures.style import CHAIN, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
+from kindyna_gui.pictures.drawing.shapes import arc_arrow, at, bearing, circle, cross, joined, outline, segments
+from kindyna_gui.pictures.style import CHAIN, DASHED, DOTTED, OUTLINE, SPARSE, THIN, Theme, brush
 
 Z_CAM, Z_CURVES, Z_SHAFT, Z_NORMAL = 2.0, 2.5, 3.5, 8.0
+RIM = 1.2  # of the plate of a grooved cam beyond its groove, in units
 ARROW_START, ARROW_SPAN = 200.0, 80.0  # of the arrow of rotation, deg
 
 
@@ -28,6 +30,8 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         item = Loop(geometry.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
+        for flank in geometry.further:
+            yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
         if geometry.pitch.size:
             pitch = Loop(geometry.pitch, theme.pen(theme.quiet, THIN, CHAIN))
             yield Part("pitch", pitch, ("pitch",), Z_CURVES, turning(pitch, geometry.turned))
@@ -35,6 +39,30 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
     yield from _shaft(geometry, theme)
+
+
+def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    """The plate outside the groove, whose rim the design leaves open, and the outer flank."""
+    rim = float(np.abs(profile).max()) + RIM * geometry.unit
+    plate = Outline(joined(circle(rim), outline(profile)), None, brush(theme.cam, 0.5))
+    yield Part("plate", plate, ("cam",), Z_CAM - 0.2, turning(plate, geometry.turned))
+    yield Part("rim", Outline(circle(rim), theme.pen(theme.cam_line, THIN, SPARSE)), ("cam",), Z_CAM - 0.1)
+    line = Loop(profile, theme.pen(theme.cam_line, OUTLINE))
+    yield Part("outer", line, ("cam",), Z_CAM, turning(line, geometry.turned))
+
+
+def _second_cam(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    """The other cam of a conjugate pair, behind the first; where that hides it, its edge is dashed."""
+    item = Loop(profile, theme.pen(theme.second_line, OUTLINE), brush(theme.second))
+    yield Part("second", item, ("cam",), Z_CAM - 0.5, turning(item, geometry.turned))
+    hidden = Loop(profile, theme.pen(theme.second_line, THIN, DASHED))
+    yield Part("second.hidden", hidden, ("cam",), Z_CAM + 0.1, turning(hidden, geometry.turned))
+
+
+FURTHER: Mapping[str, Callable[[np.ndarray, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+    {OUTER: _groove, SECOND: _second_cam}
+)
+"""Flank of a cam besides the first -> how it is drawn."""
 
 
 def _zero_mark(geometry: Geometry, theme: Theme) -> Iterator[Part]:

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from core.cam import CamShape, RoundFlank, row_of
+from core.cam import CamShape, FaceOutline, Flank, RoundFlank, row_of
 from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
@@ -164,13 +164,55 @@ class Geometry:
         """Of the body that carries it (n,) [deg]."""
         return self.bodies[self.kinematics.follower_body].angle
 
+    @property
+    def face_rolls(self) -> bool:
+        """Whether the face turns on its own axis."""
+        return self.shape is not None and row_of(self.study.design.drive.face).rolls
+
     @cached_property
     def face_outline(self) -> np.ndarray:
         """The face in the frame of the follower's body (m,) [mm], closed; empty where there is no cam."""
+        return np.zeros(0, dtype=complex) if self._face is None else self._face.points * MM
+
+    @cached_property
+    def _face(self) -> FaceOutline | None:
         if self.shape is None:
-            return np.zeros(0, dtype=complex)
+            return None
         face = self.study.design.drive.face
-        return np.asarray(row_of(face).outline(self.shape, face, self.kinematics) * MM)
+        return row_of(face).outline(self.shape, face, self.kinematics)
+
+    @cached_property
+    def face_held(self) -> complex:
+        """From where the follower holds its face, in the frame of the follower's body [mm]: its reference point, of a face
+        without a round the middle of its back."""
+        return 0j if self._face is None or self.face_radius else self._face.held * MM
+
+    def nodes(self, body: Body) -> dict[str, complex]:
+        """The places [mm] in a body's frame between which it is drawn: its points, with the face's hold for its reference
+        where it does not slide there."""
+        slides = any(joint.pair.kind == SLIDING and joint.pair.body == body.name for joint in self.joints)
+        if body.name != self.kinematics.carrier or slides or not self.face_held:
+            return body.nodes
+        turn = np.exp(-1j * np.deg2rad(body.angle[0]))
+        reference = complex((self.reference[0] - body.z[0]) * turn)
+        near = 1e-9 * max(map(abs, (reference, self.face_held)))
+        held = {joint.pair.point for joint in self.joints}
+        kept = {name: place for name, place in body.nodes.items() if name in held or abs(place - reference) > near}
+        return {**kept, "face": complex(reference + self.face_held * turn * np.exp(1j * np.deg2rad(self.face_angle[0])))}
+
+    @cached_property
+    def further(self) -> tuple[Flank, ...]:
+        """The flanks of the cam besides the first; none where there is no cam."""
+        return () if self.shape is None else self.shape.flanks[1:]
+
+    @cached_property
+    def further_rollers(self) -> tuple[tuple[str, np.ndarray, float], ...]:
+        """What touches those and is not the follower's face itself: name of the flank, centre (n,) [mm], radius [mm]."""
+        return tuple(
+            (flank.name, flank.reference * MM, flank.radius * MM)
+            for flank in self.further
+            if isinstance(flank, RoundFlank) and self.shape is not None and flank.reference is not self.shape.reference
+        )
 
     @cached_property
     def contact(self) -> np.ndarray:
@@ -202,11 +244,15 @@ class Geometry:
         """Lower left and upper right corner of all that moves, over the whole turn [mm]."""
         widest = self.pitch if self.pitch.size else self.profile
         sweep = float(np.abs(widest).max()) if widest.size else self.base_radius
+        sweep = max([sweep, *(float(np.abs(flank.profile).max()) * MM for flank in self.further)])
         boxes = [(-sweep, -sweep, sweep, sweep)] if self.with_cam else []
-        for track in self.tracks():
+        corners = self.face_outline[:-1] if self.face_outline.size and not self.face_radius else ()
+        turn = np.exp(1j * np.deg2rad(self.face_angle))
+        for track in (*self.tracks(), *(self.reference + corner * turn for corner in corners)):
             boxes.append((track.real.min(), track.imag.min(), track.real.max(), track.imag.max()))
-        r, z = self.face_radius, self.reference
-        boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))
+        rounds = ((self.reference, self.face_radius), *((track, radius) for _, track, radius in self.further_rollers))
+        for z, r in rounds:
+            boxes.append((z.real.min() - r, z.imag.min() - r, z.real.max() + r, z.imag.max() + r))
         left, low, right, high = np.array(boxes).T
         return complex(left.min(), low.min()), complex(right.max(), high.max())
 

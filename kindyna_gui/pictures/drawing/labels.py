@@ -83,9 +83,11 @@ def names(geometry: Geometry) -> Iterator[Label]:
     fixed = np.zeros(geometry.samples, dtype=complex)
     if geometry.face_radius:
         yield Label("roller", geometry.study.design.drive.face.noun, geometry.reference, geometry.face_radius, "roller")
+    for name, track, radius in geometry.further_rollers:
+        yield Label(f"roller.{name}", f"{name} roller", track, radius, "roller")
     slides = {j.pair.body: j for j in geometry.joints if j.pair.kind == SLIDING}
     for body in geometry.moving.values():
-        places = list(body.nodes.values())
+        places = list(geometry.nodes(body).values())
         name = body.name.removeprefix("link") if geometry.numbered else body.name.replace("_", " ")
         if body.name in slides:
             yield Label(body.name, name, *_of_slide(geometry, body.name, slides), "linkage")
@@ -161,7 +163,7 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         rows.append((one[:, None] + (other - one)[:, None] * part, radius, weight))
 
     for body in geometry.moving.values():
-        ends = [body.track(p)[seen] for p in body.nodes.values()]
+        ends = [body.track(p)[seen] for p in geometry.nodes(body).values()]
         middle = sum(ends) / max(len(ends), 1)
         for i, end in enumerate(ends[1:]):
             dots(ends[i], end, BAR * unit, 1.0)
@@ -171,9 +173,10 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
         if len(ends) > 1:
             rows.append((np.stack(ends, axis=1), EYE * unit, 1.5))
     around = np.exp(2j * np.pi * np.arange(40) / 40)
-    if geometry.face_radius:
-        rows.append((geometry.reference[seen][:, None] + geometry.face_radius * around, 0.0, 0.8))
-        rows.append((geometry.reference[seen][:, None], unit, 1.5))
+    rounds = [(geometry.reference, geometry.face_radius)] if geometry.face_radius else []
+    for track, radius in [*rounds, *((track, radius) for _, track, radius in geometry.further_rollers)]:
+        rows.append((track[seen][:, None] + radius * around, 0.0, 0.8))
+        rows.append((track[seen][:, None], unit, 1.5))
     if geometry.profile.size:
         thin = slice(None, None, max(1, geometry.samples // 90))
         turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]

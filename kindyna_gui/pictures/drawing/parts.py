@@ -33,7 +33,7 @@ from kindyna_gui.pictures.drawing.shapes import (
 from kindyna_gui.pictures.style import OUTLINE, THIN, Theme, brush
 
 BLOCK_LENGTH, BLOCK_HEIGHT = 5.2, 3.2  # of a slider, in units
-Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 3.0, 1.0, 4.0, 5.0, 9.0
+Z_BEHIND, Z_GROUND, Z_GUIDE, Z_ROLLER, Z_BODY, Z_PIN = 0.5, 3.0, 1.0, 4.0, 5.0, 9.0
 _DOWN_FIRST = (-1j, -1 + 0j, 1 + 0j, 1j)
 
 
@@ -44,7 +44,8 @@ def linkage(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         pieces = body_pieces(body, geometry)
         if pieces:
             item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), fill)
-            yield Part(f"body.{body.name}", item, ("linkage",), Z_BODY + 0.1 * number, riding(item, body.z, body.angle))
+            z = Z_BEHIND if passes_shaft(body, geometry) else Z_BODY
+            yield Part(f"body.{body.name}", item, ("linkage",), z + 0.1 * number, riding(item, body.z, body.angle))
     for joint in drawn_joints(geometry):
         yield from JOINTS[joint.pair.kind](joint, geometry, theme)
 
@@ -61,16 +62,28 @@ def drawn_joints(geometry: Geometry) -> Iterator[Joint]:
 
 def body_pieces(body: Body, geometry: Geometry) -> tuple[QPainterPath, ...]:
     """A body as a bar between two points, a lever about its fixed pivot, or a plate; none where it has one point."""
-    places = tuple(body.nodes.values())
+    nodes = geometry.nodes(body)
+    places = tuple(nodes.values())
     if len(places) < 2:
         return ()
     if len(places) == 2:
         return link(places, geometry.unit)
     hubs = [j.pair.point for j in geometry.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
-    if hubs and hubs[0] in body.nodes:
-        hub = body.nodes[hubs[0]]
+    if hubs and hubs[0] in nodes:
+        hub = nodes[hubs[0]]
         return lever(hub, tuple(p for p in places if p != hub), geometry.unit)
     return plate(places, geometry.unit)
+
+
+def passes_shaft(body: Body, geometry: Geometry) -> bool:
+    """Whether a bar runs across the camshaft somewhere in the turn: it is drawn behind the cam."""
+    places = tuple(geometry.nodes(body).values())
+    if not geometry.with_cam or len(places) != 2:
+        return False
+    start, end = (body.track(place) for place in places)
+    along = end - start
+    part = np.clip(-(start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
+    return bool(np.abs(start + part * along).min() < EYE * geometry.unit)
 
 
 def _pin(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
@@ -152,10 +165,11 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     start = high + geometry.face_radius / unit + 1.5
     length = max(6.0, 0.8 * stroke)
     low = (joint.low if outwards > 0 else -joint.high) / unit
-    eye = min(EYE, 0.4 * geometry.face_radius / unit) or EYE
-    half = 0.65 * eye
-    shapes = stem(start + length - low + 1.8, half, eye)
-    pieces = [scaled(path, unit, body.points[joint.pair.point], own) for path in shapes]
+    eye = min(EYE, 0.4 * geometry.face_radius / unit) if geometry.face_rolls else 0.0
+    half = 0.65 * (eye or EYE)
+    inner = max(0.0, (geometry.face_held * own.conjugate()).real) / unit  # of a face without a round: on its back
+    shapes = stem(start + length - low + 1.8 - inner, half, eye)
+    pieces = [scaled(path, unit, body.points[joint.pair.point] + inner * unit * own, own) for path in shapes]
     item = Silhouette(pieces, theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
     yield Part(f"stem.{joint.name}", item, ("linkage",), Z_BODY, riding(item, body.z, body.angle))
     walls, strokes = QPainterPath(), QPainterPath()
@@ -168,19 +182,23 @@ def _stem(joint: Joint, geometry: Geometry, theme: Theme) -> Iterator[Part]:
 
 
 def roller(geometry: Geometry, theme: Theme) -> Iterator[Part]:
-    """The follower's face: a round with its centre mark, else its outline."""
-    radius = geometry.face_radius
-    if radius == 0.0:
-        if geometry.face_outline.size:
-            item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
-            yield Part("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
-        return
+    """The follower's face: a roller with its centre mark, else its outline; and the rollers on further flanks."""
+    if geometry.face_rolls and geometry.face_radius:
+        yield from _roller("roller", geometry.reference, geometry.face_radius, geometry, theme)
+    elif geometry.face_outline.size:
+        item = Outline(outline(geometry.face_outline), theme.pen(theme.ink, OUTLINE), brush(theme.links[0]))
+        yield Part("roller", item, ("roller",), Z_ROLLER, riding(item, geometry.reference, geometry.face_angle))
+    for name, track, radius in geometry.further_rollers:
+        yield from _roller(f"roller.{name}", track, radius, geometry, theme)
+
+
+def _roller(key: str, track: np.ndarray, radius: float, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     item = Outline(circle(radius), theme.pen(theme.ink, OUTLINE), brush(theme.roller, 0.75))
-    yield Part("roller", item, ("roller",), Z_ROLLER, pinned(item, geometry.reference))
+    yield Part(key, item, ("roller",), Z_ROLLER, pinned(item, track))
     eye = min(PIN * geometry.unit, 0.3 * radius)
     mark = joined(circle(eye), cross(min(2.2 * eye, 0.8 * radius)))
     centre = Outline(mark, theme.pen(theme.ink, THIN), brush(theme.paper, 0.6))
-    yield Part("roller.centre", centre, ("roller",), Z_PIN, pinned(centre, geometry.reference))
+    yield Part(f"{key}.centre", centre, ("roller",), Z_PIN, pinned(centre, track))
 
 
 JOINTS: Mapping[str, Callable[[Joint, Geometry, Theme], Iterator[Part]]] = MappingProxyType(
