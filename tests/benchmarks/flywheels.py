@@ -183,10 +183,10 @@ def adaptive(there: Any, kept: Any) -> Channels:
     return (mean - SLOPE * _above(solved[0](there.theta)[0], at_angles),)
 
 
-TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12)
+TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 
 
-def _by(method: str, least: float = 1e-12) -> Method:
+def _by(method: str, least: float = 1e-13) -> Method:
     samples = {1e-3: 720, 1e-4: 720, 1e-5: 3600, 1e-6: 3600}
     pairs = [(t, samples.get(t, 36_000)) for t in TOLERANCES]
     settings = tuple((method, *pair) for pair in pairs if pair[0] >= least)

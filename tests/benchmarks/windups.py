@@ -177,7 +177,7 @@ def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
 
 # -- rows -------------------------------------------------------------------------------------------------
 
-TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12)
+TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
 
 
 def _by(solve: Any, names: tuple[str, ...], what: str = "") -> list[Method]:
