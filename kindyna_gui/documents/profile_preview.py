@@ -15,6 +15,7 @@ from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pe
 
 DRAWN = 1440  # points of the curve
 MARGIN = 24  # pixels
+MOST_DOTS = 2000  # beyond these they are too close to be told apart
 DOT, RING = 2.2, 8.0  # radii, pixels
 CROSS = 5.0  # half the size of the cam centre's mark, pixels
 
@@ -82,7 +83,8 @@ class PreviewPicture(QWidget):
         painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
         painter.setPen(no_pen())
         painter.setBrush(brush(LIGHT.family("displacement")))
-        for dot in mm.map(QPolygonF([at(z) for z in shown.points.tolist()])):
+        some = shown.points[:: 1 + shown.points.size // MOST_DOTS]
+        for dot in mm.map(QPolygonF([at(z) for z in some.tolist()])):
             painter.drawEllipse(dot, DOT, DOT)
         worst = mm.map(at(shown.worst))
         painter.strokePath(circle(RING, complex(worst.x(), worst.y())), LIGHT.pen(LIGHT.limit, OUTLINE))

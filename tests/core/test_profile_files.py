@@ -133,6 +133,32 @@ def test_other_followers_files_deviate_as_they_state(tmp_path: Path, fit: str, f
     check_deviation(tmp_path / "cam.dxf", told, exact(path), False)
 
 
+FORMS = {
+    "outer": ("groove", 'form = "groove"\nplay_mm = 0.2'),
+    "second": ("conjugate", 'form = "conjugate"\n[cam.second]\nroller_radius_mm = 10.0'),
+}
+
+
+@pytest.mark.parametrize("flank", FORMS)
+def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
+    """The outer flank of a groove, and the path of a cutter that fills it, halfway between the flanks; the second cam of a pair."""
+    form, words = FORMS[flank]
+    design = saved(tmp_path, PUSHER)
+    text = design.read_text("utf-8").replace('form = "open"', words)
+    text = text.replace("offset_mm = 7.0", "offset_mm = 7.0\nsecond = { distance_mm = 160.0 }") if form == "conjugate" else text
+    design.write_text(text, "utf-8")
+    there = next(each for each in Study(project.load(design), EXACT).cam.flanks if each.name == flank)
+    told = written(design, tmp_path / "cam.dxf", "--flank", flank, "--as", "arcs", "--tolerance", 0.01)
+    check_deviation(tmp_path / "cam.dxf", told, 1e3 * there.profile, False)
+    if form == "groove":
+        told = written(design, tmp_path / "path.csv", "--flank", flank, "--cutter", 12.1, "--tolerance", 0.01)
+        between = Study(project.load(design), EXACT).cam.flank  # the inner flank is 12 mm from the pitch curve, the outer 12.2
+        path = 1e3 * between.pitch + 0.1 * (1e3 * there.profile - 1e3 * between.pitch) / 12.2
+        check_deviation(tmp_path / "path.csv", told, path, True)
+        check_refused(tmp_path, "cutter: a radius of 12.2 mm does not go into the groove, which is 24.2 mm wide",
+                      design, "--out", tmp_path / "no.csv", "--flank", flank, "--cutter", 12.2)  # fmt: skip
+
+
 def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
     """Beside the profile by its radius, where the roller runs."""
     told = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.001)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from core.cam import faces_of, form_row
+from core.cam import INNER, OUTER, faces_of, form_row
 from core.cam.sizes import size_of
 from core.design import Face
 from core.errors import KindynaError, NoCam
@@ -65,6 +65,7 @@ def exact_curve(study: Study, request: Request) -> Exact:
     if face.radius_mm > 0.0:
         _require_whole(study, curve, rolling, face)
     if cutting:
+        _require_room(study, cutting)
         _require_reach(study, curve, rolling, cutting)
     return offset(exact, rolling * cutting) if cutting else exact
 
@@ -117,6 +118,19 @@ def _require_whole(study: Study, curve: Curve, rolling: float, face: Face) -> No
             f"the profile crosses itself: the {face.noun} cannot touch it",
             *size_of(study.design.drive.cam, face.noun, face.radius_mm), [(found.begin, found.end)],
         )  # fmt: skip
+
+
+def _require_room(study: Study, cutting: float) -> None:
+    """The cutter is no wider than a groove."""
+    faces = faces_of(study.design.drive.face, study.design.drive.cam)
+    if OUTER not in faces:
+        return
+    width = faces[INNER].radius_mm + faces[OUTER].radius_mm
+    if 2.0 * cutting > width:
+        raise KindynaError(
+            f"cutter: a radius of {cutting:g} mm does not go into the groove, which is {width:.9g} mm wide; "
+            f"allowed: at most {0.5 * width:.9g} mm"
+        )
 
 
 def _require_reach(study: Study, curve: Curve, rolling: float, cutting: float) -> None:

@@ -12,11 +12,13 @@ import numpy as np
 
 from core.errors import KindynaError
 from core.motion import degrees
+from core.numerics.cancellation import checkpoint
 from core.output.profile.curve import Curve, Ends
 from core.output.profile.fewest import TooMany, fewest
 from core.output.profile.fits import Fit
 
 LEAST_POINTS, MOST_POINTS = 3, 1_000_000
+AT_ONCE = 32_768  # points that are computed together: memory does not grow with them
 MOST_SEARCHED = 100_000  # points whose spans are searched one by one
 
 
@@ -79,9 +81,13 @@ SAMPLINGS: Mapping[str, Sampling] = MappingProxyType(
 def points(curve: Curve, program: Any, sampling: str, fit: Fit, value: float) -> Points:
     """The points of a sampling. Raises KindynaError where they would be too few or too many."""
     angles = SAMPLINGS[sampling].degrees(curve, fit, value)
-    there = program.angles(np.deg2rad(angles))
-    exact = curve.exact(there)
-    return Points(angles, Ends(exact.z, exact.tangent, curve.reached(there.theta)))
+    rows = []
+    for first in range(0, angles.size, AT_ONCE):
+        checkpoint()
+        there = program.angles(np.deg2rad(angles[first : first + AT_ONCE]))
+        exact = curve.exact(there)
+        rows.append((exact.z, exact.tangent, curve.reached(there.theta)))
+    return Points(angles, Ends(*(np.concatenate(part) for part in zip(*rows, strict=True))))
 
 
 __all__ = ["LEAST_POINTS", "MOST_POINTS", "SAMPLINGS", "Points", "Sampling", "points"]
