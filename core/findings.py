@@ -82,8 +82,8 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "must stay above 0: {remedy}",
         "outer-undercut": "undercut of the groove's outer flank: the pitch curve's smallest hollow radius {pitch_radius_mm} mm{at}, "
         "roller and play {roller_radius_mm} mm: take a smaller roller, or enlarge the base radius",
-        "groove-flanks-meet": "two stretches of the groove run into each other{at} and at {other_deg:.5g} deg: {wall_mm:.5g} mm of wall "
-        "are left between them; take a smaller roller, or enlarge the base radius",
+        "groove-flanks-meet": "two stretches of the groove run into each other{at} and at {other_deg:.5g} deg: {overlap_mm:.5g} mm too "
+        "near; take a smaller roller, or enlarge the base radius",
         "second-undercut": "undercut of the second cam: its pitch curve's smallest radius {pitch_radius_mm} mm{at}, the second roller's "
         "{roller_radius_mm} mm: put the second roller farther out, or take a smaller one",
         "second-pressure-angle": "pressure angle of the second roller {value} deg{at}, limit {limit} deg: put it farther out, or "

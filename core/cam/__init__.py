@@ -2,6 +2,7 @@
 
 from core.cam.faces import FACES, FaceRow, row_of
 from core.cam.forms import FORMS, FormRow, envelope, faces_of, form_row, forward_push
+from core.cam.groove import Wall, thinnest_wall, wall_findings
 from core.cam.limits import PRESSURE_LIMITS, findings, further_findings, limits_of, require_hold, undercut
 from core.cam.proof import centre_residual, gaps, tangency, tangency_residual
 from core.cam.shape import (
@@ -33,6 +34,7 @@ __all__ = [
     "FlatFlank",
     "FormRow",
     "RoundFlank",
+    "Wall",
     "centre_residual",
     "envelope",
     "faces_of",
@@ -50,5 +52,7 @@ __all__ = [
     "row_of",
     "tangency",
     "tangency_residual",
+    "thinnest_wall",
     "undercut",
+    "wall_findings",
 ]  # fmt: skip

@@ -264,9 +264,8 @@ def with_form(design: Design, word: str) -> Design:
         place = SECOND_PLACES[type(follower)](drive) if paired else None
         changed = with_drive(changed, mechanism=of_class(type(follower), follower, second=place))
     before, after = set(all_paths(design)), list(all_paths(changed))
-    new = [path for path in after if path not in before and ".second." in path]
-    assumed = [*new, *(path for path in design.assumed if path in after)]
-    return replace(changed, assumed=tuple(sorted(assumed, key=after.index)))
+    new = (path for path in after if path not in before and ".second." in path)
+    return replace(changed, assumed=(*(path for path in design.assumed if path in after), *new))
 
 
 def _second_roller(drive: Drive) -> SecondRoller:

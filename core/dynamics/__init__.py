@@ -13,13 +13,14 @@ from core.dynamics.elements import (
     Rate,
     combined,
 )
+from core.dynamics.flank_changes import FlankChange, change_findings, flank_changes
 from core.dynamics.forces import JAMS, Forces, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
 from core.dynamics.limits import findings
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "JAMS", "LOADINGS", "Element", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass", "OutputForce",
-    "PointForce", "Rate", "combined", "findings", "guide_reaction", "limitless", "link_loading",
-    "loading_of", "momentum_residual", "newton_euler", "power_residual",
+    "JAMS", "LOADINGS", "Element", "FlankChange", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass",
+    "OutputForce", "PointForce", "Rate", "change_findings", "combined", "findings", "flank_changes", "guide_reaction", "limitless",
+    "link_loading", "loading_of", "momentum_residual", "newton_euler", "power_residual",
 ]  # fmt: skip

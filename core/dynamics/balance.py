@@ -24,7 +24,7 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     terms += [omega * element.potential(kinematics)[0] for element in loading.elements]
     sizes = list(terms)
     if shape is not None:
-        sizes.append(omega * np.abs(shape.flank.contact) * forces.contact)
+        sizes += [omega * np.abs(each.at) * each.force for each in forces.contacts]
     else:
         sizes.append(given)
     return _relative(given - sum(terms), sizes)
@@ -48,8 +48,7 @@ def momentum_residual(kinematics: Kinematics, shape: CamShape | None, forces: Fo
                 turns = pair.kind == REVOLUTE
                 push = np.zeros(1, dtype=complex) if turns else forces.driver * kinematics.line(pair)
                 outer.append(Load("", at, push, forces.driver if turns else 0.0))
-    if shape is not None:
-        outer.append(Load("", shape.flank.contact, -forces.contact * forces.pressing))
+    outer += [Load("", each.at, -each.force * each.pressing) for each in forces.contacts]
     linear = [load.force for load in outer]
     moments = [cross(load.at, load.force) + load.couple for load in outer]
     products = [np.abs(load.at) * np.abs(load.force) + np.abs(load.couple) for load in outer]

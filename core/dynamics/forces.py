@@ -7,13 +7,13 @@ found from the reactions, which are affine in it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from core.cam import CamShape
+from core.cam import OUTER, CamShape, Flank
 from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import JAMMED, GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
@@ -26,18 +26,33 @@ JAMS = 1.0  # the factor from which friction may jam
 _NONE, _NO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
 
 
+class Contact(NamedTuple):
+    """One flank of the cam at n cam angles.
+
+    at        (n,) complex [m], where it is touched, in the global frame
+    pressing  (n,) complex: n + μ v̂, the force on the cam for one newton of contact, friction of a face that slides included
+    force     (n,) [N]; of a cam that holds the follower from both sides 0 where the other flank carries
+    lever     (n,) what one newton asks of the driver [m, or 1]
+    """
+
+    at: np.ndarray
+    pressing: np.ndarray
+    force: np.ndarray
+    lever: np.ndarray
+
+
 @dataclass(frozen=True, eq=False)
 class Forces:
     """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
 
     pairs     pair name -> (n,) force by ``on`` on ``body``, friction included; ``bearing`` by the frame on the camshaft
     couples   pair name -> (n,) couple [N m] by ``on`` on ``body``: of sliding pairs, and of pins that rub
-    contact   (n,) F_c [N], > 0 presses the follower on the cam; 0 without a cam
-    pressing  (n,) complex: n + μ v̂, the force on the cam for one newton of contact, friction of a face that slides included
+    contact   (n,) F_c [N], > 0 presses the follower on the cam; in a groove < 0 where the outer flank carries; 0 without a cam
+    contacts  where the cam is touched, flank by flank; empty without a cam
     torque    (n,) T_c [N m], > 0 drives the cam (27); 0 without a cam
     driver    (n,) on the driver where no cam moves it: torque [N m] counter-clockwise where it is pinned to the frame, force
               [N] along its line where it slides; else 0
-    lever     (n,) what one newton of contact asks of the driver [m, or 1]; infinite without a cam
+    lever     (n,) what one newton on the flank that carries asks of the driver [m, or 1]; infinite without a cam
     follower_torque  (n,) T_L [N m] that the contact gives the follower's link about its pivot (24); for a guide: force [N]
     guide     the guide's normal force, friction and jamming factor; None where the design has no guide
     lost      (n,) power [W] lost to friction
@@ -49,7 +64,7 @@ class Forces:
     pairs: Mapping[str, np.ndarray]
     couples: Mapping[str, np.ndarray]
     contact: np.ndarray
-    pressing: np.ndarray
+    contacts: tuple[Contact, ...]
     torque: np.ndarray
     driver: np.ndarray
     lever: np.ndarray
@@ -58,6 +73,11 @@ class Forces:
     contact_jam: np.ndarray
     follower_torque: Lazy[np.ndarray] = Lazy()
     guide: GuideReaction | None = None
+
+    @property
+    def carrying(self) -> np.ndarray:
+        """Of a cam that holds the follower from both sides (n,) [N]: > 0 where the first flank carries, < 0 where the other."""
+        return self.contacts[0].force - self.contacts[1].force
 
 
 class _Case:
@@ -85,6 +105,16 @@ class _Reactions(NamedTuple):
     driver: np.ndarray
 
 
+class _Solution(NamedTuple):
+    """Reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per radian of
+    the shaft [N m]."""
+
+    total: _Reactions
+    guide: GuideReaction | None
+    jam: np.ndarray
+    lost: np.ndarray
+
+
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
 def newton_euler(
     kinematics: Kinematics, shape: CamShape | None, loading: Loading, omega: float, acceleration: float = 0.0
@@ -93,58 +123,102 @@ def newton_euler(
 
     T_c = -d (C × F_c (n + μ v̂)) (27) at the contact C, where a face that slides rubs by μ F_c v̂ on the cam, v̂ the direction of
     the follower relative to it; F_c from the equilibrium of the driven bodies, never from T_c, which is 0/0 in a dwell (25),
-    (26). Where friction jams the forces are infinite; the findings say so.
+    (26). A groove or a conjugate pair holds the follower from both sides: where the first flank would have to pull, the other one
+    carries. Where friction jams the forces are infinite; the findings say so.
     """
     rate = Rate(omega, acceleration)
     n, friction_of_cam = kinematics.theta.size, loading.contact_friction
-    cam = None if shape is None else (shape.flank.contact, _pressing(shape, friction_of_cam))
-    pressing = np.zeros(n, dtype=complex) if cam is None else cam[1]
+    flanks = () if shape is None else shape.flanks
+    pressing = tuple(_pressing(flank, shape.sense, friction_of_cam) for flank in flanks if shape is not None)
     places: dict[str, np.ndarray] = {}
-    press = None if cam is None else Walk(kinematics, [Load(kinematics.carrier, cam[0], -cam[1])], places)
+    presses = [
+        Walk(kinematics, [Load(flank.body, flank.contact, -push)], places) for flank, push in zip(flanks, pressing, strict=True)
+    ]
     contact_jam = np.zeros(n)
-    if friction_of_cam and shape is not None and press is not None:
+    if friction_of_cam and shape is not None:
         smooth = Walk(kinematics, [Load(kinematics.carrier, shape.flank.contact, -shape.flank.normal)], places).needed
-        contact_jam = np.broadcast_to(np.nan_to_num(1.0 - press.needed / smooth, nan=0.0), n)
-        press.needed = np.where(contact_jam < JAMS, press.needed, smooth / JAMMED)
+        contact_jam = np.broadcast_to(np.nan_to_num(1.0 - presses[0].needed / smooth, nan=0.0), n)
+        presses[0].needed = np.where(contact_jam < JAMS, presses[0].needed, smooth / JAMMED)
     own = Walk(kinematics, [load for element in loading.elements for load in element.loads(kinematics, rate)], places)
-    case = _Case(own, press)
-    signs, rubbing = {}, {}
-    for friction in loading.frictions:
-        signs[friction.pair] = _direction(kinematics, friction.pair) * np.sign(omega)
-        rubbing[friction.pair] = _Case(Walk(kinematics, _unit_friction(kinematics, friction), places), press)
-    total, guide, jam, lost = _with_friction(kinematics, loading, case, rubbing, signs)
-    pairs, contact, torque = total.pairs, total.contact, _NONE
-    if shape is not None and cam is not None:
-        pairs[BEARING] = -contact * cam[1]
-        torque = shape.sense * cross(cam[0], pairs[BEARING])
+    signs = {f.pair: _direction(kinematics, f.pair) * np.sign(omega) for f in loading.frictions}
+    rubbing = {f.pair: Walk(kinematics, _unit_friction(kinematics, f), places) for f in loading.frictions}
+
+    def carried_by(press: Walk | None) -> _Solution:
+        cases = {name: _Case(walk, press) for name, walk in rubbing.items()}
+        return _with_friction(kinematics, loading, _Case(own, press), cases, signs)
+
+    (total, guide, jam, lost), shares = _carried(carried_by, presses)
+    pairs, torque = total.pairs, _NONE
+    contacts = tuple(
+        Contact(flank.contact, push, spread(share, n), spread(press.needed, n))
+        for flank, push, share, press in zip(flanks, pressing, shares, presses, strict=True)
+    )
+    if shape is not None:
+        loaded = [-share * push for share, push in zip(shares, pressing, strict=True)]
+        pairs[BEARING] = np.asarray(sum(loaded[1:], loaded[0]))
+        turning = [shape.sense * cross(flank.contact, load) for flank, load in zip(flanks, loaded, strict=True)]
+        torque = np.asarray(sum(turning[1:], turning[0]))
         if not friction_of_cam:  # in a dwell no power goes in, only rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
         if friction_of_cam:
-            lost = lost + friction_of_cam * contact * np.abs(shape.flank.sliding)
+            lost = lost + friction_of_cam * shares[0] * np.abs(shape.flank.sliding)
+    pulled = [share for flank, share in zip(flanks, shares, strict=True) if flank.name == OUTER]
+    lever = np.full(n, np.inf) if not contacts else contacts[0].lever
+    for other in contacts[1:]:
+        lever = np.where(other.force > 0.0, other.lever, lever)
     forces = Forces(
         omega=omega,
         pairs={name: spread(force, n) for name, force in pairs.items()},
         couples={name: spread(couple, n) for name, couple in total.couples.items()},
-        contact=spread(contact, n),
-        pressing=pressing,
+        contact=spread(shares[0] - pulled[0] if pulled else total.contact if not shares else shares[0], n),
+        contacts=contacts,
         torque=spread(torque, n),
         driver=spread(total.driver, n),
-        lever=np.full(n, np.inf) if press is None else spread(press.needed, n),
+        lever=lever,
         lost=spread(lost * omega, n),
         jam=np.maximum(jam, contact_jam),
         contact_jam=contact_jam,
-        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, shape, contact, pressing),
+        follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
         guide=guide,
     )
-    return limitless(forces) if (guide is not None and jammed(guide.normal)) or jammed(contact) else forces
+    beyond = (guide is not None and jammed(guide.normal)) or any(jammed(share) for share in shares)
+    return limitless(forces) if beyond else forces
 
 
-def _pressing(shape: CamShape, friction: float) -> np.ndarray:
+def _carried(carried_by: Callable[[Walk | None], _Solution], presses: list[Walk]) -> tuple[_Solution, list[np.ndarray]]:
+    """The solution with the flank that carries at each angle, and the force on each flank (n,): the first one where it is
+    pressed; where it would have to pull, the other one, from the same equation with its own lever. With one flank alone it
+    is that, whatever the sign."""
+    first = carried_by(presses[0] if presses else None)
+    if len(presses) < 2:
+        return first, [first.total.contact for _ in presses]
+    pulls = ~(first.total.contact >= 0.0)
+    if not pulls.any():
+        return first, [first.total.contact, np.zeros(1)]
+    other = carried_by(presses[1])
+    shares = [np.where(pulls, 0.0, first.total.contact), np.where(pulls, other.total.contact, 0.0)]
+    return _chosen(pulls, other, first), shares
+
+
+def _chosen(which: np.ndarray, one: Any, other: Any) -> Any:
+    """Of two solutions that or this, angle by angle."""
+    if isinstance(one, np.ndarray):
+        return np.where(which, one, other)
+    if isinstance(one, dict):
+        return {name: _chosen(which, one[name], other[name]) for name in one}
+    if isinstance(one, tuple):
+        parts = [_chosen(which, a, b) for a, b in zip(one, other, strict=True)]
+        return type(one)(*parts)
+    if isinstance(one, GuideReaction):
+        return replace(one, **{field.name: _chosen(which, getattr(one, field.name), getattr(other, field.name)) for field in fields(one)})
+    return one
+
+
+def _pressing(flank: Flank, sense: float, friction: float) -> np.ndarray:
     """n + μ v̂ (n,): the force on the cam for one newton of contact, v̂ = ± i d n the direction of the follower relative to it."""
-    flank = shape.flank
     if not friction:
         return flank.normal
-    return flank.normal * (1.0 + 1j * shape.sense * friction * np.sign(flank.sliding))
+    return flank.normal * (1.0 + 1j * sense * friction * np.sign(flank.sliding))
 
 
 def _unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
@@ -185,7 +259,7 @@ def _reactions(case: _Case, rubbing: Mapping[str, _Case], signed: Mapping[str, n
 
 def _with_friction(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
-) -> tuple[_Reactions, GuideReaction | None, np.ndarray, np.ndarray]:
+) -> _Solution:
     """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per
     radian of the shaft [N m]."""
     sizes, jam = _sizes(kinematics, loading, case, rubbing, signs)
@@ -207,7 +281,7 @@ def _with_friction(
         n, name = kinematics.theta.size, loading.guide
         normal, rubs = _normal(kinematics, name, pairs[name]), -signed[name] if name in signed else _NONE
         guide = GuideReaction(spread(normal, n), spread(rubs, n), jam)
-    return total, guide, jam, lost
+    return _Solution(total, guide, jam, lost)
 
 
 def _sizes(
@@ -232,12 +306,15 @@ def _sizes(
     return {f.pair: found[:, i] for i, f in enumerate(frictions)}, jam
 
 
-def _follower_torque(kinematics: Kinematics, shape: CamShape, contact: np.ndarray, pressing: np.ndarray) -> np.ndarray:
+def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> np.ndarray:
     """T_L = -F_c (r_C × n) about the pivot that holds the follower's link (24), with the friction of the contact; along its
-    guide -F_c n·e."""
+    guide -F_c n·e; of all flanks."""
     if not kinematics.ground:
         return np.full(kinematics.theta.size, np.nan)
     pair = kinematics.pairs[kinematics.ground]
     if pair.kind != REVOLUTE:
-        return -contact * dot(pressing, kinematics.line(pair))
-    return -contact * cross(shape.flank.contact - kinematics.bodies[pair.body].place(pair.point), pressing)
+        rows = [-each.force * dot(each.pressing, kinematics.line(pair)) for each in contacts]
+    else:
+        pivot = kinematics.bodies[pair.body].place(pair.point)
+        rows = [-each.force * cross(each.at - pivot, each.pressing) for each in contacts]
+    return np.asarray(sum(rows[1:], rows[0]))

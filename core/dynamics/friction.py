@@ -17,11 +17,14 @@ _BELOW = 1.0 - 1e-9  # of a jam factor: the force beyond a jam is taken in the d
 
 def limitless(value: Any) -> Any:
     """Forces and torques with infinity, of the right sign, for what a jammed guide makes of them; complex ones part by part,
-    and all arrays of a mapping or a dataclass."""
+    and all arrays of a mapping, a tuple or a dataclass."""
     if isinstance(value, Mapping):
         return {name: limitless(part) for name, part in value.items()}
     if is_dataclass(value) and not isinstance(value, type):
         return replace(value, **{field.name: limitless(getattr(value, field.name)) for field in fields(value)})
+    if isinstance(value, tuple):
+        parts = [limitless(part) for part in value]
+        return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
     if not isinstance(value, np.ndarray):
         return value
     if np.iscomplexobj(value):  # i times infinity would be nan

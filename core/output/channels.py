@@ -112,6 +112,8 @@ _ROWS = (
             "κ_p2/(1 - (Rr₂ + play) κ_p2)", "as the first"),
     Channel("contact_force_n", "contact_force", "Contact force", "F_c", "force", DYNAMICS,
             "moment or force balance of the follower", "Shin1995 (24), (26), corrected"),
+    Channel("second_contact_force_n", "second_contact_force", "Second contact force", "F_c2", "force", DYNAMICS,
+            "the same balance with R₂, n₂, where F_c would pull", "as the first"),
     Channel("drive_torque_nm", "drive_torque", "Cam torque", "T_c", "torque", DYNAMICS, "-d (R × F_c n)",
             "Shin1995 (27)"),
     Channel("motor_torque_nm", "motor_torque", "Motor torque with flywheel", "T_m", "torque", DYNAMICS,

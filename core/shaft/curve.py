@@ -80,17 +80,17 @@ def panel_angles(program: Program, cuts: Angles | None = None) -> tuple[np.ndarr
     return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
 
 
-def load_curve(load: Load, program: Program, switch: Callable[[Angles], np.ndarray] | None = None) -> LoadCurve:
+def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.ndarray] | None) -> LoadCurve:
     """The load fitted on panels. Raises NoAnswer where its torque is infinite.
 
-    switch  (n,) at any cam angles: where its sign changes, as that of the guide's force does, friction breaks the
-            torque, and so panels end there
+    switches  (n,) at any cam angles: where the sign of one changes, as that of the guide's force does, friction breaks the
+              torque, and so panels end there
     """
     start, width, angles = panel_angles(program)
-    if switch is not None:
-        cuts = crossings(switch, angles, switch(angles))
-        if cuts.theta.size:
-            start, width, angles = panel_angles(program, cuts)
+    cuts = [crossings(switch, angles, switch(angles)) for switch in switches if switch is not None]
+    theta = np.concatenate([cut.theta for cut in cuts]) if cuts else np.zeros(0)
+    if theta.size:
+        start, width, angles = panel_angles(program, Angles(theta, np.concatenate([cut.piece for cut in cuts])))
     values = load(angles)
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():

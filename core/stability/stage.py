@@ -192,11 +192,12 @@ def stability(
     made: Coefficients,
     elastic: Elastic,
     omega: float,
-    kinematics_and_shape_at: KinematicsAndShapeAt,
+    kinematics_and_shape_at: KinematicsAndShapeAt | None,
     loading: Loading,
     program: Program,
 ) -> Stability:
-    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]. Raises NoStability where the shaft
+    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; kinematics_and_shape_at: of a follower
+    that could be lifted off its cam, else None. Raises NoStability where the shaft
     swings so often in a turn that it cannot be followed."""
     s = si(elastic)
     machine = Machine(s.camshaft_inertia, s.stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
@@ -209,6 +210,8 @@ def stability(
 
     def contact_of() -> Contact | None:
         q, spring, factor = made.q, elastic.spring, elastic.spring_factor
+        if kinematics_and_shape_at is None:
+            return None
         try:
             return contact(kinematics_and_shape_at, loading, program, made.sizes, spring, factor, q, s.stiffness)
         except NoAnswer:

@@ -190,6 +190,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "second_roller_distance": _of_flank(SECOND, lambda flank: np.abs(flank.reference) - flank.radius),
         "second_push": Quantity("cam", _second_push, needs=SECOND),
         "contact_force": Quantity("dynamics", lambda s: s.dynamics.contact, needs="cam"),
+        "second_contact_force": Quantity("dynamics", lambda s: s.dynamics.contacts[1].force, needs=SECOND),
         "drive_torque": Quantity("dynamics", lambda s: s.dynamics.torque, needs="cam"),
         "motor_torque": Quantity("dynamics", _by_motor(Flywheel.motor_torque), needs="shaft", exists=_motor_runs),
         "linear_motor_torque": Quantity(

@@ -120,4 +120,5 @@ def flexible_shaft(
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
         return kinematics, envelope(kinematics, face, cam, sense)
 
-    return stability(made, elastic, omega, kinematics_and_shape, loading, compiled)
+    lifts_off = None if cam.form.holds else kinematics_and_shape
+    return stability(made, elastic, omega, lifts_off, loading, compiled)

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
-from core.cam import CamShape
+from core.cam import CamShape, Wall
 from core.design import Design, Linkage, with_drive
-from core.dynamics import Forces, Loading
+from core.dynamics import FlankChange, Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
@@ -255,6 +255,11 @@ class Study:
         loads: Loading = memory.get("loading", parts, lambda: dynamics.loading_of(*parts))
         return loads
 
+    @property
+    def holds(self) -> bool:
+        """Whether the cam holds the follower from both sides."""
+        return "cam" in self.stages and bool(self.design.drive.cam.form.holds)
+
     @cached_property
     def dynamics(self) -> Forces:
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
@@ -278,6 +283,21 @@ class Study:
         if self.jam is None or not self.loading.contact_friction:
             return False
         return bool(self.at_theta(np.array([self.jam.theta])).dynamics.contact_jam[0] >= dynamics.JAMS)
+
+    @property
+    def flank_changes(self) -> tuple[FlankChange, ...]:
+        """Where the contact goes from one flank of a groove or of a conjugate pair to the other, by cam angle."""
+        if not self.holds:
+            return ()
+
+        def compute() -> tuple[FlankChange, ...]:
+            def at(angles: Angles) -> tuple[Kinematics, Forces]:
+                there = self.at(angles)
+                return there.linkage, there.dynamics
+
+            return dynamics.flank_changes(at, self.program, self.loading, 1e-3 * self.design.drive.cam.form.play_mm)
+
+        return memory.get("flank changes", self._depends_on("dynamics"), compute)
 
     @property
     def stability(self) -> Stability | None:
@@ -352,7 +372,12 @@ class Study:
             assert guide is not None
             return np.asarray(guide.normal * np.abs(there(angles).drive.velocity_sign))
 
-        return load_curve(load, self.program, rubbing if self.loading.friction else None)
+        def carrying(angles: Angles) -> np.ndarray:
+            """Which flank carries: with another one friction in the guide grows otherwise."""
+            return there(angles).dynamics.carrying
+
+        changes = carrying if self.holds and self.loading.frictions else None
+        return load_curve(load, self.program, rubbing if self.loading.friction else None, changes)
 
     # -- what figures depend on -----------------------------------------------------------------------------
 
@@ -452,7 +477,17 @@ class Study:
         drive, extremes = self.design.drive, self._cam_extremes
         grounds = {flank.name: self._held_by(flank.body) for flank in self.cam.flanks}
         found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, self._least_at)
-        return found + cam.further_findings(extremes, grounds, drive.face, drive.cam)
+        found += cam.further_findings(extremes, grounds, drive.face, drive.cam)
+        return found + (cam.wall_findings(self._wall(), drive.cam) if any(f.name == cam.OUTER for f in self.cam.flanks) else [])
+
+    def _wall(self) -> Wall | None:
+        """The wall of a groove that is gone."""
+
+        def compute() -> Wall | None:
+            return cam.thinnest_wall(lambda theta: self.at_theta(theta).cam, self.cam, self.angles)
+
+        wall: Wall | None = memory.get("wall", (self._depends_on("cam"), self.samples), compute)
+        return wall
 
     def _held_by(self, body: str) -> str:
         """Kind of the pair that holds a body on the frame; a body that none holds turns with its pole."""
@@ -472,8 +507,10 @@ class Study:
         if "cam" not in self.stages:
             found = [Finding("no-load", NOTE, "loads", None)] if self.loading.empty else []
         else:
-            contact = self.extremes("dynamics", _CONTACT)["contact_force"]
+            contact = None if self.holds else self.extremes("dynamics", _CONTACT)["contact_force"]
             found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
+            if self.holds and self.jam is None and not self.loading.empty:
+                found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     def undercut_on(self, flank: str) -> bool:

@@ -65,8 +65,9 @@ def forces(geometry: Geometry) -> Field:
     places = {joint.name: joint.track for joint in geometry.joints}
     centre = np.zeros(geometry.samples, dtype=complex)
     rows = [(name, places.get(name, centre), force) for name, force in forces.pairs.items()]
-    if shape is not None:
-        rows.append(("contact", geometry.contact, -forces.contact * shape.flank.normal))
+    for flank, contact in zip(() if shape is None else shape.flanks, forces.contacts, strict=True):
+        name = "contact" if shape is not None and flank is shape.flank else f"contact.{flank.name}"
+        rows.append((name, flank.contact * MM, -contact.force * flank.normal))
     return _moving(Field("force", "N", tuple(rows)))
 
 
