@@ -41,6 +41,7 @@ from scipy.optimize import minimize_scalar
 
 from core.design import Design
 from core.dynamics import (
+from core.dynamics.forces import Contact
     Friction,
     Inertia,
     combined,
@@ -158,7 +159,7 @@ def test_the_balances_see_a_force_that_is_off_by_a_millionth(part: str, by_power
         wrong = replace(f, torque=f.torque * (1 + 1e-6))
     elif part == "contact":
         (contact,) = f.contacts
-        wrong = replace(f, contacts=(contact._replace(force=contact.force * (1 + 1e-6)),))
+        wrong = replace(f, contacts=(Contact(contact.at, contact.pressing, contact.force * (1 + 1e-6), contact.lever),))
     else:
         wrong = replace(f, pairs={**f.pairs, part: f.pairs[part] * (1 + 1e-6)})
     parts = (study.linkage, study.cam, wrong, study.loading)
