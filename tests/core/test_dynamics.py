@@ -41,7 +41,6 @@ from scipy.optimize import minimize_scalar
 
 from core.design import Design
 from core.dynamics import (
-from core.dynamics.forces import Contact
     Friction,
     Inertia,
     combined,
@@ -52,6 +51,7 @@ from core.dynamics.forces import Contact
     newton_euler,
     power_residual,
 )
+from core.dynamics.forces import Contact
 from core.errors import NoAnswer
 from core.findings import ERROR, NOTE
 from core.study import Study
