@@ -16,8 +16,9 @@ from core.study import Study
 MM = 1e3
 STEP = np.deg2rad(1.0)  # widest panel of the table
 LEAST_PANELS = 3  # of a piece of the motion
-ACCURACY = 1e-12  # of the table, relative to the curve's size
+ACCURACY = 1e-13  # of the table, relative to the curve's size
 HALVINGS = 8  # at most, of a panel that is not as good
+ROUNDING = 0.25  # of a panel's error: where halving leaves more, that is rounding
 NEWTON = 6  # steps from arc length to cam angle
 
 
@@ -174,19 +175,20 @@ class Curve:
         self.exact = exact
         low, high, piece = _cut(starts, ends)
         kept: _Panels | None = None
+        before = np.full(low.size, np.inf)  # the error of what a panel is half of
         for halving in range(HALVINGS + 1):
             checkpoint()
             made = _panels(exact, low, high, piece)
             if not halving:
                 self.size = float(np.abs(made.places[:, 0]).max())
-            bad = made.error > ACCURACY * self.size if halving < HALVINGS else np.zeros(low.size, dtype=bool)
+            bad = (made.error > ACCURACY * self.size) & (made.error < ROUNDING * before) & (halving < HALVINGS)
             good = made[~bad]
             kept = good if kept is None else kept.joined(good)
             if not bad.any():
                 break
             middle = 0.5 * (low[bad] + high[bad])
             low, high = np.concatenate((low[bad], middle)), np.concatenate((middle, high[bad]))
-            piece = np.tile(piece[bad], 2)
+            piece, before = np.tile(piece[bad], 2), np.tile(made.error[bad], 2)
         assert kept is not None
         self._panels = kept[np.lexsort((kept.low, kept.piece))]
         self.error = float(self._panels.error.max())

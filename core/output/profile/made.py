@@ -25,7 +25,7 @@ from core.study import Study
 
 CERTAIN = 1e-11  # of the curve's size: its digits
 LITTLE = 1e-6  # mm that nobody measures
-TRIES = 4  # a tolerance that is just missed is made smaller so often, at most
+TRIES, MISSED = 6, 1e-4  # a tolerance that is just missed is made so much smaller, so often at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,7 +167,7 @@ def fitted(study: Study, exact: Exact, request: Request, least_mm: float = 0.0) 
         deviation, place = largest(curve, chain, at.ends.s)
         if not by_tolerance or deviation <= request.value:
             break
-        asked *= request.value / deviation * (1.0 - 1e-6)
+        asked *= request.value / deviation * (1.0 - MISSED)
     else:
         raise KindynaError(f"tolerance {request.value:g} mm: not kept, {deviation:g} mm is reached; choose a larger one")
     return Fitted(curve, at, chain.simplified(), deviation, complex(curve.at(np.array([place]))[0]))
