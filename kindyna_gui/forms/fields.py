@@ -40,7 +40,7 @@ class Spec:
 
 def label_html(label: str) -> str:
     """A label with its subscripts: ``C_s``."""
-    return re.sub(r"_(\w)", r"<sub>\1</sub>", escape(label))
+    return re.sub(r"_(\w)", r"<sub>\1</sub>", escape(label, quote=False))
 
 
 def tip_html(spec: Spec) -> str:

@@ -1,5 +1,6 @@
-"""Two designs from an empty file with the mouse alone: the lift's modified sine in the motion editor, the card picker in
-the blend wizard. Every event is a click, a drag or a turn of the wheel; what is saved is compared with the examples."""
+"""Designs from an empty file with the mouse alone: the lift's modified sine in the motion editor, the card picker in the
+blend wizard, every face and form of a cam up to its torque. Every event is a click, a drag or a turn of the wheel; what is
+saved is compared with the examples."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from plot_reading import curves
+from PySide6.QtCore import QPoint, Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QMenu, QStyle, QStyleOptionSpinBox, QWidget
+from PySide6.QtWidgets import QApplication, QMenu, QStyle, QStyleOptionSpinBox, QToolBar, QWidget
 from window_user import Open, User, plain, settle, wait_for
 
 from core.design import join_angles, join_levels
@@ -21,6 +23,7 @@ from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_model import LAW
 from kindyna_gui.motion.segments_view import SegmentsView
 from kindyna_gui.places import example
+from kindyna_gui.window.gallery import Gallery
 
 LEFT = Qt.MouseButton.LeftButton
 TRIES = 60
@@ -204,3 +207,61 @@ def test_the_card_picker_is_blended_by_mouse(open_user: Open, tmp_path: Path, mo
     assert text == dumps(replace(picker, name="New translating follower"))
     user.session.stack.undo()
     assert user.design == still, "one step"
+
+
+# -- every follower, face and form --------------------------------------------------------------------------
+
+FACES_AND_FORMS = ("Roller", "Flat face", "Knife edge", "Curved shoe", "Groove", "Conjugate pair")
+
+
+def begin_by_picture(mouse: Mouse, group: str, caption: str) -> None:
+    """File > New, a click on the group, one on the picture, one on Begin."""
+    seen: list[str] = []
+
+    def choose() -> None:
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, Gallery):
+            QTimer.singleShot(5, choose)
+            return
+        names, pictures = dialog.names, dialog.groups[group]
+        mouse.click(names.viewport(), names.visualItemRect(names.item(list(dialog.groups).index(group))).center())
+        row = next(i for i in range(pictures.count()) if pictures.item(i).text() == caption)
+        mouse.click(pictures.viewport(), pictures.visualItemRect(pictures.item(row)).center())
+        seen.append(pictures.item(row).toolTip())
+        mouse.click(dialog.ok)
+
+    QTimer.singleShot(0, choose)
+    mouse.menu("File", "New", "Chosen by its picture...")
+    assert seen, "no gallery opened"
+    window = mouse.user.window
+    window.activateWindow()  # which a desktop does by itself
+    assert QTest.qWaitForWindowActive(window)
+    settle()
+
+
+@pytest.mark.parametrize("group", ["Translating follower", "Oscillating follower"])
+def test_every_face_and_form_comes_to_its_profile_and_its_torque_by_mouse(group: str, open_user: Open) -> None:
+    user = open_user(size=(1440, 900), whole=True)
+    mouse = Mouse(user)
+    bar = user.window.findChild(QToolBar, "tasks")
+    assert isinstance(bar, QToolBar)
+    buttons = {action.text().replace("&", ""): bar.widgetForAction(action) for action in bar.actions()}
+    for caption in FACES_AND_FORMS:
+        begin_by_picture(mouse, group, caption)
+        assert [s.span_deg for s in user.design.drive.motion.segments] == [120.0, 60.0, 120.0, 60.0]
+        mouse.click(buttons["Kine"])
+        drawing = user.drawing()
+        assert drawing.on_screen()
+        assert drawing.note.isHidden(), "a cam is there"
+        shape = user.session.study.cam
+        for name, flank in zip(("cam", *(key for key in ("outer", "second") if key in drawing.scene.parts)), shape.flanks, strict=True):
+            box, profile = drawing.scene.item(name).boundingRect(), flank.profile * 1e3
+            assert (box.left(), box.right()) == pytest.approx((profile.real.min(), profile.real.max()), abs=0.1)
+            assert (box.top(), box.bottom()) == pytest.approx((profile.imag.min(), profile.imag.max()), abs=0.1)
+        mouse.click(buttons["Dyna"])
+        torque = user.window.view("torque")
+        assert torque is not None
+        wait_for(lambda view=torque: view.on_screen() and view.up_to_date)  # type: ignore[misc]
+        assert not torque.in_trouble
+        assert curves(torque.plot)  # type: ignore[attr-defined]
+        assert user.faults == []

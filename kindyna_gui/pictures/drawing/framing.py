@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+import numpy as np
 from PySide6.QtCore import QRectF
 
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -22,6 +23,10 @@ def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
     for part in parts:
         if part.move is None and part.key.partition(".")[0] in _STANDING:
             rect = rect.united(part.item.boundingRect())
+        if part.move is not None and part.key.startswith("stem."):
+            for i in (int(np.argmin(np.abs(geometry.reference))), int(np.argmax(np.abs(geometry.reference)))):
+                part.move(i)
+                rect = rect.united(part.item.sceneBoundingRect())
     q = geometry.near_centres
     if q.size:
         x, y = q.real, q.imag

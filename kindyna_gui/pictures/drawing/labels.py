@@ -15,7 +15,7 @@ from PySide6.QtCore import QRectF
 
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
-from kindyna_gui.pictures.drawing.geometry import Geometry
+from kindyna_gui.pictures.drawing.geometry import Body, Geometry
 from kindyna_gui.pictures.drawing.items import Move, Part, Tag, pinned
 from kindyna_gui.pictures.drawing.parts import BLOCK_HEIGHT, BLOCK_LENGTH, drawn_joints, ground_direction
 from kindyna_gui.pictures.drawing.shapes import BAR, EYE
@@ -92,7 +92,7 @@ def names(geometry: Geometry) -> Iterator[Label]:
         if body.name in slides:
             yield Label(body.name, name, *_of_slide(geometry, body.name, slides), "linkage")
         elif len(places) > 1:
-            ends = max(((a, b) for a in places for b in places), key=lambda e: abs(e[0] - e[1]))
+            ends = max(bars(body, geometry), key=lambda e: abs(e[0] - e[1]))
             yield Label(
                 body.name, name, body.track(sum(ends) / 2), 1.5 * BAR * unit, "linkage", None, _turn(geometry, body.name)
             )
@@ -107,6 +107,14 @@ def names(geometry: Geometry) -> Iterator[Label]:
         yield Label("cam", "cam", fixed, float(np.abs(geometry.profile).max()), "cam", 0.93 * geometry.bearing_room)
         if np.isfinite(geometry.centre).any():
             yield Label("centre", "Q", geometry.centre, 1.6 * unit, "centre")
+
+
+def bars(body: Body, geometry: Geometry) -> list[tuple[complex, complex]]:
+    """The ends of a body's bars in its frame [mm]: those of a lever go out from its fixed pivot."""
+    nodes = geometry.nodes(body)
+    pivots = [j.pair.point for j in geometry.joints if j.fixed and j.pair.kind == REVOLUTE and j.pair.body == body.name]
+    starts = [nodes[name] for name in pivots if name in nodes][:1] or list(nodes.values())
+    return [(start, end) for start in starts for end in nodes.values() if start != end]
 
 
 def _free_points(geometry: Geometry) -> Iterator[Label]:
@@ -126,7 +134,8 @@ def _of_slide(geometry: Geometry, name: str, slides: dict) -> tuple[np.ndarray, 
     joint, unit = slides[name], geometry.unit
     if joint.fixed and name == geometry.kinematics.follower_body and not geometry.numbered:
         outwards = 1.0 if (joint.root * joint.line.conjugate()).real >= 0.0 else -1.0
-        return joint.track + outwards * joint.line * (geometry.face_radius + 0.9 * unit), unit
+        beyond = max(geometry.face_radius, abs(geometry.face_held.real) if not geometry.face_radius else 0.0)
+        return joint.track + outwards * joint.line * (beyond + 0.9 * unit), unit
     return joint.track, 0.5 * float(np.hypot(BLOCK_LENGTH, BLOCK_HEIGHT)) * unit
 
 
