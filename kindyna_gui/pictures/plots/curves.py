@@ -44,7 +44,7 @@ LIMITS: Mapping[str, tuple[str, Callable[[Study], float]]] = MappingProxyType(
     {
         "pressure_angle": ("usual limit {}", _pressure_angle),
         "pitch_curvature": ("undercut from {}", _undercut),
-        "contact_force": ("lifts off below {}", lambda study: 0.0),
+        "contact_force": ("lifts off below {}", lambda study: np.inf if study.holds else 0.0),
         "jam_factor": ("jams from {}", lambda study: 1.0),
     }
 )
