@@ -161,10 +161,10 @@ def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
 
 def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
     """Beside the profile by its radius, where the roller runs."""
-    told = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.001)
+    told = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.01)
     check_deviation(tmp_path / "cam.dxf", told, exact(COUPLER, 8.0), False, "CUTTER")
     profile = drawings.arc_chain(drawings.on_layer(tmp_path / "cam.dxf", "PROFILE"))
-    assert off(exact(COUPLER), drawings.along_arcs(*profile, 5000)).max() <= 0.001
+    assert off(exact(COUPLER), drawings.along_arcs(*profile, 5000)).max() <= 0.01
     told = written(COUPLER, tmp_path / "cam.csv", "--cutter", 8)
     check_deviation(tmp_path / "cam.csv", told, exact(COUPLER, 8.0), True)
 
@@ -255,7 +255,7 @@ def pair_deviation(p: complex, q: complex, start: complex, end: complex, z: np.n
 
 def test_tangent_arcs_have_no_break_anywhere(tmp_path: Path) -> None:
     """The closure included; and turn about once in all."""
-    for words in (("--tolerance", 1e-3), ("--tolerance", 1.0), ("--samples", 24)):
+    for words in (("--tolerance", 0.01), ("--samples", 24)):
         written(saved(tmp_path, HOLLOW), tmp_path / "cam.dxf", "--as", "arcs", *words)
         p, b = drawings.arc_chain(drawings.on_layer(tmp_path / "cam.dxf", "PROFILE"))
         starts, ends = drawings.tangents(p, b)
@@ -281,31 +281,31 @@ def test_an_eccentric_disk_is_two_arcs(tmp_path: Path) -> None:
 def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
     design = saved(tmp_path, replace(TURNED, name="Kran 7, gedreht é"))
     for fit in FITS:
-        told = written(design, tmp_path / "cam.dxf", "--as", fit)
+        told = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
         read = ezdxf.readfile(tmp_path / "cam.dxf")
-        assert read.audit().errors == []
-        assert read.audit().fixes == []
+        audit = read.audit()
+        assert (audit.errors, audit.fixes) == ([], [])
         assert {e.dxf.layer for e in read.modelspace()} == {"PROFILE", "PITCH", "BASE", "ZERO"}
     assert drawings.header(tmp_path / "cam.dxf", "$INSUNITS") == [4.0]
     assert drawings.header(tmp_path / "cam.dxf", "$INSBASE") == [0.0, 0.0, 0.0]
     assert drawings.on_layer(tmp_path / "cam.dxf", "BASE").all(40).tolist() == [30.0]
     pitch = drawings.along_dxf(tmp_path / "cam.dxf", "PITCH", 4000)
-    assert off(exact(design, 12.0), pitch).max() <= 0.001
+    assert off(exact(design, 12.0), pitch).max() <= 0.02
     mark = drawings.on_layer(tmp_path / "cam.dxf", "ZERO")
     assert (mark.all(20).item(), mark.all(21).item()) == (0.0, 0.0)
     assert off(np.array([mark.all(11).item()]), exact(design)).item() < 1e-4
     text = "\n".join(drawings.comments(tmp_path / "cam.dxf"))
-    for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "0.001 mm", f"{told['points']}"):
+    for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "tolerance 0.02 mm", f"{told['points']}"):
         assert words in text
 
 
 def test_bore_and_keyway_are_drawn_where_they_are_known(tmp_path: Path) -> None:
     """Sides and bottom of the keyway by their corners: from the bore to its depth, half its width beside its angle."""
     design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8))
-    written(design, tmp_path / "cam.dxf")
+    written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert "KEYWAY" not in {entity.layer for entity in drawings.entities(tmp_path / "cam.dxf")}, "nobody knows where"
     design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0))
-    written(design, tmp_path / "cam.dxf")
+    written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert drawings.on_layer(tmp_path / "cam.dxf", "BORE").all(40).tolist() == [10.0]
     lines = [entity for entity in drawings.entities(tmp_path / "cam.dxf") if entity.layer == "KEYWAY"]
     corners = [(line.all(10).item(), line.all(20).item(), line.all(11).item(), line.all(21).item()) for line in lines]
@@ -349,10 +349,10 @@ def test_the_same_design_gives_the_same_bytes(tmp_path: Path) -> None:
     """In another process, too, which says so in words."""
     design = saved(tmp_path, PUSHER)
     for name in ("one.csv", "one.dxf", "two.dxf", "one.svg", "two.svg"):
-        run(design, "--out", tmp_path / name)
+        run(design, "--out", tmp_path / name, "--samples", 90)
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTHONHASHSEED": "7", "TZ": "Asia/Seoul"}
     out = tmp_path / "elsewhere/one.dxf"
-    command = [sys.executable, "-m", "core", "profile", str(design), "--out", str(out)]
+    command = [sys.executable, "-m", "core", "profile", str(design), "--out", str(out), "--samples", "90"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert "from the exact curve" in done.stdout
     assert done.stderr == ""
