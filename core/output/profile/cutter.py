@@ -10,11 +10,13 @@ import numpy as np
 
 from core.motion import TURN
 from core.motion.extremes import find_above
+from core.numerics.cancellation import checkpoint
 from core.numerics.vectors import cross
 from core.output.profile.curve import Curve, Exact, offset
 
 POINTS = 8192  # of the profile that are looked at together
 ROUNDING = 1e-11  # relative to radius and profile: a cutter so much inside it touches it
+RUN, RUNS_AT_ONCE = 64, 512  # points that are looked through together, centres for which they are
 WINDOW, WINDOWS = 2048, 3  # points of ever closer looks at a hollow too small to be seen
 STEPS = 40  # of the search for the place where a cutter touches twice
 BETWEEN = 4001  # points between its touches
@@ -67,11 +69,8 @@ def hollow(curve: Curve, exact: Exact, program: Any, side: float, radius: float)
 def _seen(curve: Curve, s: np.ndarray, side: float, radius: float) -> tuple[float, float] | None:
     """About where the cutter touches on both sides of the part that it enters deepest, of points at arc lengths s (n,); None
     where it enters nothing."""
-    from scipy.spatial import cKDTree
-
     z = curve.at(s)
-    centre = z + side * radius * 1j * curve.tangent(s)
-    distance, nearest = cKDTree(np.column_stack((z.real, z.imag))).query(np.column_stack((centre.real, centre.imag)))
+    distance, nearest = _nearest(z, z + side * radius * 1j * curve.tangent(s), radius)
     depth = radius - distance
     entered = depth > ROUNDING * (radius + curve.size)
     if not entered.any():
@@ -90,6 +89,31 @@ def _seen(curve: Curve, s: np.ndarray, side: float, radius: float) -> tuple[floa
 
     one, other = max(pairs, key=apart)
     return float(s[0] + one * step), float(s[0] + other * step)
+
+
+def _nearest(z: np.ndarray, centre: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (n,) of each centre (n,) from the nearest of the points z (n,) in their order along a curve, and which that is; no
+    point farther away than the radius counts, but its own, which is so far away.
+
+    Only runs of points are looked through whose circle about their middle comes within the radius.
+    """
+    runs = z.reshape(-1, RUN)
+    middle = runs.mean(axis=1)
+    reach = np.abs(runs - middle[:, None]).max(axis=1)
+    near = np.abs(centre[:, None] - middle) < radius + reach
+    near[np.arange(z.size), np.arange(z.size) // RUN] = True
+    distance, nearest = np.empty(z.size), np.empty(z.size, dtype=int)
+    for first in range(0, z.size, RUNS_AT_ONCE):
+        checkpoint()
+        which, run = np.nonzero(near[first : first + RUNS_AT_ONCE])
+        away = np.abs(runs[run] - centre[first + which, None])
+        place = np.argmin(away, axis=1)
+        least = away[np.arange(which.size), place]
+        order = np.lexsort((least, which))
+        best = order[np.searchsorted(which, np.arange(which[-1] + 1))]  # the first of each centre
+        part = slice(first, first + best.size)
+        distance[part], nearest[part] = least[best], run[best] * RUN + place[best]
+    return distance, nearest
 
 
 def _touches(path: Exact, program: Any, one: float, other: float) -> tuple[np.ndarray, complex]:
