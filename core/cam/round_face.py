@@ -12,6 +12,7 @@ import numpy as np
 from core.cam.shape import (
     INNER,
     OUTER,
+    SECOND,
     CamShape,
     FaceOutline,
     RoundFlank,
@@ -34,6 +35,7 @@ from core.numerics.vectors import cross, dot
 POINTS = 181  # of an outline
 _WORDS: Mapping[type, Mapping[str, str]] = MappingProxyType({Shoe: {"face": Shoe.face}})
 SPARE = 0.3  # of a drawn shoe beyond where it touches [rad]
+_OF_SECOND = ("second roller", "cam.second.roller_radius_mm", "make it smaller, or put the second roller farther out")
 WEDGE = 0.12  # length of a drawn edge, parts of the cam's size
 
 
@@ -55,7 +57,8 @@ def round_envelope(
     """
     motion, side = relative_motion(kinematics, sense), 1.0 if name != OUTER else -1.0
     reference, t = motion[0], motion[1]
-    _require_cam(kinematics, reference, t, 1e-3 * face.radius_mm, cam, face.noun)
+    of_cam = size_of(cam, face.noun, face.radius_mm)
+    _require_cam(kinematics, reference, t, 1e-3 * face.radius_mm, *(_OF_SECOND if name == SECOND else (face.noun, *of_cam)))
     normal = (-1j * sense) * t / np.abs(t)
     back = turned_back(kinematics, sense)
     bend = cache(lambda: curvature(motion, sense))
@@ -87,21 +90,21 @@ def _beyond(pitch_curvature: np.ndarray, offset: float) -> np.ndarray:
 
 
 def _require_cam(
-    kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, cam: object, name: str
+    kinematics: Kinematics, reference: np.ndarray, t: np.ndarray, radius: float, name: str, field: str, hint: str
 ) -> None:
+    """Raises NoCam; name: of the round, field, hint: which entry makes the cam larger, and how."""
     distance = np.abs(reference)
     bad = distance <= radius
     if bad.any():
         raise NoCam(
             f"the {name} covers the cam centre: its own centre comes as near as {distance.min() * 1e3:.9g} mm, "
             f"less than the {name} radius {radius * 1e3:.9g} mm, so the cam's radius turns negative",
-            *size_of(cam, name, radius),
-            angle_ranges(kinematics.theta, bad),
+            field, hint, angle_ranges(kinematics.theta, bad),
         )
     still = t == 0.0
     if still.any():
         raise NoCam(
-            f"the {name} stands still on the cam (cusp of the pitch curve)", size_of(cam, name, radius)[0], "change it",
+            f"the {name} stands still on the cam (cusp of the pitch curve)", field, "change it",
             angle_ranges(kinematics.theta, still),
         )  # fmt: skip
 

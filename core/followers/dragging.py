@@ -32,7 +32,7 @@ from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
-from core.followers.reach import reach_of
+from core.followers.reach import SECOND, reach_of
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import ROLLER
@@ -168,6 +168,26 @@ def _on_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     }
 
 
+def _second_arm(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """The second roller's arm and its angle from the first: nothing else moves."""
+    follower: Any = design.drive.mechanism
+    pivot = _at(kinematics, "pivot")
+    between = cmath.phase((to - pivot) / (complex(kinematics.follower.origin[0][0]) - pivot))
+    return {
+        "follower.second.arm_mm": abs(to - pivot) * 1e3,
+        "follower.second.angle_deg": _near(between, math.radians(follower.second.angle_deg)),
+    }
+
+
+def _behind(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """How far the second roller stands behind the first, along the guide."""
+    along = cmath.rect(1.0, si(design.drive.mechanism).direction)
+    distance = ((complex(kinematics.follower.origin[0][0]) - to) * along.conjugate()).real
+    if distance <= 0.0:
+        raise NoAssembly("the second roller would stand before the first", "follower.second.distance_mm", "put it behind")
+    return {"follower.second.distance_mm": distance * 1e3}
+
+
 def _point(name: str) -> Callable[[Design, Kinematics, complex], Changes]:
     return lambda design, kinematics, to: point_changes(design, kinematics, name, to)
 
@@ -181,6 +201,7 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
         Oscillating: {
             "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
             "roller": Drag("roller", "follower.arm_mm", _on_arm),
+            SECOND: Drag("second roller", "follower.second.arm_mm", _second_arm),
         },
         OscillatingFlat: {"pivot": Drag("pivot", "follower.pivot_x_mm", _pivot)},
         CamSlider: {
@@ -188,8 +209,12 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
             "arm_pin": Drag("arm pin", "follower.slider_arm_mm", _arm_pin),
             "slider_pin": Drag("slider pin", "follower.rod_mm", _slider_pin),
             "roller": Drag("roller", "follower.roller_arm_mm", _roller),
+            SECOND: Drag("second roller", "follower.second.arm_mm", _second_arm),
         },
-        Translating: {"roller": Drag("roller", "follower.offset_mm", _on_guide)},
+        Translating: {
+            "roller": Drag("roller", "follower.offset_mm", _on_guide),
+            SECOND: Drag("second roller", "follower.second.distance_mm", _behind),
+        },
     }
 )
 """Kind of follower -> the joints that can be drawn elsewhere, by the names of their points."""
@@ -200,7 +225,8 @@ def joints_of(design: Design) -> Mapping[str, Drag]:
     drags = DRAGS.get(type(design.drive.mechanism))
     if not drags:
         return _of_linkage(design)
-    noun = design.drive.face.noun
+    noun, paired = design.drive.face.noun, getattr(design.drive.mechanism, "second", None) is not None
+    drags = {name: drag for name, drag in drags.items() if paired or name != SECOND}
     return {name: replace(drag, label=noun) if drag.label == ROLLER else drag for name, drag in drags.items()}
 
 

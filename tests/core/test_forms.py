@@ -39,7 +39,8 @@ from core.design import (
 )
 from core.dynamics import momentum_residual, power_residual
 from core.errors import DesignError, NoAnswer
-from core.followers import built
+from core.followers import SECOND_ROLLER, built
+from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
 from core.motion import Angles, MotionState
 from core.output.channels import channels
@@ -423,6 +424,25 @@ def test_limits_of_the_second_cam() -> None:
     assert steep.values["value"] == pytest.approx(np.rad2deg(study.cam.flanks[1].pressure_angle.max()), rel=1e-6)  # type: ignore
     assert found(edited(PAIR, "follower.second.angle_deg", 20.0), "second-roller-pushes-along")
     assert not {"second-undercut", "second-roller-pushes-along"} & {finding.code for finding in Study(PAIR, 72).findings()}
+
+
+def test_a_second_roller_on_the_cam_centre_is_named() -> None:
+    with pytest.raises(NoAnswer, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"):
+        _ = Study(edited(PAIR, "cam.second.roller_radius_mm", 95.0), 72).cam
+
+
+def test_the_second_roller_is_drawn_elsewhere_by_the_mouse() -> None:
+    for name in ("rocker_cam", "card_picker", "transfer_lift"):
+        opened = load(EXAMPLES / f"{name}.toml")
+        assert SECOND_ROLLER not in joints_of(opened)
+        design = edited(opened, "cam.form", "conjugate")
+        there = Study(design, 72).at_theta(np.array([1.3]))
+        place = there.cam.flanks[1].reference[0]
+        along = 1j if name == "card_picker" else 1.0 + 0.5j  # what slides keeps to its guide
+        to = complex(place + 1e-3 * along)
+        after = Study(move_joint(design, there.linkage, SECOND_ROLLER, to, 12), 72).at_theta(np.array([1.3]))
+        assert after.cam.flanks[1].reference[0] == pytest.approx(to, abs=1e-13)
+        assert after.cam.flanks[0].reference[0] == there.cam.flanks[0].reference[0]
 
 
 # -- files and tables ----------------------------------------------------------------------------------------
