@@ -14,7 +14,7 @@ from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtSvg import QSvgRenderer
 
-from core.design import Design, Motion, Named, Segment
+from core.design import Design, Motion, Named, Segment, edited
 from core.output.channels import channel, channels
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import Outline, Tag
@@ -259,6 +259,7 @@ def test_what_is_next_to_infinity_does_not_set_the_scale() -> None:
         (PUSHER, "pressure_angle_deg", ["usual limit 30°"]),
         (LIFT, "pitch_curvature_per_mm", ["undercut from 6.667 1/m"]),
         (LIFT, "contact_force_n", ["lifts off below 0 kN"]),
+        (edited(LIFT, "cam.form", "groove"), "contact_force_n", []),
         (LIFT, "displacement_mm", []),
         (LIFT, "jam_factor", []),  # far below its limit
     ],
