@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import cmath
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import radians, sqrt
@@ -52,7 +52,7 @@ class Job:
 
     @property
     def profile(self) -> np.ndarray:
-        """Points (n,) complex [mm] of the profile, where a cutter's path runs beside it."""
+        """Points (n,) complex [mm] of the profile, at the angles of the study."""
         return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
@@ -108,7 +108,7 @@ def _keyway(job: Job) -> Iterator[Shape]:
 
 def _zero(job: Job) -> Iterator[Shape]:
     """A radial line up to the profile, along the cam's own x axis, which is the global one at cam angle 0."""
-    edge = _edge(job.main.curve.at(job.main.curve.length * np.arange(3600) / 3600.0))
+    edge = _edge(job.profile)
     yield Line(complex(ZERO_FROM * edge), complex(edge))
 
 
@@ -137,6 +137,17 @@ def layers(job: Job) -> dict[str, list[Shape]]:
     """Name -> what stands on it; those with nothing on them are left out."""
     drawn = {name: list(row.shapes(job)) for name, row in LAYERS.items()}
     return {name: shapes for name, shapes in drawn.items() if shapes}
+
+
+def reach(drawn: Mapping[str, Sequence[Shape]]) -> float:
+    """Largest distance of anything drawn from the cam centre [mm]; of curves that of their points."""
+    return max(_reach(shape) for shapes in drawn.values() for shape in shapes)
+
+
+def _reach(shape: Shape) -> float:
+    if isinstance(shape, Circle):
+        return shape.radius
+    return abs(shape.end) if isinstance(shape, Line) else float(np.abs(shape.vertices).max())
 
 
 def facts(job: Job) -> dict[str, Any]:

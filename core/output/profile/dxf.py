@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from core.output.profile.drawing import LAYERS, Circle, Line, Shape
+from core.output.profile.drawing import LAYERS, Circle, Line, Shape, reach
 from core.output.profile.fits import Arcs, Cubics
 
 VERSION = "R2010"
 COMMENT = 999  # group code
 MILLIMETRES, METRIC = 4, 1  # of $INSUNITS, $MEASUREMENT
-CLOSED, PLANAR = 1, 8  # flags of a spline
+PLANAR = 8  # flag of a spline; ends that meet close it: the flag for that makes some programs move its control points
+VIEW = 2.2  # height of what is seen first, times the drawing's reach
 LINES: Mapping[str, tuple[str, list[float]]] = MappingProxyType(
     {"CENTER": ("Center ____ _ ____", [12.0, 8.0, -1.5, 1.0, -1.5]), "DASHED": ("Dashed __ __", [4.0, 2.5, -1.5])}
 )
@@ -51,7 +52,10 @@ def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> by
             drawing.header[name] = juliandate(datetime(2000, 1, 1))
         for name, (text, pattern) in LINES.items():
             drawing.linetypes.add(name, pattern, description=text)
+        half = reach(layers)
+        drawing.set_modelspace_vport(VIEW * half)
         space = drawing.modelspace()
+        space.reset_extents((-half, -half, 0.0), (half, half, 0.0))
         for name, shapes in layers.items():
             drawing.layers.add(name, color=LAYERS[name].colour, linetype=LAYERS[name].line)
             for shape in shapes:
@@ -75,7 +79,7 @@ def _spline(space: Any, shape: Cubics, attributes: dict[str, Any]) -> None:
     points = np.concatenate((shape.points[:1, 0], inner, shape.points[:1, 0]))
     ends = np.append(0.0, np.cumsum(shape.lengths))
     knots = np.concatenate(([0.0, 0.0], np.repeat(ends, 2), [ends[-1]] * 2))
-    made = space.add_spline(dxfattribs={**attributes, "degree": 3, "flags": CLOSED | PLANAR, "extrusion": (0.0, 0.0, 1.0)})
+    made = space.add_spline(dxfattribs={**attributes, "degree": 3, "flags": PLANAR, "extrusion": (0.0, 0.0, 1.0)})
     made.knots = knots.tolist()
     made.control_points = [(z.real, z.imag, 0.0) for z in points.tolist()]
 

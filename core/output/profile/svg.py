@@ -11,7 +11,7 @@ from xml.sax.saxutils import escape
 
 import numpy as np
 
-from core.output.profile.drawing import Circle, Line, Shape
+from core.output.profile.drawing import Circle, Line, Shape, reach
 from core.output.profile.fits import Arcs, Cubics
 
 MARGIN = 0.05  # of the drawing's size, around it
@@ -65,20 +65,13 @@ def _line(shape: Line) -> str:
 SHAPES: Mapping[type, Callable[[Any], str]] = MappingProxyType({Arcs: _arcs, Cubics: _cubics, Circle: _circle, Line: _line})
 
 
-def _reach(shape: Any) -> float:
-    """Largest distance from the cam centre; of curves nearly."""
-    if isinstance(shape, Circle):
-        return shape.radius
-    return float(np.abs(shape.vertices).max()) if isinstance(shape, Arcs | Cubics) else abs(shape.end)
-
-
 def written(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> bytes:
     """The file: a comment, a title, a group for each layer."""
     return "\n".join(_lines(comment, layers)).encode("utf-8", "replace")
 
 
 def _lines(comment: Sequence[str], layers: Mapping[str, Sequence[Shape]]) -> Iterator[str]:
-    half = (1.0 + MARGIN) * max(_reach(shape) for shapes in layers.values() for shape in shapes)
+    half = (1.0 + MARGIN) * reach(layers)
     half = float(np.ceil(half))
     yield '<?xml version="1.0" encoding="UTF-8"?>'
     yield from ("<!--", *(re.sub("-(?=-)", "- ", line) for line in comment), "-->")  # two hyphens end a comment
