@@ -4,10 +4,11 @@ and what to do. An exception means that no answer exists; limits that are merely
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+
+from core.frozen import frozen
 
 
 def _shown(value: Any) -> str:
@@ -18,7 +19,7 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-@dataclass(frozen=True)
+@frozen
 class Fault:
     """One wrong entry of a design.
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
+
+from core.frozen import frozen
 
 ERROR, WARNING, NOTE = "error", "warning", "note"
 
 
-@dataclass(frozen=True)
+@frozen
 class Finding:
     """One limit reached.
 
@@ -153,7 +154,7 @@ LEAST_BOUND = 1e-12
 """Accuracy that every channel promises, relative to its size: a residual within it is kept whatever rounding would allow."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Residual:
     """One line of the certificate: a figure that exact arithmetic would make zero, relative to the size of its channel.
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QByteArray, QSettings
 from PySide6.QtWidgets import QMainWindow
 
+from core.frozen import frozen
+
 MOST_RECENT = 8
 
 
-@dataclass(frozen=True)
+@frozen
 class Layout:
     """How a task was left: the docks, the pages in the middle and the one in front, whether docks of linkages are there."""
 

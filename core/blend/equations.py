@@ -4,12 +4,12 @@ points (t, x1, ...) where such are 0: polynomials in t, or at the values of t th
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from core.blend.polynomials import ONE, UNIT, ZERO, Polynomial, at, roots, rounded, shortened, size_at, vanishes, whole
+from core.frozen import frozen
 
 POWERS = (-2, -1, 0, 1, 2)
 Form = np.ndarray
@@ -73,7 +73,7 @@ class Equations:
 # -- where forms are 0 ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class SolutionSpace:
     """Points over some of the free numbers: x_j = (x[j][0] + x[j][1] y1 + ...)/below, polynomials in t, or numbers where
     the equations pin t.
@@ -108,7 +108,7 @@ class SolutionSpace:
         return Parametrised(self.equations, self.t, rows, self.below, self.equations.tops[self.free[first] - 1])
 
 
-@dataclass(frozen=True)
+@frozen
 class Parametrised:
     """Points over a number p, 0 < p < top, and others: x_j = (x[j-1][0](p) + x[j-1][1](p) y1 + ...)/below(p).
 

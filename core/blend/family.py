@@ -11,7 +11,6 @@ Stroke of the rise and total span are 1 in the equations.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import inf, pi, sqrt
 
@@ -19,6 +18,7 @@ import numpy as np
 
 from core.blend.equations import Equations, Form, term, times_t
 from core.blend.sequences import CONSTANT, ELEMENTS, KAPPA, CurveSequence
+from core.frozen import frozen
 
 RISE, RETURN = ("h1", "h2", "h3"), ("h4", "h5", "h6")
 SPEEDS = {name: row.speed for name, row in ELEMENTS.items()}
@@ -27,7 +27,7 @@ _SINGLE = {"P2": KAPPA, "H6": pi / sqrt(2.0)}
 """c of span = c √(g h3)/V of a return of one curve: its acceleration at the top is that of H2."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Task:
     """Strokes of rise and return [mm or deg] and the total span [deg]; 0 for a stroke the motion lacks."""
 
@@ -36,7 +36,7 @@ class Task:
     span: float
 
 
-@dataclass(frozen=True)
+@frozen
 class Solution:
     """heights (all positive magnitudes) and spans [deg] curve by curve, in the order of the sequence; speeds of rise
     and return [per deg], 0 where the motion has none."""
@@ -55,7 +55,7 @@ class Solution:
         return max(c * h / (b * b) if b * b else inf for c, h, b in rows if c)
 
 
-@dataclass(frozen=True)
+@frozen
 class PeakAcceleration:
     """Largest |a| of a curve: factor S²/height with S its speed ``W`` or ``R``, for a stroke and a span of 1."""
 
@@ -64,7 +64,7 @@ class PeakAcceleration:
     factor: float
 
 
-@dataclass(frozen=True)
+@frozen
 class Family:
     """A sequence whose rise is made of several curves, or that has no free number at all.
 

@@ -5,7 +5,6 @@ setting that is linear, or a quotient of such, takes its extremes on these."""
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, pairwise
 from math import inf
@@ -18,6 +17,7 @@ from core.blend.evaluator import EPS, ROUNDING, Evaluator, Place
 from core.blend.family import Family
 from core.blend.polynomials import UNIT, Floats, Polynomial, quotient_at, roots, rounded, vanishes, whole
 from core.blend.request import Constraint, Range, merged, ratio, tied
+from core.frozen import frozen
 
 OPEN = 1e-9  # a height that must be above 0 this small at the end of a range: an open end
 SAME = 1e-9  # a setting that varies by less over all that the others leave is determined by them
@@ -41,7 +41,7 @@ class Extreme(NamedTuple):
     open: bool
 
 
-@dataclass(frozen=True)
+@frozen
 class Curve:
     """Points along one number p, 0 < p < top.
 
@@ -192,7 +192,7 @@ def between(low: float, high: float) -> float:
 Pieces = list[tuple[Curve, Stretch]]
 
 
-@dataclass(frozen=True)
+@frozen
 class Part:
     """A connected part of a region: its corners' curves over t from low to high, or lines at one t."""
 

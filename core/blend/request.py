@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import accumulate
 from math import fsum, isfinite
 from types import MappingProxyType
@@ -13,6 +13,7 @@ from core.blend.family import Family, Solution, Task
 from core.blend.sequences import CONSTANT_VELOCITY, MOTION_TYPES
 from core.design import Segment
 from core.errors import KindynaError
+from core.frozen import frozen
 
 HEIGHTS = ("h1", "h2", "h3", "h4", "h5", "h6")
 SETTINGS = (*HEIGHTS, "vcv", "vcv2", "length", "peak", "acceleration")
@@ -74,7 +75,7 @@ def ratio(name: str, family: Family) -> tuple[str, str]:
     return _SPEEDS.get(name, name), ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Range:
     """What a setting may be, from low to high; an open end can only be approached."""
 
@@ -121,7 +122,7 @@ class BlendError(KindynaError):
         super().__init__(message)
 
 
-@dataclass(frozen=True)
+@frozen
 class Request:
     """The motion that is wanted.
 
@@ -215,7 +216,7 @@ class Request:
                 raise BlendError(f"{text}; allowed: {self.start:g} < angle < {self.end:g} deg", POINT)
 
 
-@dataclass(frozen=True)
+@frozen
 class Blended:
     """The answer: curves in order with their spans [deg] and signed rises, from cam angle ``start``."""
 

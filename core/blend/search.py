@@ -5,7 +5,6 @@ that several numbers, an acceleration or points to pass leave."""
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache, partial
 from math import log
 
@@ -14,6 +13,7 @@ import numpy as np
 from core.blend.evaluator import Evaluator, Place, constant, logarithm
 from core.blend.region import MIXES, Region
 from core.blend.request import Constraint
+from core.frozen import frozen
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """A value and its derivatives (rows, n) from all forms of the family at n points."""
@@ -27,7 +27,7 @@ _OUTSIDE = 1e3  # what counts as the room that is missing where a quantity has n
 _LOG_MOST = 40.0  # bounds of the logarithms
 
 
-@dataclass(frozen=True)
+@frozen
 class Subproblem:
     """The greatest of ``goals`` is made least over the points where ``zero`` are 0 and heights and ``limits`` not below."""
 

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi, sqrt
 from types import MappingProxyType
+
+from core.frozen import frozen
 
 State = tuple[int, int]
 """Signs of velocity and acceleration at an end of a curve; a dwell is (0, 0)."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Element:
     """One row of Yang's Table 1.
 
@@ -56,7 +57,7 @@ ELEMENTS: Mapping[str, Element] = MappingProxyType(
 CONSTANT = ("CV1", "CV2")
 
 
-@dataclass(frozen=True)
+@frozen
 class MotionType:
     """One of Yang's motions by the states it passes: rise from ``bottom`` to ``top``, return to ``after``; a motion
     without one of them has None there."""
@@ -77,7 +78,7 @@ MOTION_TYPES: Mapping[str, MotionType] = MappingProxyType(
 CONSTANT_VELOCITY = ("none", "rise", "return", "both")
 
 
-@dataclass(frozen=True)
+@frozen
 class CurveSequence:
     """Curves of the rise and of the return, either empty where the motion has none."""
 

@@ -5,7 +5,6 @@ of all points; what several numbers leave beside a point or an acceleration is s
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from math import inf
 
@@ -29,6 +28,7 @@ from core.blend.search import Quantity, least, log_accelerations, sample
 from core.blend.sequences import CONSTANT, ELEMENTS, MOTION_TYPES, CurveSequence, sequences
 from core.blend.tracks import Track, acceleration_tracks
 from core.design import Named, Segment
+from core.frozen import frozen
 
 _MIRROR = {
     "C1": "C4", "C2": "C3", "C3": "C2", "C4": "C1", "C5": "C6", "C6": "C5", "CV1": "CV2", "CV2": "CV1",
@@ -172,7 +172,7 @@ def _alike(a: Place, b: Place) -> bool:
 # -- the sequences that may meet a request ----------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class Candidate:
     """A sequence with the family that solves it; backwards: of which it is the motion run backwards."""
 

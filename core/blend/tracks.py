@@ -5,7 +5,6 @@ Approximation Theory and Approximation Practice, ch. 18)."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations, pairwise
 from math import inf, pi
 
@@ -18,6 +17,7 @@ from core.blend.family import PeakAcceleration
 from core.blend.polynomials import Floats, Polynomial, roots, rounded, whole
 from core.blend.region import Curve, Stretch, polynomials_at
 from core.blend.request import Constraint, Range
+from core.frozen import frozen
 
 Function = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """Values (n,) at t (n,) and x (numbers, n)."""
@@ -36,7 +36,7 @@ _TRANSFORM = (2.0 / TERMS) * np.cos(np.outer(np.arange(TERMS), _ANGLES))
 _TRANSFORM[0] /= 2.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Track:
     """Feasible points along a number z from low to high: places gives t (n,) and x (numbers, n) at z (n,)."""
 
@@ -119,7 +119,7 @@ def _resolved(function: Callable[[np.ndarray], np.ndarray], low: float, high: fl
 Quadratic = tuple[Polynomial, Polynomial, Polynomial]
 
 
-@dataclass(frozen=True)
+@frozen
 class Arc:
     """One root y of a quadratic between two values of p; z runs from 0 to 1, smooth even where the two roots meet."""
 

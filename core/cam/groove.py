@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import degrees
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from core.cam.shape import OUTER, CamShape, RoundFlank, flank_named, round_flank
 from core.cam.sizes import ENTRIES
 from core.findings import ERROR, Finding
+from core.frozen import frozen
 from core.motion import TURN, Angles
 from core.numerics.vectors import dot
 
@@ -23,7 +23,7 @@ FINEST = 1e-9  # [rad]
 ShapeAt = Callable[[np.ndarray], CamShape]
 
 
-@dataclass(frozen=True)
+@frozen
 class Wall:
     """What is left between two stretches of a groove: its thickness [m], less than 0 where they run into each other, and the two
     cam angles [rad]."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
+from core.frozen import frozen
 from core.instant_centres import Centres
 from core.mechanism.kinematics import Kinematics
 from core.numerics.derivatives import BINOMIAL, Derivatives
@@ -18,7 +18,7 @@ from core.numerics.vectors import cross, dot
 INNER, OUTER, SECOND = "inner", "outer", "second"
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@frozen(eq=False, kw_only=True)
 class Flank:
     """One side of the cam that the follower touches, at n cam angles; each may be given as a function.
 
@@ -50,7 +50,7 @@ class Flank:
     sliding: Lazy[np.ndarray] = Lazy()
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@frozen(eq=False, kw_only=True)
 class RoundFlank(Flank):
     """Under a roller, a shoe or an edge, which has a pitch curve: the path of its centre.
 
@@ -67,7 +67,7 @@ class RoundFlank(Flank):
     pitch_curvature_slope: Lazy[np.ndarray] = Lazy()
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@frozen(eq=False, kw_only=True)
 class FlatFlank(Flank):
     """Under a straight face.
 
@@ -91,7 +91,7 @@ class FaceOutline(NamedTuple):
     held: complex
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class CamShape:
     """The cam at n cam angles: its flanks (one for an open cam), the first one first; of that the reference point R, its
     velocity t relative to the cam and the instant centre Q. sense: d = +1 where it turns counter-clockwise, -1 clockwise."""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeAlias
+
+from core.frozen import frozen
 
 if TYPE_CHECKING:
     from core.output.position import Snapshot
@@ -24,7 +25,7 @@ Painter = Callable[[Drawn], Mapping[str, bytes]]
 """Paints it: file name -> content."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Command:
     """One row: its help, the options it takes, what it does; ``run`` returns the exit code."""
 

@@ -7,16 +7,16 @@ as ``reach`` what takes its reference point from the cam centre to where it stan
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from core.design.fields import coordinate, length, number
+from core.frozen import frozen
 
 FACE = "face"
 """Key of the word."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Roller:
     """It turns on its own axis and rolls on the cam; its centre is the follower's reference point."""
 
@@ -34,7 +34,7 @@ class Roller:
         return self
 
 
-@dataclass(frozen=True)
+@frozen
 class Rolling:
     """A roller in [follower], which says no more: its radius is the cam's entry."""
 
@@ -46,7 +46,7 @@ class Rolling:
         return Roller(cam.roller_radius_mm)
 
 
-@dataclass(frozen=True)
+@frozen
 class _Sliding:
     """A face that is fixed to the follower and slides on the cam."""
 
@@ -56,7 +56,7 @@ class _Sliding:
         return self
 
 
-@dataclass(frozen=True)
+@frozen
 class Knife(_Sliding):
     """An edge: the profile is the path of the reference point."""
 
@@ -69,7 +69,7 @@ class Knife(_Sliding):
         return 0.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Shoe(_Sliding):
     """A round that slides; its centre is the reference point."""
 
@@ -83,7 +83,7 @@ class Shoe(_Sliding):
         return self.shoe_radius_mm
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Flat(_Sliding):
     """A straight face. Its normal m points from the cam to the face; places on it are counted along i·m from the
     reference point."""
@@ -106,7 +106,7 @@ class Flat(_Sliding):
         return 0.0
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class TiltedFlat(Flat):
     """Of a translating follower: the reference point is where the line at the offset meets the face."""
 
@@ -117,7 +117,7 @@ class TiltedFlat(Flat):
         return self.face_tilt_deg
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class OffsetFlat(Flat):
     """Of an arm: the reference point is the foot of the pivot on the face."""
 
@@ -131,7 +131,7 @@ Face = Roller | Knife | Shoe | TiltedFlat | OffsetFlat
 """A face with its size, as the cam sees it."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ContactFriction:
     """Of a face that slides on the cam."""
 

@@ -6,11 +6,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import lru_cache
 from typing import Any, cast
 
 from core.design.units import Unit, split_unit
+from core.frozen import frozen
 
 LARGEST = 1e15  # in the field's own unit: squares and products of such numbers still are numbers
 LONGEST_MM = 1e9
@@ -18,7 +19,7 @@ NOTHING = dataclasses.MISSING
 """The default of a field that has none."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Info:
     """What is known of one field.
 
@@ -134,7 +135,7 @@ def unit_of(field: dataclasses.Field[Any]) -> Unit:
 # -- where a part stands in the file ----------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class Placing:
     """How the file holds what is no entry of its own: text, a part, a list of parts.
 
@@ -184,7 +185,7 @@ def placed(placing: Placing, default: Any = NOTHING) -> Any:
     return field(default=default, metadata={_PLACING: placing})
 
 
-@dataclass(frozen=True)
+@frozen
 class Slot:
     """One entry of a part's table in the file.
 

@@ -6,10 +6,10 @@ changes sides where its force would change its sign.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from core.design.fields import LONGEST_MM, Placing, chosen_by_word, length, number, placed, whole
+from core.frozen import frozen
 
 FORM = "form"
 """Key of the word."""
@@ -19,7 +19,7 @@ def _play(help: str) -> Any:
     return number("Play", 0.0, LONGEST_MM, default=0.0, help=help)
 
 
-@dataclass(frozen=True)
+@frozen
 class Open:
     """One flank; something has to press the follower on it."""
 
@@ -27,7 +27,7 @@ class Open:
     holds: ClassVar[bool] = False
 
 
-@dataclass(frozen=True)
+@frozen
 class Groove:
     """The roller runs between an inner and an outer flank."""
 
@@ -36,14 +36,14 @@ class Groove:
     play_mm: float = _play("the groove is so much wider than the roller; the outer flank is the farther one")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class SecondRoller:
     """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
 
     roller_radius_mm: float = length("Second roller radius")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class SecondLinkRoller:
     """The roller on the second cam of a conjugate pair, at a point of a link."""
 
@@ -52,7 +52,7 @@ class SecondLinkRoller:
     roller_radius_mm: float = length("Second roller radius")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Conjugate:
     """Two cams on one shaft, a roller on each: where the one would pull, the other pushes."""
 
@@ -62,7 +62,7 @@ class Conjugate:
     second: SecondRoller = placed(Placing(SecondRoller, single=True, missing="{ roller_radius_mm = 20.0 }"))
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class LinkageConjugate:
     """The same under a linkage."""
 
@@ -88,7 +88,7 @@ def _known(label: str, help: str) -> Any:
     return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = not known")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Blank:
     """What the drawing of a cam may state besides its form, as far as it is known."""
 

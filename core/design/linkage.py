@@ -6,13 +6,13 @@ The same point name on several links is a revolute pair: n links on one pin are 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import ClassVar
 
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import Blank, Form, Groove, LinkageConjugate, Open, form_of
+from core.frozen import frozen
 
 FRAME_LINK = 1
 """Number of the link that stands still; its frame is the global frame."""
@@ -21,7 +21,7 @@ CRANK, MOTION = "crank", "motion"
 DRIVERS = (CRANK, MOTION)
 
 
-@dataclass(frozen=True)
+@frozen
 class Place:
     """A named point of a link, in the link's own frame."""
 
@@ -30,7 +30,7 @@ class Place:
     y_mm: float = coordinate("y", pair="x, y")
 
 
-@dataclass(frozen=True)
+@frozen
 class Link:
     """One rigid body. Points whose name stands on no other link are followed and drawn (coupler points)."""
 
@@ -45,7 +45,7 @@ class Link:
         return MappingProxyType({p.name: complex(p.x_mm, p.y_mm) for p in self.points})
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Slider:
     """``link`` slides on the link ``on`` along a line of that one's frame, without turning on it: the x axis of the
     frame of ``link`` lies on the line and points along it."""
@@ -57,7 +57,7 @@ class Slider:
     angle_deg: float = number("Angle of the line", -360.0, 360.0, default=0.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Driver:
     """The link that is moved: a ``crank`` pinned to the frame turns at speed; with ``motion`` the angle of a link
     pinned to the frame, or the slide of a link on the frame, follows the design's motion."""
@@ -71,7 +71,7 @@ class Driver:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class Side:
     """Which way a joint is assembled: +1 left, -1 right.
 
@@ -86,7 +86,7 @@ class Side:
     side: int = whole("Side", -1, 1, numbers=(1, -1))
 
 
-@dataclass(frozen=True)
+@frozen
 class Linkage:
     """Links, sliding pairs, driver and branches, in the order of the file."""
 
@@ -107,7 +107,7 @@ class Linkage:
         return MappingProxyType({s.joint: s.side for s in self.branch})
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class LinkageCam(Blank):
     """Disk cam about the origin of the frame, under a roller, a knife edge or a shoe at a point of a link: it makes the linkage
     follow the motion. Its size follows from where that point runs."""
@@ -121,7 +121,7 @@ class LinkageCam(Blank):
     form: Form = form_of(Open, Groove, LinkageConjugate)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class LinkMass:
     """Mass of a link."""
 
@@ -132,7 +132,7 @@ class LinkMass:
     centre_y_mm: float = coordinate("Centre of mass y", pair="centre", default=0.0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class LinkForce:
     """A constant force at a point of a link, in the frame's directions, and a torque on the link."""
 
@@ -143,7 +143,7 @@ class LinkForce:
     torque_nm: float = number("Torque", default=0.0, help="counter-clockwise")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class LinkageLoads:
     """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
 

@@ -6,13 +6,14 @@ A stroke is a run of segments that move one way without a rest between them, so 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import fsum
 from types import MappingProxyType
 
 from core.design.edits import back_at_start, balance, is_dwell, stretched, times
 from core.design.joins import LEAST_SPAN, join_levels
 from core.design.parts import Curve, End, Motion, Named, Point, Polynomial, Segment, Spline
+from core.frozen import frozen
 from core.laws import find_law
 
 CLOSE = 1e-9  # a level this near to where it was is where it was
@@ -62,7 +63,7 @@ def _backwards(end: End) -> End:
 # -- strokes ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class _Turn:
     """The segments in the order of the turn, begun with a stroke: the stroke itself, what lies between it and the next
     stroke the other way, that stroke, and what is behind; each a list of numbers of segments."""

@@ -6,7 +6,7 @@ No part holds a result, a view setting or another kind's keys; a part that is No
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, ClassVar
 
@@ -25,12 +25,13 @@ from core.design.faces import (
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
 from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS
+from core.frozen import frozen
 from core.laws import LAWS
 
 # -- motion ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class Named:
     """A curve known by its name in the table of laws. ``crossover``: where a symmetric law turns from acceleration to
     deceleration, as a fraction of the span."""
@@ -39,7 +40,7 @@ class Named:
     crossover: float = number("Crossover", 0.01, 0.99, default=0.5, step=0.05, help="0.5 = symmetric")
 
 
-@dataclass(frozen=True)
+@frozen
 class Scca:
     """Sine - constant - cosine acceleration: of what constant velocity leaves of the span, how much is sine ramp and
     how much constant acceleration; the rest is cosine (Norton ch. 3: b, c, d)."""
@@ -53,7 +54,7 @@ class Scca:
     )
 
 
-@dataclass(frozen=True)
+@frozen
 class End:
     """What a polynomial does at one end, per degree of cam angle; an absent jerk is left free."""
 
@@ -62,7 +63,7 @@ class End:
     jerk: float | None = number("Jerk", default=None, help="per degree cubed; empty = free")
 
 
-@dataclass(frozen=True)
+@frozen
 class Polynomial:
     """The polynomial of least degree with the wanted ends."""
 
@@ -72,7 +73,7 @@ class Polynomial:
     end: End = placed(Placing(End, single=True, whole=True), End())
 
 
-@dataclass(frozen=True)
+@frozen
 class Point:
     """What a spline does at an angle from the segment's start: its value (from the segment's start too), velocity and
     acceleration per degree, as far as they are given."""
@@ -83,7 +84,7 @@ class Point:
     acceleration: float | None = number("Acceleration", default=None)
 
 
-@dataclass(frozen=True)
+@frozen
 class Spline:
     """The curve of least jerk (in the mean square) through the points; periodic where it takes the whole turn, else it
     starts and ends at rest where no point says otherwise."""
@@ -110,7 +111,7 @@ def _curve_class(table: Mapping[str, Any]) -> type[Curve]:
     return CURVES.get(law, Named) if isinstance(law, str) else Named
 
 
-@dataclass(frozen=True)
+@frozen
 class Segment:
     """One stretch of the motion: cam span, rise (end minus start, in the motion's unit), and the curve between."""
 
@@ -119,7 +120,7 @@ class Segment:
     curve: Curve = placed(Placing(Named, choose=_curve_class, brief=True), Named("dwell"))
 
 
-@dataclass(frozen=True)
+@frozen
 class Motion:
     """The follower's motion over one turn: where it stands at cam angle 0, and its segments in order.
 
@@ -147,7 +148,7 @@ def faces_of(flat: type[Flat] | None, *, brief: bool = False, default: Any = Rol
     return placed(placing, default)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class SecondArm:
     """Where the second roller of a conjugate pair stands: at the end of an arm that is fixed to the first."""
 
@@ -155,7 +156,7 @@ class SecondArm:
     angle_deg: float = number("Second arm's angle", -360.0, 360.0, help="from the first roller's arm, counter-clockwise")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class SecondPlace:
     """Where the second roller of a conjugate pair stands on a follower that slides."""
 
@@ -167,7 +168,7 @@ def _second(kind: type[SecondArm] | type[SecondPlace]) -> Any:
     return placed(Placing(kind, single=True), None)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class CamSlider:
     """Roller arm and slider arm on one pivot, rod to a slider on a straight guide (Shin1995, Figs. 1-3)."""
 
@@ -188,7 +189,7 @@ class CamSlider:
     second: SecondArm | None = _second(SecondArm)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Translating:
     """Follower that slides on a straight guide."""
 
@@ -201,7 +202,7 @@ class Translating:
 SIDES: Mapping[str, float] = MappingProxyType({"left": 1.0, "right": -1.0})
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Oscillating:
     """Arm on a fixed pivot with a roller, a knife edge or a shoe on the cam."""
 
@@ -215,7 +216,7 @@ class Oscillating:
     second: SecondArm | None = _second(SecondArm)
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class OscillatingFlat:
     """Arm on a fixed pivot with a flat face on the cam; the contact moves along it, so that it has no length of its own."""
 
@@ -231,7 +232,7 @@ Follower = CamSlider | Translating | Oscillating | OscillatingFlat
 # -- cam, shaft, loads ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class DiskCam(Blank):
     """Disk cam under a face that is not a roller."""
 
@@ -239,7 +240,7 @@ class DiskCam(Blank):
     form: Open = form_of(Open)
 
 
-@dataclass(frozen=True)
+@frozen
 class RollerCam(Blank):
     """Disk cam followed by a roller."""
 
@@ -262,7 +263,7 @@ SENSES: Mapping[str, float] = MappingProxyType({"ccw": 1.0, "cw": -1.0})
 SPRINGS = ("fixed", "retuned")
 
 
-@dataclass(frozen=True)
+@frozen
 class Elastic:
     """What makes the camshaft flexible: a spring between the drive, which turns evenly, and the cam (Kim1990 Fig. 1).
 
@@ -282,7 +283,7 @@ def _elastic_class(table: Mapping[str, Any]) -> type[Elastic] | None:
     return Elastic if any(field.name in table for field in fields(Elastic)) else None
 
 
-@dataclass(frozen=True)
+@frozen
 class Shaft:
     """The camshaft: sense and speed of rotation, flywheel, motor; ``elastic`` where it twists."""
 
@@ -318,7 +319,7 @@ def _friction() -> float:
     return field
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Loads:
     """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
 
@@ -327,7 +328,7 @@ class Loads:
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class CamSliderLoads(Loads):
     """Masses and forces of the cam-driven slider."""
 
@@ -348,7 +349,7 @@ class CamSliderLoads(Loads):
     spring_rate_n_per_mm: float = number("Spring rate", 0.0, default=0.0, help="pulls the slider back by rate times y")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class TranslatingLoads(Loads):
     """Masses and closing spring of a translating follower."""
 
@@ -358,7 +359,7 @@ class TranslatingLoads(Loads):
     preload_n: float = number("Spring preload", default=0.0, help="towards the cam, where the motion is 0")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class OscillatingLoads(Loads):
     """Masses and closing spring of an oscillating follower."""
 
@@ -372,7 +373,7 @@ class OscillatingLoads(Loads):
     preload_nm: float = number("Spring preload", default=0.0, help="against the motion, where it is 0")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class OscillatingFlatLoads(Loads):
     """Masses and closing spring of an arm with a flat face."""
 
@@ -389,7 +390,7 @@ class OscillatingFlatLoads(Loads):
 # -- kinds of followers ------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
+@frozen
 class FollowerKind:
     """One row per follower: the classes its tables of the file are read into, and the unit of its motion.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from math import nan
 from typing import Any, TypeVar
 
@@ -15,6 +15,7 @@ from core.design.fields import LAW, Info, Slot, slots, slots_of
 from core.design.parts import Segment, curve_of
 from core.design.units import NO_UNIT, Unit, split_unit
 from core.design.whole import Design, with_table
+from core.frozen import frozen
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
@@ -23,7 +24,7 @@ _NO_ROW = object()
 P = TypeVar("P")
 
 
-@dataclass(frozen=True)
+@frozen
 class Entry:
     """One value that can be edited: its path, what is known of it, its unit, what stands there; in_file: path of the entry
     of the file, which of a pair holds both."""

@@ -6,17 +6,17 @@ Combinatorics only; the lengths do not matter here. A pair is named by its pin, 
 from __future__ import annotations
 
 from collections.abc import Iterator, Set
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import combinations
 
 from core.design.linkage import FRAME_LINK, Linkage, Slider
+from core.frozen import frozen
 
 GROUP = "group"
 _MOST_SEARCHED = 14  # links among which the smallest group is searched; the subsets double with each
 
 
-@dataclass(frozen=True)
+@frozen
 class Pin:
     """A revolute joint: its name and the links on it, lowest number first; n links make n - 1 pairs."""
 
@@ -24,7 +24,7 @@ class Pin:
     links: tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@frozen
 class Step:
     """Links that are solved together once those before them are.
 
@@ -44,7 +44,7 @@ class Step:
         return self.pairs[1]
 
 
-@dataclass(frozen=True)
+@frozen
 class Order:
     """The steps; links that too many pairs hold; links that nothing determines."""
 

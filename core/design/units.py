@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
+from core.frozen import frozen
 
-@dataclass(frozen=True)
+
+@frozen
 class Unit:
     """symbol as printed; factor from the user's unit to SI."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, TypeVar
 
 from core.design.faces import Face
@@ -11,6 +11,7 @@ from core.design.forms import Blank
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
+from core.frozen import frozen
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(Blank))
@@ -18,7 +19,7 @@ SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads")
 """The tables of a file in their order; no design has all of them."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Drive:
     """What one motion moves: a follower or a linkage, the cam under it, the loads on it.
 
@@ -92,7 +93,7 @@ class Drive:
         return "deg" if self.is_linkage else FOLLOWER_KINDS[self.kind].motion_unit
 
 
-@dataclass(frozen=True)
+@frozen
 class Design:
     """A shaft with its drives. ``shaft`` is None where a linkage's own driver says how fast it turns; ``assumed`` lists the
     field paths whose values are guesses."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.derivatives import Derivatives
 from core.numerics.vectors import dot
@@ -53,7 +53,7 @@ class Element(Protocol):
     def potential(self, kinematics: Kinematics) -> np.ndarray: ...
 
 
-@dataclass(frozen=True)
+@frozen
 class Inertia:
     """mass [kg], centre of mass in the body's frame [m], inertia about that centre [kg m²]."""
 
@@ -70,7 +70,7 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
     return Inertia(mass, centre, about)
 
 
-@dataclass(frozen=True)
+@frozen
 class Mass:
     """The mass of a body under gravity g [m/s²], complex: m(g - a) at its centre of mass and the couple -I α̈."""
 
@@ -110,7 +110,7 @@ class Mass:
         ])  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class OutputForce:
     """On the output along its motion: F(y) = force - rate y, y the motion [N and m, or N m and rad]: an external force and
     a spring."""
@@ -142,7 +142,7 @@ class OutputForce:
         return np.array([-force * v, self.rate * v * v - force * a])
 
 
-@dataclass(frozen=True)
+@frozen
 class PointForce:
     """A constant force [N], complex, at a point of a body, and a constant torque [N m] on it."""
 
@@ -168,7 +168,7 @@ class PointForce:
         return np.array(np.broadcast_arrays(*rows))
 
 
-@dataclass(frozen=True)
+@frozen
 class Friction:
     """Coulomb friction of a pair: μ|N| along the line of a sliding pair, the moment μ r |R| in a pin of radius r [m]."""
 
@@ -177,7 +177,7 @@ class Friction:
     radius: float = 1.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Loading:
     """What acts on a mechanism: masses, other force elements, and the pairs that rub.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.polynomial import chebyshev
 from core.dynamics.elements import Loading
 from core.dynamics.forces import Forces
 from core.findings import NOTE, Finding
+from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import piecewise_angles
@@ -28,7 +28,7 @@ NAMES = {"groove": ("inner flank", "outer flank"), "conjugate": ("first roller",
 At = Callable[[Angles], tuple[Kinematics, Forces]]
 
 
-@dataclass(frozen=True)
+@frozen
 class FlankChange:
     """theta [rad]; to: number of the flank that carries from there on; impact [m/s]: speed of what strikes it across the
     play, along the normal; None without play, or where the force turns round again before the play is crossed."""

@@ -8,7 +8,7 @@ found from the reactions, which are affine in it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +17,7 @@ from core.cam import OUTER, CamShape, Flank
 from core.dynamics.elements import Friction, Load, Loading, Rate
 from core.dynamics.friction import JAMMED, GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
 from core.dynamics.walk import Walk
+from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
 from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot, spread
@@ -41,7 +42,7 @@ class Contact(NamedTuple):
     lever: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Forces:
     """All forces at n cam or crank angles, at constant speed ``omega`` [rad/s]; complex = global frame [N].
 

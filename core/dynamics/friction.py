@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
 import numpy as np
+
+from core.frozen import frozen
 
 JAMMED = 1e150  # [N] stands for a force without limit: infinity would leave nan behind, not a sign
 _BEYOND = 1e100
@@ -34,7 +36,7 @@ def limitless(value: Any) -> Any:
     return np.where(np.abs(value) > _BEYOND, np.copysign(np.inf, value), value)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class GuideReaction:
     """normal (n,) [N] by the guide on the body, along guide + 90 deg; friction (n,) [N] along the guide;
     jam (n,) the factor that must stay below 1."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from core.design import FRAME_LINK, CamSlider, Driver, Link, Linkage, Place, Side, Slider, si
 from core.errors import NoAssembly, angle_ranges
 from core.followers.reach import angle_at_pivot, rounded, second_on_arm
+from core.frozen import frozen
 from core.mechanism.mechanism import Mechanism, Reference
 from core.mechanism.solving import Solved
 from core.motion import MotionState
@@ -19,7 +19,7 @@ ARM, ROD, SLIDER = 2, 3, 4
 EPS_LENGTH = 1e-12  # of a length: beyond reach by less is in line
 
 
-@dataclass(frozen=True)
+@frozen
 class Layout:
     """One of Shin1995 Fig. 1 (a)-(h): cam left of the pivot, roller above the line to the pivot, slider right of
     the arm's tip."""
@@ -35,7 +35,7 @@ LAYOUT_TABLE = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class BasePosition:
     """Roller on the base circle, y = 0 [m, rad]: slider L0, arm φ0, roller arm α0 (global), rod β0; and the sign σ
     of the triangle arm-rod, kept over the whole cycle."""

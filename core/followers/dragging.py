@@ -10,7 +10,7 @@ from __future__ import annotations
 import cmath
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import pi
 from types import MappingProxyType
 from typing import Any
@@ -33,6 +33,7 @@ from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
 from core.followers.reach import SECOND, reach_of
+from core.frozen import frozen
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
 from core.mechanism.mechanism import ROLLER
@@ -44,7 +45,7 @@ Changes = Mapping[str, Any]
 _ANGLE_DECIMALS = 2  # more of them for an angle in degrees than for a length in mm
 
 
-@dataclass(frozen=True)
+@frozen
 class Drag:
     """One joint: its name for the reader, the path of the value that is edited by it above all, and what follows from a place
     ``to`` [m] in the position that ``kinematics`` shows (n = 1)."""

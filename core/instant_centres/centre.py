@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
+
+from core.frozen import frozen
 
 Key = tuple[str, str]
 """Two bodies, in the order of a mechanism's."""
@@ -17,7 +18,7 @@ def key_of(a: str, b: str, order: Mapping[str, int]) -> Key:
     return (a, b) if order[a] < order[b] else (b, a)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Centres:
     """point (n,) complex and weight (n,): the centre is point/weight; weight 0 = at infinity in direction point.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
+from core.frozen import frozen
 from core.instant_centres.centre import Centres, Key
 from core.instant_centres.linkage import CentreTable, centres_in_motion
 from core.mechanism.kinematics import Kinematics
@@ -15,7 +15,7 @@ from core.mechanism.kinematics import Kinematics
 Triple = tuple[str, str, str]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Collinearity:
     """For T triples of bodies at n positions.
 

@@ -7,17 +7,17 @@ with known ones: the three centres of any three bodies lie on one line, so it is
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from heapq import heappop, heappush
 from itertools import combinations
 
 import numpy as np
 
+from core.frozen import frozen
 from core.instant_centres.centre import Centres, Key, key_of
 
 
-@dataclass(frozen=True)
+@frozen
 class Triangle:
     """A wanted centre's bodies and a third one: the line through ``first`` and ``second`` holds the wanted centre."""
 
@@ -26,7 +26,7 @@ class Triangle:
     second: Key
 
 
-@dataclass(frozen=True)
+@frozen
 class KennedyStep:
     """A centre and the triangles that give it when its turn comes; the first two are drawn."""
 
@@ -34,7 +34,7 @@ class KennedyStep:
     triangles: tuple[Triangle, ...]
 
 
-@dataclass(frozen=True)
+@frozen
 class Construction:
     """Centres known at sight, then the others in the order they are found; ``beyond``: those that no two triangles
     reach (the linkage is indeterminate by this construction)."""

@@ -7,12 +7,12 @@ each other: V_PA lies along the guide.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, FRAME_POSE, SLIDING, Kinematics, Pair, Pose
 from core.mechanism.mechanism import body_name
 from core.numerics.vectors import dot
@@ -21,7 +21,7 @@ TURNING = "turning"
 ABSOLUTE = "absolute"
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Difference:
     """One triangle of the velocity polygon.
 
@@ -94,7 +94,7 @@ Corner = tuple[str, str]
 POLE: Corner = ("", FRAME)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Side:
     """One vector of the polygon: absolute from the pole, else a difference; ``body`` turns with it, or slides.
 
@@ -108,7 +108,7 @@ class Side:
     vector: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class VelocityPolygon:
     """Where the velocities end that start at the pole: corner -> (n,) complex, by the motion's angle; the vectors between
     them; ``images``: of each body with three points or more the corners of its velocity image."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import combinations
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.instant_centres.centre import Centres, Key, key_of
 from core.instant_centres.construction import Construction, agreement, construction, kennedy
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics, Pose
@@ -19,7 +20,7 @@ _AT_REST = 1e3 * EPS  # relative velocity, against those of the driver, below wh
 _AGREES = 1e-6  # of unit vectors: lines that miss a centre by more have none in common
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class CentreTable:
     """The centres of all bodies of a mechanism.
 

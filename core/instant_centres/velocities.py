@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.instant_centres.centre import Centres
 from core.instant_centres.linkage import CentreTable, Key
 from core.mechanism.kinematics import FRAME
@@ -27,7 +27,7 @@ def mechanical_advantage(table: CentreTable, output: str, driver: str) -> np.nda
         return 1.0 / angular_ratio(table, output, driver)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class RatioArms:
     """Two distances on one line whose quotient is a velocity ratio: both bodies have one velocity at their common centre.
 

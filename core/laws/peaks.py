@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
+from core.frozen import frozen
 from core.laws.pieces import PieceTable
 from core.laws.table import Law
 
 GRID = 257  # first sampling of a piece; its waves are at most a few turns
 
 
-@dataclass(frozen=True)
+@frozen
 class Peaks:
     """Largest |s'|, |s''|, |s'''| and |s' s''| (inertia torque) for unit rise and unit span; infinite where the quantity
     before it jumps inside the law. ``jumps_at_an_end``: the acceleration does not start or end at 0."""

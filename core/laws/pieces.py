@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 from math import comb
@@ -16,11 +15,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from core.frozen import frozen
 from core.numerics.derivatives import ORDERS, Derivatives
 from core.numerics.vectors import QUARTER
 
 
-@dataclass(frozen=True)
+@frozen
 class Sine:
     """A sin(f w + p)."""
 
@@ -29,7 +29,7 @@ class Sine:
     phase: float = 0.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Piece:
     """One piece of a law: where it starts, its polynomial (ascending powers of w), its sines."""
 
@@ -38,7 +38,7 @@ class Piece:
     sines: tuple[Sine, ...] = ()
 
 
-@dataclass(frozen=True)
+@frozen
 class Acceleration:
     """One row of a law given by its acceleration: ``level + amplitude sin(frequency w + phase)`` over ``width``."""
 

@@ -14,12 +14,12 @@ All work is on whole levels of the ring at once: n knots cost 2n small factorisa
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import comb, factorial
 
 import numpy as np
 
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.laws.pieces import Piece, moved
 
 CLOSEST = 1e-9  # distance of two knots of a spline, of its span
@@ -132,7 +132,7 @@ def quintics(h: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
     return np.stack(made, axis=1)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Half:
     """What one level leaves behind: own x_j = sides - left x_{j-1} - right x_{j+1} for the knots taken out of it."""
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.laws.pieces import Acceleration, Piece, PieceTable, Sine, integrate, moved
 from core.numerics.derivatives import Derivatives
 
 
-@dataclass(frozen=True)
+@frozen
 class Law:
     """One row.
 

@@ -11,11 +11,11 @@ Both terms become diagonal together (Demmler, Reinsch 1975), so that each λ cos
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from core.frozen import frozen
 from core.laws.polynomial import STATES, jerk_rows, quintics, states
 from core.measured.table import Table, distinct
 
@@ -64,7 +64,7 @@ def derivative(knots: np.ndarray, at: np.ndarray, order: int, angles: np.ndarray
     return out
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Basis:
     """A table's rows in the diagonal coordinates of its splines.
 

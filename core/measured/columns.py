@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NoReturn
 
+from core.frozen import frozen
 from core.measured.sheet import RowFault, Sheet, TableError, number
 from core.measured.units import (
     ANGLE,
@@ -23,7 +24,7 @@ from core.measured.units import (
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class ColumnChoice:
     """What the user says of a table; empty = detected.
 
@@ -40,7 +41,7 @@ class ColumnChoice:
     quantity: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Layout:
     """What the columns of a sheet mean, and which of it is a guess.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from core.design import Design, Motion, Point, Segment, Spline, require_motion, with_motion
 from core.design.motions import without_marks
 from core.errors import DesignError, Fault, KindynaError
+from core.frozen import frozen
 from core.laws.polynomial import jerk_rows
 from core.measured.basis import Basis, basis, derivative, distances, natural
 from core.measured.outliers import Outliers, outliers
@@ -32,7 +32,7 @@ class Contradiction(FitError):
     """Rows contradict each other, and it cannot be decided which of them are wrong."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Fit:
     """A motion fitted to a table.
 
@@ -179,7 +179,7 @@ def into_design(design: Design, fit: Fit) -> Design:
 # -- solving ----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Solved:
     """knots [deg] and the states s, s', s'' there by u (m, 3); offset: what the table adds, by degrees, 0 for a
     displacement."""

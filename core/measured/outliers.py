@@ -12,12 +12,12 @@ nor are two where a step, all rows being right, explains as much: what stands be
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import sqrt
 
 import numpy as np
 
+from core.frozen import frozen
 from core.measured.deletion import (
     CORE,
     COST,
@@ -39,7 +39,7 @@ MARGIN = 24  # rows beyond the ends of a block: more than ten correlation length
 LEAST_CHANGE = 0.2  # least a, in errors per squared row distance: so long the correlation is at most
 
 
-@dataclass(frozen=True)
+@frozen
 class Outliers:
     """Rows by their place in the table.
 

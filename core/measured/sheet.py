@@ -7,12 +7,12 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from types import MappingProxyType
 from typing import NamedTuple
 
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.measured.units import unit_of
 
 DELIMITERS: Mapping[str, str] = MappingProxyType({"tab": "\t", "semicolon": ";", "comma": ",", "spaces": " "})
@@ -66,7 +66,7 @@ def line_ranges(lines: Iterable[int]) -> str:
     return f"line{'s' if sum(map(len, runs)) > 1 else ''} {text}{f' and {rest} more' if rest else ''}"
 
 
-@dataclass(frozen=True)
+@frozen
 class Row:
     """One row: the line of the file it stands in, counted from 1, and its cells."""
 
@@ -74,7 +74,7 @@ class Row:
     cells: tuple[str, ...]
 
 
-@dataclass(frozen=True)
+@frozen
 class Sheet:
     """The cells of a file.
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from core.frozen import frozen
 from core.measured.columns import Layout, column_name
 from core.measured.sheet import DECIMALS, DELIMITERS, Row, RowFault, Sheet, TableError, line_ranges, number
 from core.measured.units import ANGLE_UNITS, TIME_UNITS
@@ -18,7 +18,7 @@ LARGEST = 1e12  # of any number, so that squares of it stay numbers
 OUT_OF_ORDER = 0.02  # of the rows may stand out of order before the whole table counts as unsorted
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Table:
     """Measured values by cam angle, in the order of the file.
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from math import pi
 from types import MappingProxyType
+
+from core.frozen import frozen
 
 ANGLE, TIME = "angle", "time"
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -26,7 +27,7 @@ PER = ("deg", "rad", "s")
 GRAVITY = 9806.65  # mm/s² in one g
 
 
-@dataclass(frozen=True)
+@frozen
 class ValueUnit:
     """The unit of a measured value: mm, mm/s, mm/deg², g.
 
@@ -148,7 +149,7 @@ _WORDS: tuple[tuple[str, str], ...] = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class Meaning:
     """Quantity and unit that a column's name states; empty where it does not."""
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
 
+from core.frozen import frozen
 from core.mechanism.kinematics import Pose
 from core.numerics.derivatives import Chain, Derivatives, Rows
 from core.numerics.vectors import unit
@@ -15,7 +16,7 @@ from core.numerics.vectors import unit
 HALF = 0.01  # half the width of a bridge, in units of the driver's coordinate scale
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Track:
     """A group's path: driver positions (m,), and there its coordinates with three derivatives (m, 4, 3k)."""
 
@@ -38,7 +39,7 @@ class Track:
         return np.asarray(x + step * (v + step * (a / 2.0 + step * j / 6.0)))
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Bridge:
     """A dyad's two links over a change point, where its equations are 0/0 although the links move on smoothly.
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import Step
+from core.frozen import frozen
 from core.mechanism.dyads import DyadSolution
 from core.mechanism.groups import GroupSolution
 from core.mechanism.kinematics import Pose
@@ -16,7 +15,7 @@ from core.mechanism.solving import Solved
 from core.numerics.vectors import cross
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class ErrorBound:
     """Bounds of the errors of a link's origin [m] and angle [rad], in units of eps."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 from types import MappingProxyType
@@ -12,6 +11,7 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.design.topology import GROUP
+from core.frozen import frozen
 from core.mechanism.change_points import HALF, Branch, bridge
 from core.mechanism.continuation import follow, merged
 from core.mechanism.dyads import DyadSolution
@@ -25,7 +25,7 @@ SAMPLES = 721
 _LEAST = 33
 
 
-@dataclass(frozen=True)
+@frozen
 class Range:
     """The driver's positions low ... high [rad or m] between two dead centres, or between the requested ends.
 
@@ -43,7 +43,7 @@ class Range:
         return not self.low_joint and not self.high_joint
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Turning:
     """How a link's angle goes on without jumps: samples (m,) of driver position and angle; ``middle`` of its swing where
     that is less than a turn in a single range; turns: it goes round while the driver goes once round."""
@@ -67,7 +67,7 @@ class Turning:
         return angle + TURN * np.rint((np.interp(q, self.at, self.angle) - angle) / TURN)
 
 
-@dataclass(frozen=True)
+@frozen
 class Change:
     """A change point: at this position of the driver a dyad's links lie in line and both its assemblies meet; the
     linkage goes on smoothly into the other."""
@@ -76,7 +76,7 @@ class Change:
     joint: str
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Course:
     """Ranges and change points in rising order, cut where the driver's turn begins; the branch; turning by link;
     closes: after one turn of the driver every link stands as before."""

@@ -7,11 +7,11 @@ in each order of derivative. The determinant c1 × c2 vanishes at a dead centre.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import (
     BY_ROUNDING,
@@ -48,7 +48,7 @@ Sides = float | np.ndarray
 """+1 or -1, for all positions or for each."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class DyadSolution:
     """A solved dyad; all but the poses is made when it is first read, and has one value where it is the same everywhere.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from core.frozen import frozen
 from core.mechanism.plan import Plan
 
 CHANGE = 1e-12  # relative: shortest + longest this near to the sum of the others is equality
 
 
-@dataclass(frozen=True)
+@frozen
 class FourBar:
     """Ground, crank (the driver), coupler and rocker lengths [m]; kind as a designer says it."""
 

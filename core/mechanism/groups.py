@@ -6,10 +6,9 @@ gives two equations, so that the matrix J is square; it serves positions, three 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from core.frozen import frozen
 from core.mechanism.kinematics import Pose
 from core.mechanism.loop_closure import Bodies, line_of
 from core.mechanism.plan import Joint
@@ -20,7 +19,7 @@ STEPS = 30  # of Newton; from the neighbouring position two or three do
 NEAR = 1e-9  # after a correction this small, relative to the size, the next would be rounding
 
 
-@dataclass(frozen=True)
+@frozen
 class Group:
     """Links solved together: their numbers and all their pairs; size [m] of the linkage."""
 
@@ -29,7 +28,7 @@ class Group:
     size: float
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class GroupSolution:
     """A solved group: poses by link, J (n, 3m, 3m), its determinant relative to its rows' lengths (n,) with its sign."""
 

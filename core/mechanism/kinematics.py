@@ -6,12 +6,13 @@ Drawing, cam shape, instant centres and forces read the Kinematics and nothing e
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
 
+from core.frozen import frozen
 from core.motion import MotionState
 from core.numerics.derivatives import Derivatives, constant, sum_of, turning
 from core.numerics.lazy import Lazy
@@ -22,7 +23,7 @@ REVOLUTE, SLIDING = "revolute", "sliding"
 _NOTHING: Mapping[str, complex] = MappingProxyType({})
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Pose:
     """Where a body is: its origin and its angle with three derivatives by cam angle, each made when it is first read.
 
@@ -81,7 +82,7 @@ FRAME_POSE = Pose(constant(0j), constant(0.0), unit=np.ones(1, dtype=complex))
 """Of the frame, which is the global one."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Pair:
     """Two bodies joined.
 
@@ -99,7 +100,7 @@ class Pair:
     axis: complex = 0j
 
 
-@dataclass(frozen=True)
+@frozen
 class Dyad:
     """Two bodies that are solved together, known from outside in.
 
@@ -113,7 +114,7 @@ class Dyad:
     pairs: tuple[str, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Kinematics:
     """A solved mechanism at n cam angles. What not everyone needs may be given as a function that makes it.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -12,6 +12,7 @@ import numpy as np
 
 from core.design import FRAME_LINK, Linkage
 from core.errors import NoAnswer
+from core.frozen import frozen
 from core.mechanism.kinematics import FRAME
 from core.mechanism.plan import Joint, Plan, plan_of
 from core.mechanism.solving import Solved
@@ -24,7 +25,7 @@ def _none() -> Mapping[Any, Any]:
     return MappingProxyType({})
 
 
-@dataclass(frozen=True)
+@frozen
 class Reference:
     """The point of a link that the cam acts on: a roller's centre, the centre of a shoe, a knife's edge.
 
@@ -36,7 +37,7 @@ class Reference:
     body: str = ROLLER
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Mechanism:
     """A linkage ready to be solved, and how it is read.
 

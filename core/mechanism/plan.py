@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
 from core.design import FRAME_LINK, UNITS, Linkage, Slider, si
 from core.design.topology import GROUP, Step, driver_pair, is_pin, pins, slider_of, solving_order
 from core.errors import DesignError, Fault
+from core.frozen import frozen
 from core.numerics.vectors import heading
 
 _MM = UNITS["mm"].factor
 
 
-@dataclass(frozen=True)
+@frozen
 class Held:
     """A link in a pair: a point of it [m] and, of a sliding pair, the direction of the line in its frame."""
 
@@ -24,7 +24,7 @@ class Held:
     along: complex = 1.0 + 0j
 
 
-@dataclass(frozen=True)
+@frozen
 class Joint:
     """A pair of two links; ``first`` is the known or the outer one."""
 
@@ -34,7 +34,7 @@ class Joint:
     second: Held
 
 
-@dataclass(frozen=True)
+@frozen
 class Plan:
     """What solving a linkage needs.
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import cmath
-from dataclasses import dataclass
 
 import numpy as np
 
 from core.design import FRAME_LINK
 from core.design.topology import GROUP
+from core.frozen import frozen
 from core.mechanism.change_points import Branch
 from core.mechanism.dyads import DYADS, DyadSolution
 from core.mechanism.groups import Group, GroupSolution, group_solution, newton
@@ -19,7 +19,7 @@ from core.numerics.derivatives import Derivatives, constant
 from core.numerics.vectors import unit
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Solved:
     """Link -> pose (the frame included), NaN where it cannot be assembled; what each step found."""
 

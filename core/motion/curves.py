@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import comb
 from types import MappingProxyType
 from typing import Any
@@ -12,10 +11,11 @@ import numpy as np
 
 from core.design import Named, Polynomial, Scca, Segment, Spline
 from core.errors import DesignError, Fault
+from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
 
 
-@dataclass(frozen=True)
+@frozen
 class Shape:
     """pieces of s(u), u = 0...1; gain: what s is multiplied by [unit of the motion]; velocity_signs: the sign of the velocity on
     each piece, 0 where nothing moves."""

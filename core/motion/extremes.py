@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 
 import numpy as np
 
 from core.design import Motion, Named, Scca, stroke
+from core.frozen import frozen
 from core.motion import EPS, Angles, Program, program
 from core.numerics.cancellation import checkpoint
 
@@ -29,7 +29,7 @@ DIGITS = 12  # of a stroke: those that are certain
 Quantities = Callable[[Angles], Mapping[str, np.ndarray]]
 
 
-@dataclass(frozen=True)
+@frozen
 class Extreme:
     """A value and the cam angle [rad] where it stands."""
 
@@ -37,7 +37,7 @@ class Extreme:
     theta: float
 
 
-@dataclass(frozen=True)
+@frozen
 class Range:
     """The smallest and the largest value over the turn."""
 

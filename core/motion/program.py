@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import pi
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from core.design import Motion
 from core.findings import ERROR, WARNING, Finding
+from core.frozen import frozen
 from core.laws import Piece, PieceTable
 from core.motion.curves import shape_of
 from core.numerics.compensated_sum import two_sum
@@ -23,7 +23,7 @@ SNAP = 4.0 * EPS * TURN  # an angle this close below a join is on the join: it g
 JUMP_BOUND = 64.0  # a jump below this many eps of the neighbouring values is rounding
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Angles:
     """Cam angles, each with the piece of the motion that it is taken to lie in.
 
@@ -39,7 +39,7 @@ class Angles:
     unit: Lazy[np.ndarray] = Lazy(lambda angles: unit(angles.theta))
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Join:
     """Where two segments meet: cam angle [rad], the jumps of s, v, a, j there (4,) [SI, per radian], and which of
     them are more than rounding."""
@@ -49,7 +49,7 @@ class Join:
     jumps: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class MotionState:
     """The motion at ``angles``: displacement y and its three derivatives by cam angle [m or rad], and the sign of its
     velocity as the segment states it (n,): 0 in a dwell, never toggled by rounding."""

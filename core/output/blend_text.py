@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from core.blend import Blended
 from core.design import Design, Motion, Segment, require_motion
+from core.frozen import frozen
 from core.output.report import columns, digits
 
 
-@dataclass(frozen=True)
+@frozen
 class CurveRow:
     """One blended curve: from which cam angle over how many degrees, from which level how much higher."""
 

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
 
 from core.design import Design, Unit, split_unit
+from core.frozen import frozen
 from core.study import QUANTITIES, Study, names_of, quantity
 
 PROFILE, KINEMATICS, DYNAMICS = "profile.csv", "kinematics.csv", "dynamics.csv"
@@ -22,7 +23,7 @@ ANGLES: Mapping[str, str] = MappingProxyType({PROFILE: "cam_angle_deg", KINEMATI
 """First column of the tables whose angle is the cam's in every kind of design."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Channel:
     """One row.
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from core.design import require_linkage
+from core.frozen import frozen
 from core.instant_centres import (
     CHAINS,
     Centres,
@@ -30,7 +30,7 @@ Links = tuple[int, int]
 _MM = 1e3
 
 
-@dataclass(frozen=True)
+@frozen
 class CentreRow:
     """The instant centre of two links: ``place`` [m], or ``direction`` [rad] where it is at infinity; neither where the
     two do not move against each other. lines: the third links by whose lines Kennedy's theorem finds it, empty where a
@@ -42,7 +42,7 @@ class CentreRow:
     lines: tuple[int, ...] = ()
 
 
-@dataclass(frozen=True)
+@frozen
 class LinkRow:
     """A moving link: angular velocity [rad/s]; its ratio to the driver's and the mechanical advantage there, NaN where
     the driver slides."""
@@ -53,7 +53,7 @@ class LinkRow:
     advantage: float
 
 
-@dataclass(frozen=True)
+@frozen
 class PointRow:
     """A named point: place [m] and velocity [m/s]."""
 
@@ -62,7 +62,7 @@ class PointRow:
     velocity: complex
 
 
-@dataclass(frozen=True)
+@frozen
 class DifferenceRow:
     """One triangle of the velocity polygon, V_P = V_A + V_PA [m/s]: A and P are points of one link (``link`` = ``on``), or
     coincide while ``link`` slides on ``on``."""
@@ -77,7 +77,7 @@ class DifferenceRow:
     v_p: complex
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Position:
     """A linkage at the first angle of a study, in tables that are made when they are read: rows by links and by names, in
     rising order. Each raises NoPosition where the linkage cannot stand there."""
@@ -156,7 +156,7 @@ def _links(study: Study) -> Iterator[LinkRow]:
 # -- what the command ``centres`` prints, and what is painted beside it ------------------------------------
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Snapshot:
     """A linkage at one driver angle [deg], to be drawn with its centres and its velocity polygon."""
 

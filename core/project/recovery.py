@@ -12,18 +12,18 @@ import os
 import time
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from core.errors import FileError
+from core.frozen import frozen
 from core.project.files import read_text, sweep, write
 from core.project.locks import NO_LOCKS, hold
 
 _HEAD = "# unsaved "
 
 
-@dataclass(frozen=True)
+@frozen
 class Unsaved:
     """Unsaved work.
 
@@ -104,7 +104,7 @@ class RecoveryFile:
             self._path = self._lock = None
 
 
-@dataclass(frozen=True)
+@frozen
 class Recoverable:
     """Unsaved work of a process that has died. Until ``discard`` or ``release`` no other process finds it."""
 

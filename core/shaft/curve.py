@@ -7,13 +7,13 @@ included; no harmonics are cut off.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import lru_cache
 from math import pi
 
 import numpy as np
 
 from core.errors import NoAnswer, angle_ranges
+from core.frozen import frozen
 from core.motion import TURN, Angles, Program
 from core.motion.roots import crossings
 
@@ -25,7 +25,7 @@ Load = Callable[[Angles], np.ndarray]
 """Torque at constant speed [N m] and inertia J_e [kg m²] of a load, (2, n) at any cam angles."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class LoadCurve:
     """What the camshaft has to drive, over one turn.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 from math import floor, log10
 
@@ -13,6 +12,7 @@ from numpy.polynomial.polynomial import polyval
 from core.design import Shaft, si
 from core.errors import NoAnswer
 from core.findings import ERROR, Finding
+from core.frozen import frozen
 from core.motion import Angles
 from core.shaft.curve import NODES, LoadCurve
 from core.shaft.linear import filtered, lag
@@ -26,7 +26,7 @@ def levels(shaft: Shaft) -> bool:
     return lag(shaft) < np.inf
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Flywheel:
     """Made of the load over one turn and the shaft; each figure when it is read.
 

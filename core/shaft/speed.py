@@ -16,12 +16,12 @@ none the machine stalls.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
+from core.frozen import frozen
 from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
 
 NODES = 10  # of a panel, Radau's: the last one is the panel's end, so that what decays within a panel does so here too
@@ -33,7 +33,7 @@ MOST_PANELS = 6  # times those of the load
 FINEST_HALVING = 40
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class SpeedCurve:
     """The speed over one turn.
 
@@ -62,7 +62,7 @@ class SpeedCurve:
         return deviation
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Panels:
     """Parts of the load's panels and what the load is at their nodes.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
 
 from core.errors import NoStability
+from core.frozen import frozen
 from core.stability import judgements
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, INERTIA, LOAD_SLOPE, RETUNED, Coefficients
@@ -36,7 +36,7 @@ FIGURES = ((9, 0.85, 0.10, True), (10, 0.90, 0.10, False), (11, 2.10, 0.05, True
 Numbers = Mapping[str, Any]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Claim:
     """One statement of the paper.
 

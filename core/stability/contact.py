@@ -8,12 +8,12 @@ nothing depends on the wind-up, so dwells are left out of that test.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from core.cam import CamShape
 from core.dynamics import Loading, OutputForce, newton_euler
+from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import Angles, Program
 from core.stability.hill.coefficients import RETUNED, Sizes
@@ -22,7 +22,7 @@ from core.stability.panels import Panels, fit
 KinematicsAndShapeAt = Callable[[Angles], tuple[Kinematics, CamShape]]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Contact:
     """Contact forces by cam angle, as multiples of M X''m ω², M = max J / X'm².
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from math import pi, sqrt
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from core.design import Design, Elastic, with_assumed, with_elastic
 from core.dynamics import Loading
 from core.errors import NoStability
+from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.stability.floquet import monodromy, tongues
 from core.stability.hill.coefficients import EXACT, LOAD, LOAD_SLOPE, RETUNED, Coefficients
@@ -22,7 +23,7 @@ NOTICEABLE = 1e-3  # growth per turn below which a band is left to the smallest 
 CLEAR = 0.02  # relative distance from a band within which a speed is near it
 
 
-@dataclass(frozen=True)
+@frozen
 class Machine:
     """The numbers of a machine beside its coefficients.
 
@@ -60,7 +61,7 @@ class Machine:
         return inertia, inertia * (eta * self.omega) ** 2
 
 
-@dataclass(frozen=True)
+@frozen
 class Band:
     """A forbidden band of speed.
 
@@ -141,7 +142,7 @@ def loads_at(coefficients: Coefficients, eta: float) -> Coefficients:
     return replace(coefficients, panels=replace(coefficients.panels, values=values), spring=RETUNED)
 
 
-@dataclass(frozen=True)
+@frozen
 class Stiffness:
     """The shafts that a speed allows.
 

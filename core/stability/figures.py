@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from core.frozen import frozen
 from core.stability.critical_speeds import Machine
 from core.stability.floquet import tongues
 from core.stability.hill.coefficients import APPROXIMATE, EXACT, LOAD_SLOPE, Coefficients
@@ -26,7 +26,7 @@ TERMS = (
 """Rows of ``Coefficients.panels`` as they are called in plots."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Curve:
     """y over x (n,), nan where there is nothing; curves of one ``row`` have one colour and one ``label`` in the legend."""
 
@@ -37,7 +37,7 @@ class Curve:
     dashed: bool = False
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Plot:
     """Curves with axes of their own; marks: places on the x axis with a text; note: what the legend adds."""
 
@@ -48,7 +48,7 @@ class Plot:
     note: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Figure:
     """Plots one below the other; ``name`` of its files, ``title`` above it."""
 
@@ -109,7 +109,7 @@ MOST_Q = 0.12  # of the chart of a machine of small Q (Kim1990 Fig. 8 goes to 0.
 ROOM = 1.6  # above the machine's own Q
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Chart:
     """Tongues over a range of Q, as edges.
 

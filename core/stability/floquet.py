@@ -17,12 +17,13 @@ Damping closes a tongue from its tip: where the roots are complex there is none.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from math import pi
 
 import numpy as np
 
+from core.frozen import frozen
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
 from core.stability.hill.coefficients import EXACT, Coefficients, inertia_and_pull, weight_and_potential
@@ -45,7 +46,7 @@ ONWARDS, FARTHEST_ORDER = 2, 160
 BY_MONODROMY = "harmonic balance, refined by monodromy matrices"
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Monodromy:
     """One turn at each of L points.
 
@@ -331,7 +332,7 @@ def _unproven_zeros(coefficients: Coefficients, harmonic: Tongues, edges: np.nda
     error[unsure] = np.repeat(harmonic.error.reshape(-1, 1), 2, axis=1)[unsure]
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Pencil:
     """The two roots δ = middle ± √discriminant (L,) of det(E + δK) = 0, and what rounding makes of them."""
 

@@ -15,6 +15,7 @@ from math import pi
 
 import numpy as np
 
+from core.frozen import frozen
 from core.motion import EPS, TURN
 from core.numerics.cancellation import checkpoint
 from core.stability.hill.coefficients import Coefficients, is_dwell
@@ -41,7 +42,7 @@ _WITHIN = integration(STAGES)
 _TO_PLACES = np.vstack((np.zeros(STAGES), _WITHIN, _WEIGHTS))  # from the rates at the nodes to their integrals up to there
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Step:
     """n steps, each of one trajectory.
 
@@ -88,7 +89,7 @@ class Step:
         return self.y[:, None] + h * _PLACES, self.x[:, None] + h[..., None] * (_TO_PLACES @ self.rate)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Trajectories:
     """Ends of m trajectories.
 

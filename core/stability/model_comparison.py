@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
+from core.frozen import frozen
 from core.stability.contact import Contact
 from core.stability.floquet import monodromy
 from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients
@@ -21,7 +21,7 @@ PERIODS = 30.0
 LABELS = {**EQUATIONS, STEADY: "About the true steady response", FROM_REST: "Nonlinear (13) from rest"}
 
 
-@dataclass(frozen=True)
+@frozen
 class Verdict:
     """What one model says.
 

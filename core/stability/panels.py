@@ -6,12 +6,12 @@ A panel never crosses a join of the motion's pieces, so that polynomials hold on
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from core.errors import NoStability
+from core.frozen import frozen
 from core.motion import TURN, Angles, Program
 
 NODES = 16  # Gauss-Legendre nodes per panel; the polynomial has this many coefficients
@@ -87,7 +87,7 @@ def powers(t: np.ndarray, n: int) -> np.ndarray:
     return np.multiply.accumulate(out, axis=-1, out=out)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Panels:
     """k functions on m panels.
 

@@ -10,11 +10,11 @@ arc length, through its folds.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
 
+from core.frozen import frozen
 from core.stability.floquet import determinant, growth
 from core.stability.hill.coefficients import Coefficients
 from core.stability.integrator import Integrator
@@ -31,7 +31,7 @@ SMALL = np.array([0.1, 0.3])  # the same, up to which a response found straight 
 SCALE = np.array([4.0, 1.0, 1.0])  # what β, Π and η count along the branch
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class SteadyResponse:
     """A steady response.
 

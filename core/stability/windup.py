@@ -7,12 +7,13 @@ for some rows of Q (Kim1990 Figs. 6, 7).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from core.errors import NoStability
+from core.frozen import frozen
 from core.motion import TURN
 from core.stability.contact import Contact
 from core.stability.hill.coefficients import Coefficients
@@ -27,7 +28,7 @@ BISECTIONS, NEWTON = 50, 3
 FIRST_ETA, ETA_STEP, MOST_ETA = 0.5, 0.05, 102  # η of the means of the first turn
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class History:
     """Wind-up β [turns] of one point of the chart over y = 0 ... ``periods`` turns of the input.
 
@@ -183,7 +184,7 @@ def histories(
 _POWERS = powers(2.0 * SAMPLES - 1.0, STAGES + 2).T
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class StepSamples:
     """The wind-up at k places of each of n steps, at a step's ends from inside it.
 
@@ -266,7 +267,7 @@ def _values(f: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 # -- means of the first turn ---------------------------------------------------------------------------------
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Averages:
     """Means from rest.
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,7 @@ from core.cam import OUTER, SECOND, flank_named, flat_flank, form_row, forward_p
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
 from core.dynamics import GuideReaction
+from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import Angles
@@ -68,7 +68,7 @@ def _speed(study: Study) -> np.ndarray:
     return np.full(study.theta.size, study.omega)
 
 
-@dataclass(frozen=True)
+@frozen
 class Quantity:
     """stage it needs; value (n,) in SI by time where it is a rate; kinds of mechanism that have it; ``needs``: what else the
     design must hold (row of ``NEEDS``); ``turns`` marks an angle that goes round, which has no extremes; ``exists`` says

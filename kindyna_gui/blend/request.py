@@ -4,19 +4,20 @@ request that the motion in place would have come from. No Qt."""
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import fsum
 from types import MappingProxyType
 
 from core.blend import CONSTANT_VELOCITY, MOTION_TYPES, Candidate, Request, candidates
 from core.design import Motion, Segment, join_angles
 from core.design.edits import is_dwell
+from core.frozen import frozen
 
 POINT = "point"
 AUTOMATIC = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Setting:
     """One row of the table of settings.
 
@@ -56,7 +57,7 @@ OF_A_RETURN = MappingProxyType({"h4": "h1", "h5": "h2", "h6": "h3", "vcv2": "vcv
 """A return alone counts its curves from 1, as Yang does."""
 
 
-@dataclass(frozen=True)
+@frozen
 class WizardRequest:
     """The answers so far.
 
@@ -137,7 +138,7 @@ def shown_names(request: WizardRequest) -> list[str]:
     return [name for name in (*SETTINGS, POINT) if name in known]
 
 
-@dataclass(frozen=True)
+@frozen
 class Plan:
     """The sequence that a number of settings leads to.
 

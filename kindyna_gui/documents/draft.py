@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, cast
 
 from core.design import Design, Motion, require_motion, with_motion
 from core.errors import DesignError, Fault
+from core.frozen import frozen
 from core.project import motion_from_table, motion_to_table
 
 _MOTION = "motion."
 
 
-@dataclass(frozen=True)
+@frozen
 class Draft:
     """What has been typed of a motion so far.
 

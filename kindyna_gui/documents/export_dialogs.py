@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,6 +26,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.frozen import frozen
 from core.numerics.cancellation import Cancelled
 from core.output.export import names
 from core.study import SAMPLES, Study
@@ -43,7 +43,7 @@ AT_ONCE = 0.3  # seconds: what is done by then shows no dialog
 Result = TypeVar("Result")
 
 
-@dataclass(frozen=True)
+@frozen
 class TablesWanted:
     """Where the tables shall go, and at how many cam angles of a turn."""
 

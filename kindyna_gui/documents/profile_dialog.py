@@ -4,7 +4,6 @@ it and the deviation, computed beside the window."""
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import MappingProxyType
@@ -26,6 +25,7 @@ from PySide6.QtWidgets import (
 from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.profile import FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Job, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.study import Study
@@ -37,7 +37,7 @@ PAUSE_MS = 150  # after the last change before a preview is computed
 FORM_WIDTH = 300  # pixels
 
 
-@dataclass(frozen=True)
+@frozen
 class Entry:
     """How a sampling's value is entered: text of the choice, unit, decimals, range, first value."""
 

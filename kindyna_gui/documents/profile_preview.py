@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from PySide6.QtCore import QPointF, QSize
 from PySide6.QtGui import QPainter, QPaintEvent, QPolygonF, QTransform
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from core.frozen import frozen
 from core.output.profile import Job
 from kindyna_gui.pictures.drawing.shapes import at, circle, outline, segments
 from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, brush, no_pen
@@ -20,7 +19,7 @@ DOT, RING = 2.2, 8.0  # radii, pixels
 CROSS = 5.0  # half the size of the cam centre's mark, pixels
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Preview:
     """What is shown, all in mm: the curve of the file (n,), its points (m,), where it deviates most, and beside a cutter's path
     the profile (k,)."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from time import localtime, strftime
 
@@ -24,6 +23,7 @@ from PySide6.QtWidgets import (
 
 from core.design import Design
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.project import differences, load, loads
 from core.project.recovery import Recoverable, Unsaved
 from kindyna_gui.dialogs import OnRecovery
@@ -36,7 +36,7 @@ SIZE = (680, 460)
 LINES = 4  # of the list of work
 
 
-@dataclass(frozen=True)
+@frozen
 class Comparison:
     """Unsaved work beside its file.
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from core.design import Design, faults
 from core.errors import Fault, KindynaError, NoAnswer
+from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.labels import name_of, named, sentence
 
@@ -21,7 +21,7 @@ NEEDED: Mapping[str, str] = MappingProxyType({"stability": "linkage"})
 """Stage -> what alone refuses a design for it: a shaft without a chart is shown with the reason, and none waits for the chart."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Refusal:
     """An edit that was wrong: the path it was made at, and (path, name, sentence) of every field it is wrong for."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -14,6 +13,7 @@ from PySide6.QtWidgets import QBoxLayout, QGridLayout, QLabel, QWidget
 
 from core.design import Design, Entry, Info, Unit, get, is_assumed
 from core.errors import DesignError
+from core.frozen import frozen
 from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.forms.field_parts import Mark, NameLabel
 from kindyna_gui.forms.number_box import UNDO_KEYS, NameBox, NumberBox, WordBox
@@ -23,7 +23,7 @@ from kindyna_gui.look import QUIET, WRONG, coloured
 COLUMNS = 4  # of a form: name, editor, unit, mark
 
 
-@dataclass(frozen=True)
+@frozen
 class Spec:
     """What a row shows: path, label and range (``info``), unit, and how its value is read from a design."""
 

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from PySide6.QtCore import QAbstractTableModel, QEvent, QModelIndex, QPersistentModelIndex, Qt
 from PySide6.QtGui import QColor, QIcon, QKeyEvent, QKeySequence, QResizeEvent
 from PySide6.QtWidgets import QAbstractItemView, QApplication, QHeaderView, QTableView
 
+from core.frozen import frozen
+
 Index = QModelIndex | QPersistentModelIndex
 
 
-@dataclass(frozen=True)
+@frozen
 class Row:
     """Cells from left to right; icon before the first; tip and colour for the whole row."""
 
@@ -23,7 +24,7 @@ class Row:
     colour: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Heading:
     """A column: its title, whether its cells are numbers, whether it takes the room that is left."""
 

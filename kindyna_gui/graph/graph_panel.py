@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from PySide6.QtCore import QSize, Qt
 from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
+from core.frozen import frozen
 from core.motion.extremes import Range
 from core.study import Study
 from kindyna_gui.graph.live_plot import LivePlot, LivePolar
@@ -21,7 +21,7 @@ LEAST_STRAIGHT, LEAST_POLAR = 118, 280  # height of a plot before the column scr
 Plot = LivePlot | LivePolar
 
 
-@dataclass(frozen=True)
+@frozen
 class Form:
     """Straight or polar: name, tip, a plot of the form, and the file of a picture."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QTabWidget
 
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.output.position import CentreRow, DifferenceRow, LinkRow, PointRow, Position
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -106,7 +106,7 @@ def _difference(row: DifferenceRow) -> Row:
     )
 
 
-@dataclass(frozen=True)
+@frozen
 class Page:
     """A table: its title, its columns, and how a position fills it."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from PySide6.QtCore import QModelIndex, QSize
@@ -23,6 +23,7 @@ from PySide6.QtWidgets import (
 from core.design import Info, require_motion
 from core.errors import KindynaError
 from core.findings import ERROR, NOTE, WARNING
+from core.frozen import frozen
 from core.measured import Fit, RowFault, into_design
 from core.output.measured_text import figures, notes, row_line, worst_first
 from core.project.files import read_bytes
@@ -41,7 +42,7 @@ from kindyna_gui.settings import Settings
 MOST = 200  # faults or wrong rows in the list
 
 
-@dataclass(frozen=True)
+@frozen
 class Entry:
     """What was noticed of a table: line of the file (0: none), text, severity, cam angle [deg] of that line."""
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
+from core.frozen import frozen
 from core.measured import (
     ALL_DETECTED,
     ColumnChoice,
@@ -26,7 +27,7 @@ _POWERS = str.maketrans("135", "¹³⁵")
 _SIGNS = {"um": "µm", "deg": "°", "rad": "rad"}
 
 
-@dataclass(frozen=True)
+@frozen
 class Request:
     """How a file shall be read and fitted; empty or None = as detected."""
 
@@ -38,7 +39,7 @@ class Request:
     keep_all: bool = False
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Answer:
     """The answer to a request; what could not be computed is None.
 

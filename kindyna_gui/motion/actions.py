@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from core.design import (
@@ -14,13 +13,14 @@ from core.design import (
     remove_laid_out,
     require_motion,
 )
+from core.frozen import frozen
 from core.motion.split import LEAST_CUT, copy_segment, split_segment
 
 Change = Callable[[Design, int, float | None], Design]
 """The design with a segment changed; a cam angle [deg] where that matters."""
 
 
-@dataclass(frozen=True)
+@frozen
 class SegmentAction:
     """One row.
 

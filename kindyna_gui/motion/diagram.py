@@ -4,7 +4,6 @@ last edit: a picture that is kept and only changed."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import pyqtgraph as pg
@@ -13,6 +12,7 @@ from PySide6.QtGui import QColor, QFontMetricsF, QPainter
 from PySide6.QtWidgets import QWidget
 
 from core.design import UNITS, Design, Motion, Spline, join_angles, join_levels, require_motion
+from core.frozen import frozen
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.labels import shortest, value_text
@@ -35,7 +35,7 @@ ROW = 11.0  # from mark to mark
 BESIDE = 4.0  # of the marks from their line
 
 
-@dataclass(frozen=True)
+@frozen
 class Label:
     """Where a join is drawn to; ``refused``: it cannot be there; ``right``: it is the join at 360 degrees."""
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import hypot
 
 from core.design import Motion, join_angles, join_levels, join_range
 from core.design.edits import is_dwell
+from core.frozen import frozen
 from kindyna_gui.pictures.units import nice_below
 
 POINT, LINE, LEVEL = "point", "line", "level"
@@ -21,7 +21,7 @@ LEVEL_PIXELS = 2.5  # the most that a step of levels, 1, 2 or 5 times a power of
 FINE = 0.1  # of the travel, and of the steps
 
 
-@dataclass(frozen=True)
+@frozen
 class Grip:
     """Something to take hold of: a join's point (angle and level), the line through it (its angle), or the level line
     of a dwell. ``segment``: of a dwell's line the dwell, else the segment before the join."""
@@ -39,7 +39,7 @@ class Grip:
         return self.kind != LINE
 
 
-@dataclass(frozen=True)
+@frozen
 class Scale:
     """How the diagram is laid out: pixels from ``left`` to ``right`` are 0 ... 360 degrees, from ``bottom`` up to
     ``top`` (pixels count downwards) the levels ``low`` ... ``high``."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QObject, QPoint, QRect, QRectF, QSize, Qt, QTimer, Signal
@@ -11,6 +10,7 @@ from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, 
 from PySide6.QtWidgets import QFrame, QLabel, QLineEdit, QScrollArea, QToolTip, QVBoxLayout, QWidget
 
 from core.design import CURVES
+from core.frozen import frozen
 from core.laws import LAWS
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import law_label
@@ -35,7 +35,7 @@ STEPS: Mapping[int, tuple[int, int]] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class Cell:
     slug: str
     box: QRect

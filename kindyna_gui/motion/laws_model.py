@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -20,6 +19,7 @@ from PySide6.QtCore import (
 )
 from PySide6.QtGui import QColor, QFont, QIcon, QPainter, QPixmap
 
+from core.frozen import frozen
 from core.laws import LAWS, Law, peaks
 from kindyna_gui.look import QUIET
 from kindyna_gui.motion.laws_plot import STROKES, Stroke
@@ -33,7 +33,7 @@ _LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 NOTHING = 1e-9  # an end value below this, as a share of the peak, is 0
 
 
-@dataclass(frozen=True)
+@frozen
 class Column:
     """Heading, and what its numbers mean."""
 
@@ -51,7 +51,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class LawRow:
     """One law: its four peak coefficients, infinite where there is no end to it, and which of v and a do not start and
     end at 0."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -12,6 +11,7 @@ from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QPainter, QPaintEvent, QResizeEvent
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from core.frozen import frozen
 from core.laws import Law
 from kindyna_gui.pictures.drawing.items import text_size
 from kindyna_gui.pictures.plots.background import LEFT_WIDTH, value_ticks
@@ -43,7 +43,7 @@ QUANTITIES = (
 """Name, letter and family of each plot, in the order of the derivatives."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Stroke:
     """Colour and dashes of a curve."""
 

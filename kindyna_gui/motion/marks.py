@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 from core.design import UNITS, Motion
+from core.frozen import frozen
 from core.motion import Join
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import GOOD, QUIET, WRONG
@@ -17,7 +17,7 @@ _ORDERS = ("displacement", "velocity", "acceleration", "jerk")
 _JERK = 3
 
 
-@dataclass(frozen=True)
+@frozen
 class Mark:
     """One quantity at a join: its letter; where it jumps the size of the jump, bare and with its unit; its colour.
 

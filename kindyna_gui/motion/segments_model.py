@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
@@ -25,6 +25,7 @@ from core.design import (
     require_motion,
 )
 from core.design.edits import balance
+from core.frozen import frozen
 from core.laws import LAWS, find_law
 from core.motion import Join
 from kindyna_gui.documents.session import Refusal, Session
@@ -46,7 +47,7 @@ STILL = Motion(0.0, (Segment(360.0, 0.0),))
 """What stands in the place of a motion where a kind of design has none."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Column:
     """One row of the table of columns: heading, what it means, and the key of the file that it edits."""
 
@@ -83,7 +84,7 @@ def _ends(motion: Motion) -> tuple[float, ...]:
     return (*begins, balance(begins[-1], (-motion.segments[-1].span_deg,)))
 
 
-@dataclass(frozen=True)
+@frozen
 class Cell:
     """A cell as it is painted: its text, with a short one for narrow columns; of a join the variants of its marks, the
     longest first."""

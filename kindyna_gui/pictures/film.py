@@ -6,7 +6,6 @@ The same design gives the same bytes.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from io import BytesIO
 from itertools import pairwise
 from math import ceil
@@ -19,6 +18,7 @@ from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QWidget
 
 from core.design import Design
+from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
@@ -38,7 +38,7 @@ GoOn = Callable[[int], bool]
 """Takes the frames done; False stops the work."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Film:
     """What is wanted: ``.gif`` or ``.webp``, frames of the turn, size in pixels, seconds of the turn."""
 

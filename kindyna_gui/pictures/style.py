@@ -8,12 +8,13 @@ the same in every picture.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QBrush, QColor, QFont, QPen
+
+from core.frozen import frozen
 
 BLACK, ORANGE, SKY, GREEN, YELLOW = "#000000", "#E69F00", "#56B4E9", "#009E73", "#F0E442"
 BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
@@ -41,7 +42,7 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 THIN, OUTLINE = 1.0, 1.5  # widths in pixels at every zoom
 
 
-@dataclass(frozen=True)
+@frozen
 class Theme:
     """One paper and what is quiet on it.
 

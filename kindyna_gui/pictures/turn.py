@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
+from core.frozen import frozen
 from core.study import Study
 
 TURN = 2.0 * pi
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Line:
     """The points of a curve over the turn: angles (m,) [deg] and the sample of each (m,); -1 is a gap."""
 

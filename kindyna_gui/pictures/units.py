@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
+
+from core.frozen import frozen
 
 MINUS, THIN_SPACE = "\u2212", "\u2009"
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-@dataclass(frozen=True)
+@frozen
 class Rung:
     """A unit to show values in: its symbol, how many of the channel's own unit it is, and the peak value, counted in
     itself, from which it serves."""

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBo
 
 from core.design import UNITS, Info
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.stability import History, Stability, Verdict, averages_plots, coefficients_plot, contact_marks
 from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.look import QUIET, WRONG, coloured
@@ -239,7 +240,7 @@ def _terms(plots: tuple[XYPlot, ...], found: Stability, point: ChartPoint) -> No
     plots[0].show_plot(coefficients_plot(found.coefficients))
 
 
-@dataclass(frozen=True)
+@frozen
 class Page:
     """A page of plots: titles of their axes, what draws them; ``of_point``: it waits for the history of the point;
     ``needs``: for a cached property of ``Stability``."""

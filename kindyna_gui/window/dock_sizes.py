@@ -7,12 +7,12 @@ has once been narrow would stay so.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, QTimer
 from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar
 
+from core.frozen import frozen
 from kindyna_gui.view import in_sight
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
@@ -28,7 +28,7 @@ def _same(size: int, then: int, now: int) -> int:
     return size
 
 
-@dataclass(frozen=True)
+@frozen
 class Rule:
     """How the docks of an area take part in another size of the window: their width, and their height.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from PySide6.QtCore import Qt, QTimer, Signal
 from PySide6.QtWidgets import QDockWidget, QWidget
 
+from core.frozen import frozen
 from kindyna_gui.documents.session import Session
 from kindyna_gui.view import View, in_sight
 from kindyna_gui.window.player import Player
@@ -33,7 +33,7 @@ def lazily(module: str, name: str, **more: Any) -> Make:
     return make
 
 
-@dataclass(frozen=True)
+@frozen
 class ViewRow:
     """One view: its title, what makes it, the side of the window that suits it, or the middle; whether it is a picture
     worth exporting; of a plot its quantities. Where it stands in each task is in ``tasks.TASKS``."""

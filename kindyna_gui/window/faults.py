@@ -10,7 +10,6 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 from weakref import ref
@@ -20,6 +19,7 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QApplication, QDialog
 from shiboken6 import isValid
 
+from core.frozen import frozen
 from kindyna_gui.documents.session import Refusal
 from kindyna_gui.documents.undo_steps import ChangeDesign, Work
 from kindyna_gui.note import Note
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
 
-@dataclass(frozen=True)
+@frozen
 class _Place:
     """Work that no fault has touched, and where it stands on the undo stack of which document."""
 

@@ -4,7 +4,7 @@ and the linkages that come with the program."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import lru_cache, partial
 from math import ceil
 from pathlib import Path
@@ -28,6 +28,7 @@ from PySide6.QtWidgets import (
 from core.design import FOLLOWER_KINDS, Design, Motion, edited, get
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
+from core.frozen import frozen
 from core.project import load
 from core.study import Study
 from kindyna_gui.documents.beginnings import beginning, with_motion_kept
@@ -59,7 +60,7 @@ FORCE = "loads.external_force_n"
 ROLLER, OPEN, LINKAGES = "roller", "open", "Linkages"
 
 
-@dataclass(frozen=True)
+@frozen
 class Choice:
     """One picture: its caption, what it is, and the design that it begins; title: what it is called outside its group;
     keeps_motion: it can go with the motion that was there before."""
@@ -200,7 +201,7 @@ class Pictures(QListWidget):
         return True
 
 
-@dataclass(frozen=True)
+@frozen
 class Plan:
     """How the pictures of a group are laid out: their size, how many stand beside each other, and in how many rows at most."""
 

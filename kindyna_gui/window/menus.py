@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
 from PySide6.QtWidgets import QMenu, QToolBar, QWidget
 
+from core.frozen import frozen
 from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import clear_menu
 from kindyna_gui.window import submenus
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Keys = QKeySequence.StandardKey
 
 
-@dataclass(frozen=True)
+@frozen
 class Item:
     """One entry. slot: what of the window is called, ``documents.save``; with ``argument`` where there is one.
 
@@ -46,7 +46,7 @@ class Item:
         return self.name or (self.slot if self.argument is None else f"{self.slot}:{self.argument}")
 
 
-@dataclass(frozen=True)
+@frozen
 class Submenu:
     """A menu whose entries depend on the state of things; ``fill`` makes them anew each time it opens."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from math import pi
@@ -11,6 +10,8 @@ from types import MappingProxyType
 
 from PySide6.QtCore import QElapsedTimer, QObject, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent
+
+from core.frozen import frozen
 
 TURN = 2.0 * pi
 FRAME_MS = 16
@@ -117,7 +118,7 @@ CALM, PATIENT = 2.0, 12.0  # a turn in true time that takes so many seconds is p
 USUAL_TURN = 4.0  # else about so many
 
 
-@dataclass(frozen=True)
+@frozen
 class Speed:
     """Part of the shaft's own speed, and what a turn takes then [s]."""
 

@@ -6,11 +6,12 @@ They are the modules of the program of 1995. A task is a layout and nothing else
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
 
 from PySide6.QtCore import Qt
 
+from core.frozen import frozen
 from kindyna_gui.window.docks import BOTTOM, CENTRE, LEFT, RIGHT, VIEWS
 
 Area = Qt.DockWidgetArea
@@ -22,7 +23,7 @@ CHECKS = ("findings", "certificate")
 FORMS = ("parameters", "motion")
 
 
-@dataclass(frozen=True)
+@frozen
 class Group:
     """Docks behind each other at one place.
 
@@ -37,7 +38,7 @@ class Group:
     part: float = 1.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Side:
     """How far the docks of a side reach into the window: a part of its width or height, so many pixels at least."""
 
@@ -53,7 +54,7 @@ USUAL: Mapping[Area, Side] = MappingProxyType({LEFT: Side(0.25, 384), RIGHT: Sid
 """Width of the sides, height of the bottom, where a task does not say otherwise."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Task:
     """One layout.
 

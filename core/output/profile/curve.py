@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre, polynomial
 
+from core.frozen import frozen
 from core.motion import EPS, Angles
 from core.numerics.cancellation import checkpoint
 from core.numerics.vectors import dot
@@ -22,7 +22,7 @@ ROUNDING = 0.25  # of a panel's error: where halving leaves more, that is roundi
 NEWTON = 6  # steps from arc length to cam angle
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Samples:
     """A curve at n cam angles.
 
@@ -38,7 +38,7 @@ class Samples:
     speed: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Ends:
     """n points of a curve: z (n,) complex [mm], unit tangent (n,), arc length s (n,) [mm] from cam angle 0."""
 
@@ -98,7 +98,7 @@ _QUINTIC = np.linalg.inv(
 ).T  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Panels:
     """m stretches of the curve, each within one piece of the motion.
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import numpy as np
 
+from core.frozen import frozen
 from core.motion import TURN
 from core.motion.extremes import find_above
 from core.numerics.cancellation import checkpoint
@@ -22,7 +22,7 @@ STEPS = 40  # of the search for the place where a cutter touches twice
 BETWEEN = 4001  # points between its touches
 
 
-@dataclass(frozen=True)
+@frozen
 class Hollow:
     """Where a cutter does not get in: cam angles [deg] at both ends of the part that it cannot touch, the largest distance that
     is left standing there [mm], and the profile's smallest concave radius of curvature [mm], infinite where the cutter is held up

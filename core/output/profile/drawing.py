@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 from math import radians, sqrt
 from types import MappingProxyType
@@ -12,6 +11,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from core.frozen import frozen
 from core.output.profile.curve import MM
 from core.output.profile.digits import rounded_up
 from core.output.profile.fits import FITS, Arcs, Cubics
@@ -24,14 +24,14 @@ ZERO_FROM = 0.8  # of the way from the centre to the profile: where the angle-ze
 SENSES: Mapping[float, tuple[str, str]] = MappingProxyType({1.0: ("ccw", "counter-clockwise"), -1.0: ("cw", "clockwise")})
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle:
     """About the cam centre [mm]."""
 
     radius: float
 
 
-@dataclass(frozen=True)
+@frozen
 class Line:
     """From point to point [mm]."""
 
@@ -42,7 +42,7 @@ class Line:
 Shape: TypeAlias = "Arcs | Cubics | Circle | Line"
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Job:
     """The study, what was asked of it, and the curve that came of it."""
 
@@ -56,7 +56,7 @@ class Job:
         return self.study.cam.only(self.request.flank).flank.profile * MM
 
 
-@dataclass(frozen=True)
+@frozen
 class Layer:
     """One row: its DXF colour and line type, and what stands on it, which may be nothing."""
 

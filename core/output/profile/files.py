@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 from core.errors import FileError, KindynaError
+from core.frozen import frozen
 from core.output.profile import dxf, svg, table
 from core.output.profile.drawing import Job, comment, facts, layers
 from core.output.profile.made import exact_curve, fitted
@@ -20,7 +20,7 @@ from core.study import Study
 SUMMARY = "summary.json"
 
 
-@dataclass(frozen=True)
+@frozen
 class Format:
     """One row.
 

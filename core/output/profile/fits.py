@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
 from typing import Protocol
 
 import numpy as np
 
+from core.frozen import frozen
 from core.numerics.vectors import dot
 from core.output.profile import biarcs
 from core.output.profile.curve import Ends
@@ -24,7 +24,7 @@ class Chain(Protocol):
         """Distance (m, k) of points z (m, k) from the pieces of the spans (m,); part: roughly where on the span, 0 ... 1."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Arcs:
     """One or more arcs a span: p (n, parts + 1) where they meet, bulges b (n, parts)."""
 
@@ -51,7 +51,7 @@ class Arcs:
         return Arcs(np.stack((p, np.roll(p, -1)), axis=1), b[:, None])
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Cubics:
     """A cubic a span: its four Bézier points (n, 4), and the lengths of the spans (n,), which are its knots' distances."""
 
@@ -99,7 +99,7 @@ def spline(a: Ends, b: Ends) -> Cubics:
     return Cubics(np.stack((a.z, a.z + third * a.tangent, b.z - third * b.tangent, b.z), axis=1), length)
 
 
-@dataclass(frozen=True)
+@frozen
 class Fit:
     """One row: what it is called in a sentence; the pieces between points a and b; order of its deviation in the span's
     length; how far the tangent may turn over one span [rad]."""

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from core.cam import INNER, OUTER, faces_of, form_row
 from core.cam.sizes import size_of
 from core.design import Face
 from core.errors import KindynaError, NoCam
+from core.frozen import frozen
 from core.motion import Angles
 from core.motion.extremes import find_extremes
 from core.numerics.cancellation import checkpoint
@@ -28,7 +27,7 @@ LITTLE = 1e-6  # mm that nobody measures
 TRIES, MISSED = 6, 1e-4  # a tolerance that is just missed is made so much smaller, so often at most
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Fitted:
     """A curve as a file describes it.
 

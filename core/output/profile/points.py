@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import ceil
 from types import MappingProxyType
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.motion import degrees
 from core.numerics.cancellation import checkpoint
 from core.output.profile.curve import Curve, Ends
@@ -22,7 +22,7 @@ AT_ONCE = 32_768  # points that are computed together: memory does not grow with
 MOST_SEARCHED = 100_000  # points whose spans are searched one by one
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Points:
     """n points of a curve: cam angles [deg] (n,), and the points at just these angles."""
 
@@ -36,7 +36,7 @@ class Points:
         return here, after
 
 
-@dataclass(frozen=True)
+@frozen
 class Sampling:
     """One row: the sentence that tells what it is of its value; the cam angles [deg] (n,) of the points it gives."""
 

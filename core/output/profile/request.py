@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from core.cam import INNER, OUTER, SECOND
+from core.frozen import frozen
 
 ALL_FLANKS = (INNER, OUTER, SECOND)
 
 
-@dataclass(frozen=True)
+@frozen
 class Request:
     """One curve.
 

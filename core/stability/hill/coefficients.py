@@ -21,7 +21,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
 
@@ -30,6 +29,7 @@ from numpy.polynomial import legendre
 
 from core.dynamics import Loading
 from core.errors import NoStability
+from core.frozen import frozen
 from core.mechanism.kinematics import Kinematics
 from core.motion import TURN, Angles, Program
 from core.motion.extremes import find_extremes
@@ -43,7 +43,7 @@ INERTIA, CENTRIPETAL, LOAD, CURVATURE, LOAD_SLOPE = range(5)  # rows of the pane
 KinematicsAt = Callable[[Angles], Kinematics]
 
 
-@dataclass(frozen=True)
+@frozen
 class Sizes:
     """What the coefficients are measured in.
 
@@ -59,7 +59,7 @@ class Sizes:
     lowest: float
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Coefficients:
     """d, C, U, κ, ψ over one turn (rows of ``panels``) for the machine's own Q.
 

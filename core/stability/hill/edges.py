@@ -11,11 +11,12 @@ harmonics bring. What the harmonics beyond N do enters by second-order perturbat
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from core.errors import NoStability
+from core.frozen import frozen
 from core.motion import EPS
 from core.numerics.cancellation import checkpoint
 from core.stability.hill.coefficients import EXACT, Coefficients, fourier, truncation, weight_and_potential
@@ -30,7 +31,7 @@ ROUNDING = 32.0  # times eps times the condition
 SHIFTS = (1.0, 4.0, 16.0, 0.25, 64.0, 0.05, 1e3, 2e4, 4e5)  # tried in turn; a load that does much needs a large one
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Tongues:
     """The tongues of one equation.
 

@@ -6,15 +6,15 @@ for responses of the period of the cam (g = 0), and halves for those of twice th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from core.frozen import frozen
 from core.stability.hill.coefficients import LOAD_SLOPE, Coefficients, fourier
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Basis:
     """Harmonics from ``first`` to ``last``: cos(number θ) of the numbers ``cosines``, then sin of ``sines``; orthonormal
     in the mean over a turn, or two where the numbers are halves."""
@@ -38,7 +38,7 @@ def basis(first: int, last: int, half: bool) -> Basis:
     return Basis(numbers, numbers[numbers > 0.0])
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class _Parts:
     """An entry of a block is the sum of two coefficients, c_|i-j| and c_{i+j}, real or imaginary parts: where they stand in
     (Re c, Im c), and with which weights."""

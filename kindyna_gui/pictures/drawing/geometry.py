@@ -6,13 +6,13 @@ Nothing is computed here that is not a change of unit or of frame; no follower i
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, RoundFlank, row_of
 from core.errors import NoAnswer
+from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
 from kindyna_gui.pictures.turn import nearest
@@ -24,7 +24,7 @@ UNIT_STEPS = 60  # sizes that symbols may have, per factor of ten
 FAR = 0.15  # an instant centre further outside than this part of the mechanism's size does not widen the picture
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Body:
     """One body: origin (n,) [mm], angle (n,) [deg, counter-clockwise], own points [mm] in its frame, of which those
     that coincide count once."""
@@ -52,7 +52,7 @@ class Body:
         return kept
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Joint:
     """One pair: where its point is (n,) [mm].
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +19,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.frozen import frozen
 from kindyna_gui.pictures.drawing.shapes import joined, outline
 from kindyna_gui.pictures.plots.detail import UNSEEN, level, needed
 from kindyna_gui.pictures.style import SMALL, Theme, brush, font, no_pen
@@ -191,7 +191,7 @@ class Arrow(Outline):
         self.redraw(path)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Part:
     """One thing drawn: its key, its item, the layers that must all be shown, and how it moves (None: it stands)."""
 

@@ -7,12 +7,12 @@ far it may be the link's own side, which goes round with it.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from PySide6.QtCore import QRectF
 
+from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, SLIDING
 from kindyna_gui.pictures.drawing.cam_parts import sense_arc
 from kindyna_gui.pictures.drawing.geometry import Body, Geometry
@@ -32,7 +32,7 @@ COVERS, LEAVES, FURTHER = 6.0, 6.0, 0.5  # costs: covering a label, leaving the 
 APART = 9.0  # between two labels, pixels
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Label:
     """A name for what is at ``track`` (n,) [mm] with nothing to be covered within ``room`` [mm] of it; ``foot``: how
     far from there a line to the text starts, where one must always be drawn [mm]; ``turn``: (n,) unit vector that goes
@@ -152,7 +152,7 @@ def spread_samples(geometry: Geometry) -> np.ndarray:
     return np.flatnonzero(np.diff(marks, prepend=-1.0) > 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Ink:
     """What is drawn, as dots: places (k, m) [mm], radii (m,) [mm], and how much it matters not to cover them (m,)."""
 

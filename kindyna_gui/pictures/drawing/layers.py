@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
+from core.frozen import frozen
 from core.study import Study
 from kindyna_gui.requirements import lists_links
 
 
-@dataclass(frozen=True)
+@frozen
 class Layer:
     """One row of what can be shown: its name for the user, and whether it is shown at first."""
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsItem
 
+from core.frozen import frozen
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
@@ -21,7 +21,7 @@ THICK = 5.0
 Z_OVERLAY = 20.0
 
 
-@dataclass(frozen=True)
+@frozen
 class Scale:
     """A scale of vectors: layer, colour, unit (as a channel spells it), length of the arrow of one unit [mm]."""
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPaintEvent, QPen, QPolygonF
 from PySide6.QtWidgets import QSizePolicy, QWidget
 
+from core.frozen import frozen
 from core.instant_centres import ABSOLUTE, POLE, TURNING, Corner, Side, VelocityPolygon
 from core.mechanism import link_number
 from kindyna_gui.pictures.drawing.polygon_labels import Placing, Text
@@ -48,7 +48,7 @@ def _point(corner: Corner) -> str:
     return f"{corner[0]}{link_number(corner[1])}" if corner[1] else corner[0]
 
 
-@dataclass(frozen=True)
+@frozen
 class Frame:
     """Where the pole stands and the scale: pixels for 1 m/s; y upwards in the polygon, downwards on the sheet."""
 

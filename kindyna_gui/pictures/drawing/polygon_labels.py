@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QRectF
+
+from core.frozen import frozen
 
 CROSSES, COVERS, LEAVES, MOVES, LATER = 3.0, 6.0, 12.0, 0.8, 0.15
 """Costs: a vector or another text covered, outside of the sheet, another place than before, each place further down."""
@@ -14,7 +16,7 @@ _SPREAD = np.exp(1j * np.deg2rad([0.0, 40.0, -40.0, 85.0, -85.0, 130.0, -130.0, 
 _ALONG = (0.0, -0.16, 0.16, 0.28, -0.28)
 
 
-@dataclass(frozen=True)
+@frozen
 class Text:
     """A name with an index; pixels, y downwards.
 

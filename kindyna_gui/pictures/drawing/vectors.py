@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from core.errors import NoAnswer
+from core.frozen import frozen
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Arrow, Move, Part
 from kindyna_gui.pictures.style import OUTLINE, Theme
@@ -17,7 +17,7 @@ Z_ARROW = 11.0
 NO_VECTOR = 1e-9  # a vector below this part of the largest is no vector
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Field:
     """Vectors at moving places, in SI.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from html import escape
 from types import MappingProxyType
 
@@ -12,6 +11,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QPainter, QPen
 
+from core.frozen import frozen
 from kindyna_gui.pictures.style import SMALL, TEXT, Theme, font
 
 _ROOM = QRectF(0.0, 0.0, 100.0, 100.0)  # a text is measured in
@@ -84,7 +84,7 @@ def _size(painter: QPainter, text: str) -> tuple[float, float]:
     return box.width(), _SLIM * box.height()
 
 
-@dataclass(frozen=True)
+@frozen
 class _Side:
     """An axis on one side of the plot. outwards: unit vector; across: 0 where values go upwards, 1 to the right; of a
     rectangle its length, its line from end to end, and a place so many pixels along it; the box of a text of some size

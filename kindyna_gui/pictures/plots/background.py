@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QPainterPath
 
 from core.design import CURVES, Motion
+from core.frozen import frozen
 from core.laws import find_law
 from core.laws.table import short_name
 from kindyna_gui.pictures.drawing.items import Outline, text_size
@@ -35,7 +35,7 @@ LEAST_ANGLE_PIXELS, LEAST_VALUE_PIXELS, LEAST_ACROSS = 38.0, 26.0, 46.0  # betwe
 NAME_ROOM = 4.0  # between a segment's name and its ends, pixels
 
 
-@dataclass(frozen=True)
+@frozen
 class Span:
     """One segment of the motion: where it starts and ends [deg], its law's name, and that in short."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from math import pi
 from types import MappingProxyType
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from core.cam import PRESSURE_LIMITS
 from core.errors import KindynaError
+from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.output.channels import Channel
@@ -20,7 +20,7 @@ from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
 
 
-@dataclass(frozen=True)
+@frozen
 class Limit:
     """A value not to be passed [SI], and the text of its line."""
 
@@ -59,7 +59,7 @@ def limit_of(study: Study, quantity: str) -> Limit | None:
     return Limit(value, row[0]) if np.isfinite(value) else None
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Curve:
     """One curve: its channel, its values in the channel's unit (n,), its colour, the size below which values are zero."""
 

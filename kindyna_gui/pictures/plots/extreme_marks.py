@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 from math import floor, isfinite, log10
 
@@ -11,6 +10,7 @@ import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath, QPolygonF
 
+from core.frozen import frozen
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURVE, Frame
 from kindyna_gui.pictures.plots.lines import CurveLine
@@ -27,7 +27,7 @@ SIDES = ((0.5, 1.0), (0.0, 1.0), (1.0, 1.0), (0.0, 0.5), (1.0, 0.5), (0.5, 0.0),
 upper left, right, left, below ..."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Extreme:
     """An extreme of a curve: its cam angle [deg], its value in the unit of the axis, whether it is the highest."""
 

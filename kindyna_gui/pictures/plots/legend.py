@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from html import escape
 
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor, QFont, QFontMetricsF
 from PySide6.QtWidgets import QGraphicsTextItem, QGraphicsWidget
 
+from core.frozen import frozen
 from kindyna_gui.pictures.style import SMALL
 
 LEGEND_HEIGHT = 18.0  # of the first line, pixels
@@ -18,7 +18,7 @@ CUT = "…"
 APART = "\u00a0\u00a0 "  # between names
 
 
-@dataclass(frozen=True)
+@frozen
 class Entry:
     """A name, with the colour of its curve and what stands for its stroke."""
 

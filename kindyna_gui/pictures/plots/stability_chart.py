@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
@@ -11,6 +10,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
+from core.frozen import frozen
 from core.stability import APPROXIMATE, EXACT, Chart, Machine
 from kindyna_gui.pictures.drawing.items import Outline, Tag, text_size
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, value_ticks
@@ -29,7 +29,7 @@ NAMES = (
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class Measure:
     """A quantity that numbers an axis. ``of``: value shown for η or Q; ``back``: η or Q of a value shown."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import pyqtgraph as pg
 from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QWidget
 
+from core.frozen import frozen
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.plots.background import LEAST_ACROSS, angle_ticks, value_ticks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
@@ -25,7 +25,7 @@ ROWS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE)
 """Colours of the curves of a plot, one after the other."""
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Line:
     """One curve: x and y (n,), nan where it is broken, its colour, its name in the legend, dashes."""
 

@@ -1,0 +1,59 @@
+"""Frozen dataclasses that import quickly. ``dataclasses.dataclass(frozen=True)`` compiles up to six methods for each class, half
+of what an import cost; here all classes share them, and only ``__init__`` is compiled for each."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Callable
+from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields
+from operator import attrgetter
+from typing import Any, dataclass_transform
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def frozen(kind: Any = None, *, eq: bool = True, kw_only: bool = False) -> Any:
+    """A class whose instances hold the annotated fields and never change: equal, and of one hash, where all fields are
+    (eq=False: only with themselves). ``fields``, ``replace``, ``asdict`` and ``copy`` take it as any other dataclass."""
+    if kind is None:
+        return lambda kind: frozen(kind, eq=eq, kw_only=kw_only)
+    made: Any = dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(kind)
+    made.__init__, made.__repr__, made.__setattr__, made.__delattr__ = _init(made), _repr, _refuse, _refuse
+    if eq:
+        values = _values([each.name for each in fields(made) if each.compare])
+        made.__eq__ = lambda self, other: values(self) == values(other) if type(self) is type(other) else NotImplemented
+        made.__hash__ = lambda self: hash(values(self))
+    return made
+
+
+def _values(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
+    return attrgetter(*names) if len(names) > 1 else lambda self: tuple(getattr(self, name) for name in names)
+
+
+def _init(kind: Any) -> Any:
+    given: Any = sorted(fields(kind), key=lambda each: bool(each.kw_only))
+    names: dict[str, Any] = {"_put": object.__setattr__}
+    parameters, lines = ["self"], []
+    for each in given:
+        name = value = each.name
+        if each.kw_only and "*" not in parameters:
+            parameters.append("*")
+        if each.default_factory is not MISSING:
+            names |= {f"default_{name}": MISSING, f"make_{name}": each.default_factory}
+            value = f"make_{name}() if {name} is default_{name} else {name}"
+        elif each.default is not MISSING:
+            names[f"default_{name}"] = each.default
+        parameters.append(f"{name}=default_{name}" if f"default_{name}" in names else name)
+        lines.append(f"_put(self, {name!r}, {value})")
+    exec(f"def __init__({', '.join(parameters)}):\n " + "\n ".join(lines or ["pass"]), names)
+    names["__init__"].__qualname__ = f"{kind.__qualname__}.__init__"
+    return names["__init__"]
+
+
+@reprlib.recursive_repr()
+def _repr(self: Any) -> str:
+    values = ", ".join(f"{each.name}={getattr(self, each.name)!r}" for each in fields(self) if each.repr)
+    return f"{type(self).__qualname__}({values})"
+
+
+def _refuse(self: Any, name: str, *value: Any) -> None:
+    raise FrozenInstanceError(f"{type(self).__qualname__}.{name} cannot be changed: make another with dataclasses.replace")
