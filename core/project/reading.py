@@ -36,7 +36,7 @@ from core.design import (
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
 from core.design.fields import LAW, Slot, inside_of_table, slots
-from core.design.forms import FORM
+from core.design.forms import FORM, FORMS
 from core.design.topology import driver_pair, is_pin
 from core.errors import MISSING, DesignError, Fault
 from core.laws import find_law
@@ -209,7 +209,9 @@ class Reader:
             return (self._number(slot, value, at),)
         if placing.kind is None:
             if isinstance(value, str):
-                if placing.word and value not in placing.words:
+                if placing.word == FORM and value in set(FORMS) - placing.words.keys():
+                    self.faults.append(Fault(at, value, "takes a roller", f'{slot.allowed}, or {FACE} = "{Roller.face}"'))
+                elif placing.word and value not in placing.words:
                     self.faults.append(hinted(Fault(at, value, "unknown word", slot.allowed)))
                 return (value,)
             self.faults.append(Fault(at, value, "must be text", slot.allowed))
