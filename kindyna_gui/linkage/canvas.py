@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QPointF, QRectF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
@@ -40,11 +40,12 @@ class Canvas(QGraphicsView):
     taken     (name): a joint was pressed
     dragged   (name, place [mm]): it was drawn to a place
     dropped   (name): it was let go
+    hovered   (place [mm]): the mouse is there and holds nothing; None: it is elsewhere, or holds something
 
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     """
 
-    taken, dragged, dropped = Signal(str), Signal(str, complex), Signal(str)
+    taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
 
     def __init__(self, scene: MechanismScene) -> None:
         super().__init__(scene)
@@ -140,7 +141,12 @@ class Canvas(QGraphicsView):
             self.zoom(STEP ** (turned / NOTCH), event.position())
         event.accept()
 
+    def leaveEvent(self, event: QEvent) -> None:
+        self.hovered.emit(None)
+        super().leaveEvent(event)
+
     def mousePressEvent(self, event: QMouseEvent) -> None:
+        self.hovered.emit(None)
         joint = self.joint_at(event.position()) if event.button() == Qt.MouseButton.LeftButton else ""
         if joint:
             self._joint = joint
@@ -157,6 +163,8 @@ class Canvas(QGraphicsView):
         if self._grip is None:
             over = self.joint_at(event.position())
             self.setCursor(Qt.CursorShape.SizeAllCursor if over else Qt.CursorShape.ArrowCursor)
+            at = self._drawn_at(event.position())
+            self.hovered.emit(complex(at.x(), at.y()))
             return
         if event.position() == self._grip:
             return

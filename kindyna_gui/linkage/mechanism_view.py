@@ -7,7 +7,7 @@ from functools import partial
 from math import ceil, log10
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtGui import QAction, QActionGroup, QKeyEvent
 
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
@@ -17,12 +17,14 @@ from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import OF_STEP
+from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+
+PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 
 
 class MechanismView(View):
@@ -38,11 +40,16 @@ class MechanismView(View):
         self._fit_wanted = True
         self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
         self._actions = {name: self._action(name, layer.label) for name, layer in EVERY_LAYER.items()}
+        one_of = QActionGroup(self)
+        one_of.setExclusionPolicy(QActionGroup.ExclusionPolicy.ExclusiveOptional)
+        for name in COLOURS:
+            one_of.addAction(self._actions[name])
         session.started.connect(self._another_design)
         session.step_changed.connect(self._show_step)
         self.canvas.taken.connect(self._take_joint)
         self.canvas.dragged.connect(self._drag_joint)
         self.canvas.dropped.connect(self._drop_joint)
+        self.canvas.hovered.connect(self._read_profile)
 
     def _action(self, name: str, label: str) -> QAction:
         action = QAction(label, self, checkable=True, checked=self._layers_wanted[name])
@@ -88,6 +95,11 @@ class MechanismView(View):
             self.canvas.fit()
         else:
             self._fit_wanted = True
+
+    def _read_profile(self, at: complex | None) -> None:
+        """The values of the profile under the mouse."""
+        if self.up_to_date and not self.in_trouble:
+            self.scene.read_profile(at, PROFILE_REACH / self.canvas.scale_now)
 
     # -- joints -------------------------------------------------------------------------------------------
 
@@ -136,7 +148,7 @@ class MechanismView(View):
         for name, shown in self._layers_wanted.items():
             if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
-                if self.canvas.fitted and name in CHAINS:  # their list stands above the mechanism
+                if self.canvas.fitted and name in (*CHAINS, DIMENSIONS):  # they need room beside or above the mechanism
                     self.canvas.fit(keep_labels=True)
 
     # -- as a file ----------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ from kindyna_gui.pictures.drawing.items import Part
 from kindyna_gui.pictures.drawing.overlay import BOTTOM_STRIP, TOP_STRIP
 
 MARGIN_UNITS = 4.5  # around all that moves, in units of the symbols
-_STANDING = ("rails", "ground", "pedestal", "rim")
+_STANDING = ("rails", "ground", "pedestal", "rim", "dimensions")
 
 
 def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from PySide6.QtCore import QRectF
@@ -186,6 +187,11 @@ def ink(geometry: Geometry, seen: np.ndarray, strokes: Sequence[tuple[np.ndarray
     for track, radius in [*rounds, *((track, radius) for _, track, radius in geometry.further_rollers)]:
         rows.append((track[seen][:, None] + radius * around, 0.0, 0.8))
         rows.append((track[seen][:, None], unit, 1.5))
+    if geometry.face_outline.size and not geometry.face_radius:
+        turn = np.exp(1j * np.deg2rad(geometry.face_angle[seen]))
+        places = [geometry.reference[seen] + corner * turn for corner in geometry.face_outline]
+        for one, other in pairwise(places):
+            dots(one, other, 0.0, 1.0)
     if geometry.profile.size:
         thin = slice(None, None, max(1, geometry.samples // 90))
         turn = np.exp(1j * np.deg2rad(geometry.turned[seen]))[:, None]

@@ -18,6 +18,8 @@ class Layer:
     shown: bool = True
 
 
+DIMENSIONS = "dimensions"
+
 LAYERS: Mapping[str, Layer] = MappingProxyType(
     {
         "ground": Layer("Ground"),
@@ -31,6 +33,9 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "centre": Layer("Instant centre"),
         "velocities": Layer("Velocities", shown=False),
         "forces": Layer("Forces", shown=False),
+        "pressure_colours": Layer("Profile coloured by pressure angle", shown=False),
+        "curvature_colours": Layer("Profile coloured by curvature", shown=False),
+        DIMENSIONS: Layer("Dimensions", shown=False),
         "labels": Layer("Labels"),
         "scale": Layer("Scale bar"),
     }
@@ -50,7 +55,10 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
 OF_STEP = ("centres", "kennedy")
 """Layers that a step of the circle diagram needs."""
 
-_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre")
+COLOURS = ("pressure_colours", "curvature_colours")
+"""Layers of which one at most is shown at a time."""
+
+_OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})
 
 

@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from math import degrees
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+import numpy as np
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.study import Study
 from kindyna_gui.pictures.drawing import cam_parts, framing, parts, vectors
+from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
-from kindyna_gui.pictures.drawing.items import Loop, Part
+from kindyna_gui.pictures.drawing.items import Loop, Outline, Part
 from kindyna_gui.pictures.drawing.labels import Labels
-from kindyna_gui.pictures.drawing.layers import EVERY_LAYER, LAYERS, LINKAGE_LAYERS, OF_STEP, Layer, layers_of
+from kindyna_gui.pictures.drawing.layers import (
+    DIMENSIONS,
+    EVERY_LAYER,
+    LAYERS,
+    LINKAGE_LAYERS,
+    OF_STEP,
+    Layer,
+    layers_of,
+)
 from kindyna_gui.pictures.drawing.overlay import Overlay, Scale
-from kindyna_gui.pictures.style import LIGHT, Theme
+from kindyna_gui.pictures.drawing.profile_colours import COLOURINGS, ColouredLoop, coloured, scale_of
+from kindyna_gui.pictures.drawing.profile_reading import reading_at
+from kindyna_gui.pictures.drawing.shapes import circle
+from kindyna_gui.pictures.style import LIGHT, OUTLINE, Theme, brush
 from kindyna_gui.pictures.viewport import Viewport
 
 if TYPE_CHECKING:
@@ -38,6 +52,14 @@ FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
     {"velocities": vectors.velocities, "forces": vectors.forces}
 )
 """Layers of vectors, computed when first shown."""
+
+LAZY: Mapping[str, Callable[[Geometry, Theme], Iterator[Part]]] = MappingProxyType(
+    {**{layer: partial(coloured, layer) for layer in COLOURINGS}, DIMENSIONS: dimensions}
+)
+"""Layers whose parts are made when first shown."""
+
+DOT = 4.0  # of the place that is read, pixels
+Z_DOT = 12.0
 
 
 class MechanismScene(QGraphicsScene):
@@ -60,6 +82,7 @@ class MechanismScene(QGraphicsScene):
         self.parts: dict[str, Part] = {}
         self._closest = closest
         self._lines: list[Loop] = []
+        self._ribbons: list[ColouredLoop] = []
         self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
         self._shown = {name: layer.shown for name, layer in EVERY_LAYER.items()}
         self._region: tuple[QRectF, float] | None = None
@@ -69,6 +92,9 @@ class MechanismScene(QGraphicsScene):
         self.construct: Construct | None = None
         self._step: int | None = None
         self.overlay: Overlay | None = None
+        self._made: set[str] = set()
+        self._mouse: tuple[complex, float] | None = None
+        self._dot: Outline | None = None
         if study is not None:
             self.update_study(study)
 
@@ -99,6 +125,7 @@ class MechanismScene(QGraphicsScene):
             self._need(layer)
         for layer in LINKAGE_LAYERS:
             self._need_more(layer)
+        drew = drew or self._shown[DIMENSIONS]
         if self._fields or drew:
             self._make_room()
         self._show()
@@ -116,6 +143,9 @@ class MechanismScene(QGraphicsScene):
             if not (named and key.startswith("label.")):
                 self.removeItem(part.item)
         self.parts = {}
+        self._made = set()
+        if self.overlay is not None:
+            self.overlay.drop_colours(self.removeItem)
         if self.overlay is None:
             self.overlay = Overlay(self.theme, self.addItem)
         self.overlay.angle_name = geometry.study.angle_name if geometry.numbered else "cam angle"
@@ -127,7 +157,16 @@ class MechanismScene(QGraphicsScene):
         for part in self._labels.parts():
             self._take(part)
         self._lines = [part.item for part in self.parts.values() if isinstance(part.item, Loop)]
-        self._whole = framing.whole(geometry, self.parts.values())
+        self._ribbons = []
+        for layer in LAZY:
+            self._need_parts(layer)
+        self._frame()
+
+    def _frame(self) -> None:
+        """Take in what the picture must hold of what is shown."""
+        assert self.geometry is not None
+        shown = (part for part in self.parts.values() if self._shown[DIMENSIONS] or DIMENSIONS not in part.layers)
+        self._whole = framing.whole(self.geometry, shown)
         self.setSceneRect(self._whole)
 
     def _drop_vectors(self) -> None:
@@ -154,6 +193,20 @@ class MechanismScene(QGraphicsScene):
         for part in vectors.arrows(field, layer, self.geometry, self.theme):
             self._take(part)
         self.overlay.add_scale(Scale(layer, field.family, field.unit, field.mm_per_unit(self.geometry)))
+
+    def _need_parts(self, layer: str) -> None:
+        """Parts of a layer that is seldom shown, and their scale, are made when it is."""
+        if self.geometry is None or self.overlay is None or not self._shown[layer] or layer in self._made:
+            return
+        self._made.add(layer)
+        for part in LAZY[layer](self.geometry, self.theme):
+            self._take(part)
+            if isinstance(part.item, ColouredLoop):
+                self._ribbons.append(part.item)
+                part.item.look(self.viewport.scale)
+        scale = scale_of(layer, self.geometry, self.theme)
+        if scale is not None:
+            self.overlay.add_colours(layer, scale)
 
     def _need_more(self, layer: str) -> None:
         """What a linkage shows besides is read when its layer is first shown."""
@@ -183,7 +236,8 @@ class MechanismScene(QGraphicsScene):
         """Labels keep clear of the vectors that are shown."""
         if self._labels is not None and self.geometry is not None:
             shown = [field for layer, field in self._fields.items() if self._shown[layer]]
-            self._labels.avoid([stroke for field in shown for stroke in vectors.strokes(field, self.geometry)])
+            values = strokes(self.geometry) if self._shown[DIMENSIONS] else []
+            self._labels.avoid([*(stroke for field in shown for stroke in vectors.strokes(field, self.geometry)), *values])
 
     def item(self, key: str) -> QGraphicsItem:
         """The item of a part: ``cam``, ``roller``, ``body.arm``, ``pin.pivot`` ...; raises KeyError."""
@@ -204,8 +258,16 @@ class MechanismScene(QGraphicsScene):
         self._shown[name] = shown
         if name in LINKAGE_LAYERS:
             self._need_more(name)
-        if name in FIELDS:
-            self._need(name)
+        if name in LAZY:
+            self._need_parts(name)
+            if self._region is not None and self.overlay is not None:
+                self.overlay.show_layers(self._shown)
+                self.overlay.lay(*self._region)
+        if name == DIMENSIONS and self.geometry is not None:
+            self._frame()
+        if name in (*FIELDS, DIMENSIONS):
+            if name in FIELDS:
+                self._need(name)
             self._make_room()
             if self._region is not None:
                 self.show_region(*self._region)
@@ -235,6 +297,8 @@ class MechanismScene(QGraphicsScene):
             if part.move is not None and part.item.isVisible():
                 part.move(self.index)
         self.overlay.show_angle(float(self.geometry.cam_angle[self.index]) if angle is None else angle)
+        if self._mouse is not None:
+            self.read_profile(*self._mouse)
 
     def set_fraction(self, fraction: float) -> None:
         """Move to the sample nearest to this part of a turn."""
@@ -247,6 +311,29 @@ class MechanismScene(QGraphicsScene):
         """Move to the sample nearest to cam angle theta [rad]; the text in the corner shows theta itself."""
         if self.geometry is not None:
             self._move(self.geometry.nearest(theta), degrees(theta))
+
+    # -- what is read ---------------------------------------------------------------------------------------
+
+    def read_profile(self, at: complex | None, reach: float = 0.0) -> None:
+        """Show the values at the place of the profile that is nearest to ``at`` [mm], no farther than ``reach`` [mm]; None: no
+        values. What is read goes on with the cam below the place."""
+        self._mouse = None if at is None else (at, reach)
+        if self.geometry is None or self.overlay is None:
+            return
+        reading = None if at is None else reading_at(self.geometry, self.index, at, reach)
+        self.overlay.show_reading("" if reading is None else reading.text)
+        if reading is None:
+            if self._dot is not None:
+                self._dot.hide()
+            return
+        if self._dot is None:
+            self._dot = Outline(circle(DOT), self.theme.pen(self.theme.ink, OUTLINE), brush(self.theme.paper))
+            self._dot.setFlag(QGraphicsItem.GraphicsItemFlag.ItemIgnoresTransformations)
+            self._dot.setZValue(Z_DOT)
+            self.addItem(self._dot)
+        place = reading.place * np.exp(1j * np.deg2rad(self.geometry.turned[self.index]))
+        self._dot.setPos(place.real, place.imag)
+        self._dot.show()
 
     # -- sight ----------------------------------------------------------------------------------------------
 
@@ -282,6 +369,8 @@ class MechanismScene(QGraphicsScene):
         self.viewport.visible, self.viewport.scale = QRectF(visible), scale
         for line in self._lines:
             line.look(scale * self.theme.ratio * self._closest)
+        for ribbon in self._ribbons:
+            ribbon.look(scale)
         if self._labels is not None and self.overlay is not None:
             low = complex(visible.left(), visible.top())
             if not self._labels.keep(sides, scale):

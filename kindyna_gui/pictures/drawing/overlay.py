@@ -1,15 +1,17 @@
-"""What stands in the corners of a picture of a mechanism, in pixels: cam angle, scale bar, scales of vectors."""
+"""What stands in the corners of a picture of a mechanism, in pixels: cam angle, values under the mouse, scale bar, scales of
+vectors and of colours."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
 from PySide6.QtCore import QPointF, QRectF
-from PySide6.QtGui import QPainterPath
+from PySide6.QtGui import QBrush, QPainterPath
 from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
-from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.drawing.items import Outline, Tag, wrapped
+from kindyna_gui.pictures.drawing.profile_colours import ColourScale, colour_bar
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 
@@ -18,6 +20,7 @@ TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # of a picture, kept free of the mechanism
 BAR_PIXELS, BAR_PART = 190.0, 0.35  # longest scale bar: pixels, part of the picture's width
 ARROW_PIXELS = 90.0  # longest arrow of a legend
 THICK = 5.0
+COLOUR_BAR, COLOUR_HIGH, COLOUR_TICKS, COLOUR_ROW = 190.0, 7.0, 22.0, 46.0  # of a scale of colours, pixels
 Z_OVERLAY = 20.0
 
 
@@ -115,6 +118,32 @@ class VectorScale(_Corner):
         self._tag.setPos(QPointF(-width - 8.0, 0.0))
 
 
+class ColourBar(_Corner):
+    """The colours of a scale with its name and its ticks, on the lower right."""
+
+    def __init__(self, scale: ColourScale, theme: Theme) -> None:
+        super().__init__()
+        path = QPainterPath()
+        path.addRect(QRectF(0.0, 0.0, COLOUR_BAR, COLOUR_HIGH))
+        self._bar = Outline(path, theme.pen(theme.ink, THIN), QBrush(scale.gradient(COLOUR_BAR)))
+        self._bar.setParentItem(self)
+        self._bar.setPos(-COLOUR_BAR, -COLOUR_HIGH)
+        self._tags = [self._tag(scale.title, theme, -COLOUR_BAR, -COLOUR_HIGH - 2.0, (0.0, 1.0))]
+        for x, text in colour_bar(scale, COLOUR_BAR):
+            self._tags.append(self._tag(text, theme, x - COLOUR_BAR, 2.0, (x / COLOUR_BAR, 0.0)))
+
+    def _tag(self, text: str, theme: Theme, x: float, y: float, lean: tuple[float, float]) -> Tag:
+        tag = Tag(text, theme.ink, theme, SMALL, lean)
+        tag.setParentItem(self)
+        tag.setPos(x, y)
+        return tag
+
+    @property
+    def texts(self) -> list[str]:
+        """Its name, then its ticks."""
+        return [tag.text for tag in self._tags]
+
+
 class Overlay:
     """All corners of one scene."""
 
@@ -126,6 +155,12 @@ class Overlay:
         self._text.setParentItem(self.angle)
         self.angle_name = "cam angle"
         self.vectors: dict[str, VectorScale] = {}
+        self.colours: dict[str, ColourBar] = {}
+        self.reading = _Corner()
+        self._read = Tag("", theme.ink, theme, SMALL, (1.0, 0.0), backing=True)
+        self._read.setParentItem(self.reading)
+        self._reading_text, self._reading_room = "", 0.0
+        add(self.reading)
         add(self.bar)
         add(self.angle)
 
@@ -135,6 +170,29 @@ class Overlay:
 
     def show_angle(self, degrees: float) -> None:
         self._text.set_text(f"{self.angle_name.capitalize()} {degrees:.1f}°")
+
+    @property
+    def reading_text(self) -> str:
+        """The values under the mouse; empty where there are none."""
+        return self._reading_text
+
+    def show_reading(self, text: str) -> None:
+        """Values at a place, beside the cam angle; empty: none."""
+        if text != self._reading_text:
+            self._reading_text = text
+            self._read.set_text(wrapped(text, self._reading_room))
+            self.reading.setVisible(bool(text))
+
+    def add_colours(self, layer: str, scale: ColourScale) -> None:
+        """The scale of a layer of colours."""
+        self.colours[layer] = ColourBar(scale, self._theme)
+        self._add(self.colours[layer])
+
+    def drop_colours(self, remove: Callable[[QGraphicsItem], None]) -> None:
+        """Take all scales of colours away."""
+        for bar in self.colours.values():
+            remove(bar)
+        self.colours = {}
 
     def add_scale(self, row: Scale) -> None:
         self.vectors[row.layer] = VectorScale(row, self._theme)
@@ -148,8 +206,8 @@ class Overlay:
 
     def show_layers(self, shown: Mapping[str, bool]) -> None:
         self.bar.setVisible(shown["scale"])
-        for layer, arrow in self.vectors.items():
-            arrow.setVisible(shown[layer])
+        for layer, item in (*self.vectors.items(), *self.colours.items()):
+            item.setVisible(shown[layer])
 
     def boxes(self, visible: QRectF, scale: float) -> list[QRectF]:
         """Where the corners are taken, in pixels of the whole scene, y downwards."""
@@ -159,8 +217,9 @@ class Overlay:
         if self.bar.isVisible():
             boxes.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
         shown = sum(arrow.isVisible() for arrow in self.vectors.values())
-        if shown:
-            high = (1.0 + 1.5 * shown) * MARGIN
+        bars = sum(bar.isVisible() for bar in self.colours.values())
+        if shown or bars:
+            high = (1.0 + 1.5 * shown) * MARGIN + bars * COLOUR_ROW
             boxes.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
         return boxes
 
@@ -170,6 +229,13 @@ class Overlay:
         self.angle.setPos(visible.left() + edge, visible.bottom() - 0.7 * edge)
         self.bar.setPos(visible.left() + edge, visible.top() + edge)
         self.bar.lay(scale, visible.width() * scale)
+        below = 0.0
+        for bar in self.colours.values():
+            if bar.isVisible():
+                bar.setPos(visible.right() - edge, visible.top() + (below + COLOUR_TICKS) / scale)
+                below += COLOUR_ROW
         for row, arrow in enumerate(self.vectors.values()):
-            arrow.setPos(visible.right() - edge, visible.top() + (1.3 + 1.5 * row) * edge)
+            arrow.setPos(visible.right() - edge, visible.top() + (1.3 + 1.5 * row) * edge + below / scale)
             arrow.lay(scale)
+        self.reading.setPos(visible.right() - edge, visible.bottom() - 0.7 * edge)
+        self._reading_room = visible.width() * scale - self._text.size[0] - 4.0 * MARGIN

@@ -1,0 +1,150 @@
+"""Which lengths and angles a drawing of a drive can show, and between which places: the typed dimensions of followers and cams.
+
+Each stands in the frame of a body, or in the global frame, where it never moves: places [m] there.
+"""
+
+from __future__ import annotations
+
+import cmath
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import Any
+
+from core.design import CamSlider, Design, Linkage, Oscillating, OscillatingFlat, Translating, si
+from core.frozen import frozen
+from core.mechanism.kinematics import FRAME, Kinematics
+
+LENGTH, RADIUS, ANGLE = "length", "radius", "angle"
+
+
+@frozen
+class Dimension:
+    """One dimension: kind, symbol, value [mm, deg], and the body in whose frame its places [m] stand.
+
+    places   of a length: its two ends; of a radius: centre and a place on the circle; of an angle: its vertex and a place on
+             each leg, counter-clockwise from the first where the value is positive
+    along    of a length: unit vector of the direction it is measured in; 0: from end to end
+    """
+
+    kind: str
+    symbol: str
+    value: float
+    body: str
+    places: tuple[complex, ...]
+    along: complex = 0j
+
+
+def dimensions_of(design: Design, kinematics: Kinematics) -> list[Dimension]:
+    """The dimensions of a drive that stands on the positions of the kinematics."""
+    drive = design.drive
+    return [*OF_MECHANISM[type(drive.mechanism)](design, kinematics), *_of_cam(design, kinematics)]
+
+
+def _length(symbol: str, body: str, one: complex, other: complex, along: complex = 0j) -> Iterator[Dimension]:
+    """None where its ends coincide."""
+    size = abs(other - one) if along == 0 else abs(((other - one) * along.conjugate()).real)
+    if size > 1e-9 * max(abs(one), abs(other)):
+        yield Dimension(LENGTH, symbol, _rounded(size * 1e3), body, (one, other), along)
+
+
+def _rounded(value: float) -> float:
+    """Without the last bits that a length keeps from the places it is taken from."""
+    return float(f"{value:.9g}")
+
+
+def _coordinates(place: complex) -> Iterator[Dimension]:
+    """x and y of a place from the cam centre."""
+    yield from _length("x ", FRAME, 0j, place, 1.0 + 0j)
+    yield from _length("y ", FRAME, 0j, place, 1j)
+
+
+def _points(kinematics: Kinematics, body: str) -> Mapping[str, complex]:
+    return kinematics.bodies[body].points
+
+
+def _second_arm(follower: Any, points: Mapping[str, complex]) -> Iterator[Dimension]:
+    if follower.second is not None:
+        places = (points["pivot"], points["roller"], points["second_roller"])
+        yield from _length("Zl₂ ", "arm", places[0], places[2])
+        yield Dimension(ANGLE, "", follower.second.angle_deg, "arm", places)
+
+
+def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    follower = design.drive.mechanism
+    g, arm, rod = si(follower), _points(kinematics, "arm"), _points(kinematics, "rod")
+    pivot = complex(g.pivot_x, g.pivot_y)
+    yield from _length("L1 ", "arm", arm["pivot"], arm["arm_pin"])
+    yield from _length("Zl ", "arm", arm["pivot"], arm["roller"])
+    yield from _length("L2 ", "rod", rod["arm_pin"], rod["slider_pin"])
+    yield Dimension(ANGLE, "γ ", follower.fixed_angle_deg, "arm", (arm["pivot"], arm["arm_pin"], arm["roller"]))
+    yield from _second_arm(follower, arm)
+    yield from _coordinates(pivot)
+    guide = cmath.rect(1.0, g.guide_angle)
+    yield from _length("H ", FRAME, pivot, pivot + 1j * guide * g.guide_height, 1j * guide)
+
+
+def _translating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    follower = design.drive.mechanism
+    g, place = si(follower), kinematics.follower.origin[0]
+    along = cmath.rect(1.0, g.direction)
+    lowest = min((complex(z) for z in place), key=lambda z: (z * along.conjugate()).real)
+    yield from _length("e ", FRAME, 0j, 1j * along * g.offset, 1j * along)
+    tilt = getattr(follower.face, "face_tilt_deg", 0.0)
+    if tilt:
+        square = 1j * along * abs(lowest) / kinematics.follower.unit[0]
+        yield Dimension(ANGLE, "", tilt, "follower", (0j, -square, -square * cmath.rect(1.0, tilt * cmath.pi / 180.0)))
+    if follower.second is not None:
+        points = _points(kinematics, "follower")
+        yield from _length("", "follower", points["roller"], points["second_roller"])
+
+
+def _oscillating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    follower = design.drive.mechanism
+    g, arm = si(follower), _points(kinematics, "arm")
+    yield from _length("Zl ", "arm", arm["pivot"], arm["roller"])
+    yield from _second_arm(follower, arm)
+    yield from _coordinates(complex(g.pivot_x, g.pivot_y))
+
+
+def _oscillating_flat(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    g, arm = si(design.drive.mechanism), _points(kinematics, "arm")
+    yield from _length("f ", "arm", arm["pivot"], arm["roller"])
+    yield from _coordinates(complex(g.pivot_x, g.pivot_y))
+
+
+def _linkage(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    """Of every link that moves, from its first point to each of the others."""
+    for name, pose in kinematics.bodies.items():
+        points = list(pose.points.values())
+        if name not in (FRAME, kinematics.follower_body):
+            for other in points[1:]:
+                yield from _length("", name, points[0], other)
+
+
+OF_MECHANISM: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]] = MappingProxyType(
+    {CamSlider: _cam_slider, Translating: _translating, Oscillating: _oscillating, OscillatingFlat: _oscillating_flat, Linkage: _linkage}
+)
+"""Mechanism -> its dimensions."""
+
+
+def _of_cam(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
+    """Base circle, face, and the second roller of a conjugate pair."""
+    drive = design.drive
+    if drive.cam is None:
+        return
+    base = getattr(drive.cam, "base_radius_mm", 0.0)
+    if base:
+        yield Dimension(RADIUS, "Br ", base, FRAME, (0j, cmath.rect(1e-3 * base, BASE_AT)))
+    radius = drive.face.radius_mm
+    if radius:
+        yield Dimension(RADIUS, "Rr ", radius, kinematics.follower_body, (0j, cmath.rect(1e-3 * radius, FACE_AT)))
+    second = getattr(drive.cam.form, "second", None)
+    if second is not None and "second_roller" in kinematics.bodies[kinematics.carrier].points:
+        centre = kinematics.bodies[kinematics.carrier].points["second_roller"]
+        places = (centre, centre + cmath.rect(1e-3 * second.roller_radius_mm, FACE_AT))
+        yield Dimension(RADIUS, "Rr₂ ", second.roller_radius_mm, kinematics.carrier, places)
+
+
+BASE_AT, FACE_AT = -2.2, 0.7  # directions of the arrows to the circles [rad]
+
+__all__ = ["ANGLE", "LENGTH", "RADIUS", "Dimension", "dimensions_of"]

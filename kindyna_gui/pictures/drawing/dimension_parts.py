@@ -1,0 +1,149 @@
+"""Dimensions on the drawing: lengths between extension lines, radii and angles with arrows, each beside its value."""
+
+from __future__ import annotations
+
+import cmath
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+from PySide6.QtGui import QPainterPath
+
+from core.followers.dimensions import ANGLE, LENGTH, RADIUS, Dimension, dimensions_of
+from core.mechanism.kinematics import FRAME
+from kindyna_gui.pictures.drawing.geometry import MM, Body, Geometry
+from kindyna_gui.pictures.drawing.items import Outline, Part, Tag, pinned, riding
+from kindyna_gui.pictures.drawing.layers import DIMENSIONS
+from kindyna_gui.pictures.drawing.shapes import arrow_head, joined, polyline, segments
+from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush
+from kindyna_gui.pictures.units import short
+
+AWAY, LANE, BEYOND, HEAD = 4.0, 3.5, 1.0, 1.6  # in units: from what is measured, from lane to lane, of extension lines, of a head
+SHORT, BESIDE, TEXT_HALF = 9.0, 4.5, 3.5  # below which a value stands beside; how far; half of a value's width, in units
+LANES = 10.0  # directions told apart, per radian
+ARC, ARC_STEPS = 0.22, 40  # radius of an angle's arc, parts of its shorter leg; pieces of the arc
+Z_DIMENSIONS = 10.0
+
+
+class Room(NamedTuple):
+    """Where a dimension finds room: a length goes out by ``away`` [mm] along ``across``, and its value stands at a ``part`` of it;
+    unit of symbols [mm]."""
+
+    across: complex
+    away: float
+    part: float
+    unit: float
+
+
+class Drawn(NamedTuple):
+    """lines and heads in the frame of the dimension's body [mm]; text: where its value stands there."""
+
+    lines: QPainterPath
+    heads: QPainterPath
+    text: complex
+
+
+def _length(row: Dimension, room: Room) -> Drawn:
+    """Between extension lines that go out from the farther end; a short one has its value beside it."""
+    across, away, part, unit = room
+    one, other = (place * MM for place in row.places)
+    reach = max((one * across.conjugate()).real, (other * across.conjugate()).real) + away
+    ends = [place + (reach - (place * across.conjugate()).real) * across for place in (one, other)]
+    over = across * BEYOND * unit
+    lines = segments([(ends[0], ends[1]), (one + over, ends[0] + over), (other + over, ends[1] + over)])
+    size = abs(ends[1] - ends[0])
+    way = (ends[1] - ends[0]) / (size or 1.0)
+    head = min(HEAD * unit, 0.45 * size)
+    heads = joined(arrow_head(ends[0], -way, head), arrow_head(ends[1], way, head))
+    return Drawn(lines, heads, ends[0] + part * (ends[1] - ends[0]) if size > SHORT * unit else ends[1] + way * BESIDE * unit)
+
+
+def _radius(row: Dimension, room: Room) -> Drawn:
+    """From the centre to the circle; the value of a small one stands outside."""
+    unit = room.unit
+    centre, edge = (place * MM for place in row.places)
+    size = abs(edge - centre)
+    way = (edge - centre) / size
+    inside = size > SHORT * unit
+    text = centre + 0.6 * (edge - centre) if inside else edge + way * BESIDE * unit
+    return Drawn(segments([(centre, edge if inside else text)]), arrow_head(edge, way, min(HEAD * unit, 0.5 * size)), text)
+
+
+def _angle(row: Dimension, room: Room) -> Drawn:
+    """An arc between the legs."""
+    vertex, first, other = (place * MM for place in row.places)
+    radius = ARC * min(abs(first - vertex), abs(other - vertex))
+    start, span = cmath.phase(first - vertex), np.deg2rad(row.value)
+    arc = [vertex + cmath.rect(radius, start + span * k / ARC_STEPS) for k in range(ARC_STEPS + 1)]
+    head = min(HEAD * room.unit, 0.4 * radius * abs(span))
+    sense = 1j if span > 0.0 else -1j
+    heads = joined(
+        arrow_head(arc[0], -sense * (arc[0] - vertex) / radius, head), arrow_head(arc[-1], sense * (arc[-1] - vertex) / radius, head)
+    )
+    return Drawn(polyline(arc), heads, arc[ARC_STEPS // 2])
+
+
+SHAPES: Mapping[str, Callable[[Dimension, Room], Drawn]] = MappingProxyType(
+    {LENGTH: _length, RADIUS: _radius, ANGLE: _angle}
+)
+"""Kind of a dimension -> how it is drawn: dimension, where there is room."""
+
+
+def text_of(row: Dimension) -> str:
+    """Symbol and value: millimetres without their unit, as in a workshop's drawing."""
+    return f"{row.symbol}{short(row.value, 7)}{'°' if row.kind == ANGLE else ''}"
+
+
+class Laid(NamedTuple):
+    """A dimension as it is drawn, and how its body goes: origin (n,) [mm], turn (n,), the body itself where it moves."""
+
+    row: Dimension
+    drawn: Drawn
+    origin: np.ndarray
+    turn: np.ndarray
+    body: Body | None
+
+
+def laid(geometry: Geometry) -> Iterator[Laid]:
+    """All dimensions of the drive; those that are parallel on one side of a body stand in lanes beside each other."""
+    low, high = geometry.core_box
+    middle, lanes = (low + high) / 2.0, Counter[tuple[str, int]]()
+    for row in dimensions_of(geometry.study.design, geometry.kinematics):
+        body = geometry.bodies.get(row.body) if row.body != FRAME else None
+        turn = np.ones(geometry.samples, dtype=complex) if body is None else np.exp(1j * np.deg2rad(body.angle))
+        origin = np.zeros(geometry.samples, dtype=complex) if body is None else body.z
+        outwards = complex(((origin + sum(row.places) * MM / len(row.places) * turn - middle) / turn).mean())
+        across = _across(row, outwards)
+        lane = (row.body, round(LANES * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
+        number, unit = lanes[lane], geometry.unit
+        lanes[lane] += 1
+        room = Room(across, (AWAY + LANE * number) * unit, 0.5 / (1.0 + 0.5 * number), unit)
+        yield Laid(row, SHAPES[row.kind](row, room), origin, turn, body)
+
+
+def _across(row: Dimension, outwards: complex) -> complex:
+    """The unit vector square to what is measured, on the outer side."""
+    along = row.along or row.places[1] - row.places[0]
+    across = 1j * along / abs(along)
+    return across if (across * outwards.conjugate()).real >= 0.0 else -across
+
+
+def dimensions(geometry: Geometry, theme: Theme) -> Iterator[Part]:
+    """All dimensions of the drive; each rides with the body that it belongs to."""
+    colour = theme.family("length")
+    for number, (row, drawn, origin, turn, body) in enumerate(laid(geometry)):
+        tag = Tag(text_of(row), theme.letters(colour), theme, SMALL, backing=True)
+        items = (("lines", Outline(drawn.lines, theme.pen(colour, THIN))), ("heads", Outline(drawn.heads, None, brush(colour))))
+        for name, item in items:
+            move = None if body is None else riding(item, body.z, body.angle)
+            yield Part(f"{DIMENSIONS}.{number}.{name}", item, (DIMENSIONS,), Z_DIMENSIONS, move)
+        yield Part(f"{DIMENSIONS}.{number}.text", tag, (DIMENSIONS,), Z_DIMENSIONS + 0.1, pinned(tag, origin + drawn.text * turn))
+
+
+def strokes(geometry: Geometry) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Where their values stand, as strokes from (n,) to (n,) [mm] of which names keep clear."""
+    half = TEXT_HALF * geometry.unit
+    tracks = [each.origin + each.drawn.text * each.turn for each in laid(geometry)]
+    return [(track - half, track + half) for track in tracks]
