@@ -70,7 +70,7 @@ def _second_arm(follower: Any, points: Mapping[str, complex]) -> Iterator[Dimens
 
 
 def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
-    follower = design.drive.mechanism
+    follower: Any = design.drive.mechanism
     g, arm, rod = si(follower), _points(kinematics, "arm"), _points(kinematics, "rod")
     pivot = complex(g.pivot_x, g.pivot_y)
     yield from _length("L1 ", "arm", arm["pivot"], arm["arm_pin"])
@@ -84,7 +84,7 @@ def _cam_slider(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
 
 
 def _translating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
-    follower = design.drive.mechanism
+    follower: Any = design.drive.mechanism
     g, place = si(follower), kinematics.follower.origin[0]
     along = cmath.rect(1.0, g.direction)
     lowest = min((complex(z) for z in place), key=lambda z: (z * along.conjugate()).real)
@@ -99,7 +99,7 @@ def _translating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
 
 
 def _oscillating(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
-    follower = design.drive.mechanism
+    follower: Any = design.drive.mechanism
     g, arm = si(follower), _points(kinematics, "arm")
     yield from _length("Zl ", "arm", arm["pivot"], arm["roller"])
     yield from _second_arm(follower, arm)
