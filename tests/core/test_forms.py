@@ -25,8 +25,11 @@ from core.design import (
     Design,
     Drive,
     Groove,
+    LinkageConjugate,
     Open,
+    Place,
     RollerCam,
+    SecondLinkRoller,
     SecondPlace,
     SecondRoller,
     Shaft,
@@ -69,7 +72,10 @@ def drawn(rng: np.random.Generator, follower: str, sense: str, form: str) -> Des
     if follower in ("translating", "oscillating") and rng.uniform() < 0.3:
         unit, motion = design.drive.motion_unit, design.drive.motion
         design = edited(design, f"motion.stroke_{unit}", max(s.rise for s in motion.segments) * float(rng.uniform(2.0, 8.0)))  # type: ignore
-    design = edited(design, "cam.form", form)
+    if follower == "linkage" and form == "conjugate":
+        design = behind_the_coupler(design, float(rng.uniform(-20.0, 20.0)))
+    else:
+        design = edited(design, "cam.form", form)
     if form == "conjugate":
         moved = {"follower.second.angle_deg": (-8.0, 8.0), "follower.second.distance_mm": (-2.0, 2.0),
                  "cam.second.roller_radius_mm": (-1.0, 1.0)}  # fmt: skip
@@ -79,6 +85,15 @@ def drawn(rng: np.random.Generator, follower: str, sense: str, form: str) -> Des
             except KeyError:
                 continue
     return edited(design, "cam.play_mm", float(rng.uniform(0.0, 0.3)))
+
+
+def behind_the_coupler(design: Design, x: float) -> Design:
+    """A pair whose second roller stands on the coupler too, on the other side of the cam centre."""
+    linkage, cam = design.drive.linkage, design.drive.cam
+    other = Place("C2", x, -200.0)
+    links = tuple(replace(link, points=(*link.points, other)) if link.number == cam.link else link for link in linkage.links)
+    second = SecondLinkRoller(link=cam.link, point="C2", roller_radius_mm=cam.face.radius_mm)
+    return with_drive(design, mechanism=replace(linkage, links=links), cam=replace(cam, form=LinkageConjugate(second=second)))
 
 
 # -- what touches the flanks, from the lengths of the design ------------------------------------------------
@@ -220,15 +235,11 @@ def fast(rng: np.random.Generator, follower: str, sense: str, form: str) -> Desi
 @pytest.mark.parametrize(("follower", "sense", "form"), CASES)
 def test_power_and_momentum_balance_while_the_contact_changes_flanks(follower: str, sense: str, form: str) -> None:
     rng, changed = np.random.default_rng(3), 0
-    for _ in range(4):
+    for _ in range(3):
         study = Study(fast(rng, follower, sense, form), 360)
         try:
             shape, forces = study.cam, study.dynamics
         except NoAnswer:
-            continue
-        codes = {finding.code for finding in study.findings(("cam", "dynamics"))}
-        assert "separation" not in codes
-        if {"second-roller-pushes-along", "jamming"} & codes:
             continue
         first, other = (contact.force for contact in forces.contacts)
         assert first.min() >= 0.0
@@ -238,7 +249,7 @@ def test_power_and_momentum_balance_while_the_contact_changes_flanks(follower: s
         parts = (study.linkage, shape, forces, study.loading)
         assert power_residual(*parts).max() <= 1e-12
         assert momentum_residual(*parts).max() <= 1e-12
-    assert changed or (follower, form) == ("linkage", "conjugate"), "its two points must lie as they do"
+    assert changed
 
 
 def test_the_second_arm_carries_what_turns_the_rocker_back() -> None:
