@@ -97,6 +97,7 @@ class Heard(QObject):
 
 def test_an_edit_lays_out_nothing_anew_and_paints_only_what_changes(user: User, app: QApplication) -> None:
     assert user.session.edit("follower.rod_mm", 846.0, "Change rod")
+    wait_for(lambda: user.window.status.findings.text() == "no findings")
     settle()
     heard = Heard()
     app.installEventFilter(heard)
