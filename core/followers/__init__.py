@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from core.design import CamSlider, Follower, Linkage, Oscillating, OscillatingFlat, Translating
 from core.followers.cam_slider import LAYOUT_TABLE, BasePosition, Layout, base_position, cam_slider
 from core.followers.oscillating import oscillating, oscillating_flat
+from core.followers.reach import FACE as FACE_PLACE
 from core.followers.reach import SECOND as SECOND_ROLLER
 from core.followers.reach import reach_of
 from core.followers.translating import translating
@@ -56,4 +57,4 @@ def _built(part: Any, needed: Any) -> Mechanism:
     return BUILDERS[type(part)].build(part, needed)
 
 
-__all__ = ["BUILDERS", "LAYOUT_TABLE", "SECOND_ROLLER", "BasePosition", "Layout", "base_position", "built", "reach_of"]
+__all__ = ["BUILDERS", "FACE_PLACE", "LAYOUT_TABLE", "SECOND_ROLLER", "BasePosition", "Layout", "base_position", "built", "reach_of"]

@@ -32,7 +32,7 @@ from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
 from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
-from core.followers.reach import SECOND, reach_of
+from core.followers.reach import FACE, SECOND, reach_of
 from core.frozen import frozen
 from core.mechanism.dragging import movable_points, point_changes
 from core.mechanism.kinematics import Kinematics
@@ -189,6 +189,18 @@ def _behind(design: Design, kinematics: Kinematics, to: complex) -> Changes:
     return {"follower.second.distance_mm": distance * 1e3}
 
 
+def _face(design: Design, kinematics: Kinematics, to: complex) -> Changes:
+    """Face offset and base radius: the face goes through the place, and keeps its direction."""
+    follower = design.drive.mechanism
+    assert isinstance(follower, OscillatingFlat)
+    normal = complex(kinematics.follower.unit[0])
+    offset = ((to - _at(kinematics, "pivot")) * normal.conjugate()).real * 1e3
+    return {
+        "follower.face_offset_mm": offset,
+        "cam.base_radius_mm": design.drive.cam.base_radius_mm + offset - follower.face.face_offset_mm,
+    }
+
+
 def _point(name: str) -> Callable[[Design, Kinematics, complex], Changes]:
     return lambda design, kinematics, to: point_changes(design, kinematics, name, to)
 
@@ -204,7 +216,10 @@ DRAGS: Mapping[type, Mapping[str, Drag]] = MappingProxyType(
             "roller": Drag("roller", "follower.arm_mm", _on_arm),
             SECOND: Drag("second roller", "follower.second.arm_mm", _second_arm),
         },
-        OscillatingFlat: {"pivot": Drag("pivot", "follower.pivot_x_mm", _pivot)},
+        OscillatingFlat: {
+            "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
+            FACE: Drag("flat face", "follower.face_offset_mm", _face),
+        },
         CamSlider: {
             "pivot": Drag("pivot", "follower.pivot_x_mm", _pivot),
             "arm_pin": Drag("arm pin", "follower.slider_arm_mm", _arm_pin),

@@ -10,6 +10,9 @@ from core.design import Cam, Follower, Place, Rolling, RoundFace, SecondArm, fac
 from core.errors import NoAssembly
 from core.mechanism.triangle import opposite_angle
 
+FACE = "face"
+"""The middle of a face that has no round, as a place to be drawn elsewhere; no body has such a point."""
+
 SECOND = "second_roller"
 """Name of the point of a follower at which the second roller of a conjugate pair stands."""
 

@@ -23,12 +23,8 @@ def joints_now(scene: MechanismScene) -> dict[str, complex]:
     geometry = scene.geometry
     if geometry is None:
         return {}
-    wanted, joints = joints_of(geometry.study.design), {}
-    for body in geometry.bodies.values():
-        for name, place in body.points.items():
-            if name in wanted:
-                joints[name] = complex(body.track(place)[scene.index])
-    return joints
+    wanted = joints_of(geometry.study.design)
+    return {name: place for name, place in geometry.handles(scene.index).items() if name in wanted}
 
 
 class Canvas(QGraphicsView):

@@ -68,6 +68,23 @@ def test_the_roller_of_a_translating_follower_is_drawn_aside(open_user: Open) ->
     assert user.steps == ["Move roller"]
 
 
+def test_the_face_of_a_flat_rocker_is_drawn_off_its_pivot(open_user: Open) -> None:
+    """It goes through the mouse, in the same direction."""
+    user = open_user(example("rocker_flat"))
+    user.turn(100.0)
+    view, before = user.drawing(), user.design
+    arm = user.session.at(user.window.player.theta).linkage.follower
+    way = 7.0 * complex(arm.unit[0])
+    start = joints_now(view.scene)["face"]
+    user.drag(start, start + way)
+    assert user.steps == ["Move flat face"]
+    assert user.design.drive.mechanism.face.face_offset_mm == pytest.approx(before.drive.mechanism.face.face_offset_mm + 7.0, abs=0.3)
+    after = user.session.at(user.window.player.theta).linkage.follower
+    assert after.unit[0] == pytest.approx(arm.unit[0], abs=1e-9)
+    off = ((start + way) * 1e-3 - after.z[0, 0]) / after.unit[0]
+    assert abs(off.real) * 1e3 < 1.5 / view.canvas.scale_now
+
+
 def test_a_joint_stays_at_its_last_good_place_where_nothing_fits(user: User) -> None:
     """The arm's pin drawn between pivot and slider: farther out, in the base position, arm and rod would not meet. A word
     tells it, the last good design stays."""

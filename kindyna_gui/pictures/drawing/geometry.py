@@ -12,6 +12,7 @@ import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, RoundFlank, row_of
 from core.errors import NoAnswer
+from core.followers import FACE_PLACE
 from core.frozen import frozen
 from core.mechanism.kinematics import FRAME, SLIDING, Kinematics, Pair
 from core.study import Study
@@ -186,6 +187,15 @@ class Geometry:
         """From where the follower holds its face, in the frame of the follower's body [mm]: its reference point, of a face
         without a round the middle of its back."""
         return 0j if self._face is None or self.face_radius else self._face.held * MM
+
+    def handles(self, index: int) -> dict[str, complex]:
+        """Where what may be drawn elsewhere stands at a sample [mm]: the points of bodies by their names, and the middle of a
+        face that has no round."""
+        found = {name: complex(body.track(at)[index]) for body in self.bodies.values() for name, at in body.points.items()}
+        if self.face_held:
+            along = 1j * self.face_held.imag * np.exp(1j * np.deg2rad(self.face_angle[index]))
+            found[FACE_PLACE] = complex(self.reference[index] + along)
+        return found
 
     def nodes(self, body: Body) -> dict[str, complex]:
         """The places [mm] in a body's frame between which it is drawn: its points, with the face's hold for its reference

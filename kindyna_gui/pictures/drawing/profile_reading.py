@@ -35,7 +35,7 @@ class ProfileReading:
         if bend * self.radius * STRAIGHT < 1.0:
             curved = "straight"
         else:
-            curved = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / bend)} mm"
+            curved = f"{'convex' if self.curvature > 0.0 else 'concave'} R {short(1.0 / bend, 4)} mm"
         return (
             f"{PROFILES[self.flank]} at {self.cam_angle:.1f}°: radius {self.radius:.2f} mm, pressure angle "
             f"{self.pressure_angle:.1f}°, {curved}"
