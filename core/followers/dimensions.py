@@ -40,16 +40,15 @@ def dimensions_of(design: Design, kinematics: Kinematics) -> list[Dimension]:
     return [*OF_MECHANISM[type(drive.mechanism)](design, kinematics), *_of_cam(design, kinematics)]
 
 
-def _length(symbol: str, body: str, one: complex, other: complex, along: complex = 0j) -> Iterator[Dimension]:
+TYPED, MEASURED = 9, 5
+"""Digits of a length that was typed, without the last bits that its places keep; of one that is measured between places."""
+
+
+def _length(symbol: str, body: str, one: complex, other: complex, along: complex = 0j, digits: int = TYPED) -> Iterator[Dimension]:
     """None where its ends coincide."""
     size = abs(other - one) if along == 0 else abs(((other - one) * along.conjugate()).real)
     if size > 1e-9 * max(abs(one), abs(other)):
-        yield Dimension(LENGTH, symbol, _rounded(size * 1e3), body, (one, other), along)
-
-
-def _rounded(value: float) -> float:
-    """Without the last bits that a length keeps from the places it is taken from."""
-    return float(f"{value:.9g}")
+        yield Dimension(LENGTH, symbol, float(f"{size * 1e3:.{digits}g}"), body, (one, other), along)
 
 
 def _coordinates(place: complex) -> Iterator[Dimension]:
@@ -118,7 +117,7 @@ def _linkage(design: Design, kinematics: Kinematics) -> Iterator[Dimension]:
         points = list(pose.points.values())
         if name not in (FRAME, kinematics.follower_body):
             for other in points[1:]:
-                yield from _length("", name, points[0], other)
+                yield from _length("", name, points[0], other, digits=MEASURED)
 
 
 OF_MECHANISM: Mapping[type, Callable[[Design, Kinematics], Iterator[Dimension]]] = MappingProxyType(

@@ -12,6 +12,7 @@ from window_user import Open, User, settle, wait_for
 
 from core.design import CamSlider, entries, get
 from core.project import dumps, load, save
+from kindyna_gui.documents.beginnings import beginning
 from kindyna_gui.documents.exports import Exports
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.parameters_view import SECTIONS
@@ -332,6 +333,34 @@ def test_a_click_on_the_asterisk_marks_as_assumed(user: User, tmp_path: Path) ->
     assert user.steps[1] == "Mark rod L2 as known"
     user.choose("Edit", "Undo Mark rod L2 as known")
     assert mark.isChecked()
+
+
+FACE_FIELDS = {
+    "roller": {"cam.roller_radius_mm"},
+    "flat": {"follower.face_half_width_mm", "follower.face_centre_mm", "loads.contact_friction"},
+    "knife": {"loads.contact_friction"},
+    "shoe": {"follower.shoe_radius_mm", "loads.contact_friction"},
+}
+FORM_FIELDS = {"open": set(), "groove": {"cam.play_mm"}, "conjugate": {"cam.play_mm", "cam.second.roller_radius_mm"}}
+OWN_FIELDS = {
+    ("translating", "flat"): {"follower.face_tilt_deg"},
+    ("translating", "conjugate"): {"follower.second.distance_mm"},
+    ("oscillating", "flat"): {"follower.face_offset_mm"},
+    ("oscillating", "conjugate"): {"follower.second.arm_mm", "follower.second.angle_deg"},
+}
+"""Kind and face or form -> the fields that no other face or form has."""
+
+
+@pytest.mark.parametrize("kind", ["translating", "oscillating"])
+def test_the_form_has_the_fields_of_its_face_and_form_and_no_others(kind: str, user: User) -> None:
+    known = set().union(*FACE_FIELDS.values(), *FORM_FIELDS.values(), *OWN_FIELDS.values())
+    choices = [("roller", form) for form in FORM_FIELDS] + [(face, "open") for face in FACE_FIELDS if face != "roller"]
+    for face, form in choices:
+        user.session.start(beginning(kind, {"follower.face": face, **({"cam.form": form} if form != "open" else {})}))
+        shown = {path for each in user.parameters().forms.values() for path in each.fields if path.split(".")[0] in user.design.tables}
+        wanted = FACE_FIELDS[face] | FORM_FIELDS[form] | OWN_FIELDS.get((kind, face), set()) | OWN_FIELDS.get((kind, form), set())
+        assert shown & known == wanted, (face, form)
+        assert ("follower.arm_mm" in shown) == (kind == "oscillating" and face != "flat")
 
 
 def test_an_assumed_value_stays_assumed_when_changed(user: User) -> None:

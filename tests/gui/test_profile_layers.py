@@ -85,7 +85,8 @@ def test_curvature_tells_concave_from_convex_by_its_radius() -> None:
 
 
 def test_layers_that_are_not_shown_are_not_made() -> None:
-    scene = scene_of(beginning("oscillating", {"cam.form": "conjugate"}))
+    design = beginning("oscillating", {"cam.form": "conjugate"})
+    scene = scene_of(design)
     lazy = ("pressure_colours", "curvature_colours", "dimensions")
     assert scene.overlay is not None
     assert not any(key.startswith(lazy) for key in scene.parts)
@@ -99,6 +100,8 @@ def test_layers_that_are_not_shown_are_not_made() -> None:
         scene.set_layer(layer, True)
         assert all(scene.item(key) is item for key, item in made.items()), "the same items come back"
         scene.set_layer(layer, False)
+    scene.update_study(Study(edited(design, "cam.base_radius_mm", 46.0), 720))
+    assert not any(key.startswith(lazy) for key in scene.parts), "an edit makes none that is hidden"
 
 
 def test_colours_are_chosen_one_at_a_time_in_the_menu_of_layers(user: User) -> None:
