@@ -53,6 +53,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF or SVG", "profile"),
+        "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm", "find"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),

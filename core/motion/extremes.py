@@ -72,6 +72,11 @@ def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
     return {name: Range(best[name, -1.0], best[name, 1.0]) for name, _ in best}
 
 
+def find_highest(quantities: Quantities, program: Program) -> dict[str, Extreme]:
+    """The highest value of each quantity over one turn, as by ``find_extremes``; -inf where a quantity is NaN throughout."""
+    return {name: found for (name, _), found in _refined(quantities, program, (1.0,)).items()}
+
+
 def find_above(quantity: Callable[[Angles], np.ndarray], program: Program, level: float) -> Extreme | None:
     """The highest value of one quantity (n,) over one turn, as by ``find_extremes``, if it reaches the level; None where it
     does not, and then nothing is refined that could not."""

@@ -1,0 +1,79 @@
+"""The command ``find``: the dimension that just keeps its limits, or the best of them."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from core.commands import NOTHING_DONE, Painter
+from core.commands.common import design_file, verdict
+from core.errors import KindynaError
+from core.find import LIMITS, WANTED, Solution, find
+from core.output.summary import to_json
+from core.project import load, save
+from core.study import Study
+
+
+def _limit(text: str) -> tuple[str, float]:
+    key, equals, value = text.partition("=")
+    try:
+        number = float(value)
+    except ValueError:
+        number = math.nan
+    if not equals or not math.isfinite(number):
+        raise argparse.ArgumentTypeError(f"{text!r}: must be KEY=VALUE, the value a number with a decimal point")
+    return key, number
+
+
+def options(parser: argparse.ArgumentParser) -> None:
+    design_file(parser)
+    rows = "; ".join(f"{name}: {row.help}" for name, row in WANTED.items())
+    parser.add_argument("what", metavar="WHAT", help=rows)
+    keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
+    parser.add_argument("--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=keys)
+    parser.add_argument("--into", type=Path, metavar="FILE", help="write the design with the answer")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """The answer, or the best that there is and what stands against it."""
+    solution = find(load(arguments.design), arguments.what, _limits(arguments.limit))
+    print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
+    if not solution.serves:
+        print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
+        return NOTHING_DONE
+    if arguments.into is not None:
+        save(solution.design, arguments.into)
+    return verdict(Study(solution.design), ("cam",))
+
+
+def _limits(given: Sequence[tuple[str, float]]) -> Mapping[str, float]:
+    """By key; raises KindynaError where a key is given two values."""
+    limits = dict(given)
+    for key, value in given:
+        if value != limits[key]:
+            raise KindynaError(f"limit {key} = {value:g}, {key} = {limits[key]:g}: a limit has one value; give one")
+    return limits
+
+
+def _data(solution: Solution) -> dict[str, object]:
+    return {
+        "answer": dict(solution.answer), "reached": dict(solution.reached), "curve": [list(point) for point in solution.curve],
+        "limits": dict(solution.limits), "curve_of": solution.curve_of, "against": list(solution.against), "end": solution.end,
+    }  # fmt: skip
+
+
+def _text(solution: Solution) -> str:
+    heading = f"{solution.wanted}:" if solution.serves else "the best that there is:"
+    lines = [heading, *(f"  {path} = {value:.9g}" for path, value in solution.answer.items()), "reached:"]
+    for key, value in solution.reached.items():
+        number = f"{value:.7g}" if math.isfinite(value) else "none"
+        limit = solution.limits.get(key)
+        against = "" if limit is None else ", not undercut" if not limit else f", limit {limit:g}"
+        lines.append(f"  {key} = {number}{against}")
+    if solution.end:
+        lines.append(f"no limit holds it: it stands at the end, {solution.end}")
+    return "\n".join(lines) + "\n"

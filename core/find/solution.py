@@ -1,0 +1,370 @@
+"""The answer to a search: a bracketed root of what is left of the limits, or an optimum that is checked on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from core.cam import flat_flank, row_of
+from core.design import Design
+from core.errors import KindynaError
+from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
+from core.find.trial import NEEDED, Outcome, Trials, usual_pressure
+from core.find.wanted import LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
+from core.motion.extremes import find_extremes
+from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
+from core.study import Study
+
+NEARER = 1e-3  # of the distance between two values tried: how near samples take an answer before it is refined
+FINEST = 1e-9  # the same, to which an optimum is refined
+LAST = 1e-13  # of the value, to which a root is
+BESIDE = 1e-4  # of the distance between two values tried: where an optimum is checked
+EXCLUDED = 1e3  # [deg] more than any pressure angle: of what does not keep its limits
+SAME = 1e-9  # [deg] pressure angles that do not differ
+ENDS = ("_min", "_max")
+
+At = Callable[[float, bool], Outcome]
+"""A value, whether refined -> what it reaches."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What was found.
+
+    design    with the answer
+    answer    path -> value as in the file
+    reached   limit -> value there, in its unit; infinite where there is no such figure
+    limits    limit -> what it must keep
+    curve     value of the first field, what is reached with it: of ``curve_of``
+    against   what stands against it; empty where the answer serves
+    end       bound that the answer stands at, where no limit holds it; empty else
+    """
+
+    wanted: str
+    design: Design
+    answer: Mapping[str, float]
+    reached: Mapping[str, float]
+    limits: Mapping[str, float]
+    curve: tuple[tuple[float, float], ...]
+    curve_of: str
+    against: tuple[str, ...] = ()
+    end: str = ""
+
+    @property
+    def serves(self) -> bool:
+        return not self.against
+
+
+def find(design: Design, what: str, stated: Mapping[str, float]) -> Solution:
+    """The value of a row of ``WANTED`` under the limits stated, else under the design's own, else under the usual ones; the cam is
+    not undercut in any case. Where no value serves: the best that there is, and what stands against it.
+
+    stated: key of a limit, or path of a field with _min or _max -> value. Raises KindynaError where there is no such thing to
+    seek, no such limit, or no value at all with which there is a cam.
+    """
+    if what not in WANTED:
+        raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(WANTED)}")
+    row = WANTED[what]
+    limits, box = _sorted_out(what, row, stated)
+    paths = row.fields(design, box)
+    _require(design, what, paths, box)
+    if row.wanted == NARROWEST:
+        return _narrowest_face(design, paths, box)
+    if not limits and row.wanted != LEAST_PRESSURE:
+        limits[ANY_PRESSURE] = usual_pressure(design)
+    limits.setdefault(CONVEX, 0.0)
+    return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits), box)
+
+
+# -- what is asked -----------------------------------------------------------------------------------------
+
+
+def _sorted_out(what: str, row: Row, stated: Mapping[str, float]) -> tuple[dict[str, float], Box]:
+    """Limits of the cam, and bounds of fields."""
+    limits: dict[str, float] = {}
+    box: dict[str, tuple[float | None, float | None]] = {}
+    for key, value in stated.items():
+        path, end = key[:-4], key[-4:]
+        if key in row.limits:
+            _require_sense(key, value)
+            limits[key] = value
+        elif end in ENDS and "." in path:
+            low, high = box.get(path, (None, None))
+            box[path] = (value, high) if end == ENDS[0] else (low, value)
+        else:
+            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {_allowed(row)}")
+    return limits, box
+
+
+def _allowed(row: Row) -> str:
+    return " | ".join((*row.limits, "the field's path with _min or _max"))
+
+
+def _require_sense(key: str, value: float) -> None:
+    most = LIMITS[key].most
+    if not (0.0 < value < 90.0 if most else value >= 0.0):
+        raise KindynaError(f"limit {key} = {value:g}: outside its range; allowed: {'above 0, below 90 deg' if most else '>= 0 mm'}")
+
+
+def _require(design: Design, what: str, paths: tuple[str, ...], box: Box) -> None:
+    """The design has a cam, and the fields; bounds are those of the fields, and in order."""
+    if design.drive.cam is None:
+        raise KindynaError(f"find {what}: this design has no cam; allowed: one with [cam]")
+    if missing := [path for path in paths if not has(design, path)]:
+        raise KindynaError(f"find {what}: this design has no {', '.join(missing)}")
+    for path, (low, high) in box.items():
+        if path not in paths:
+            raise KindynaError(f"limit of {path}: {what} does not vary it; it varies {', '.join(paths)}")
+        if low is not None and high is not None and low >= high:
+            raise KindynaError(f"limit {path}_min = {low:g}: is not below {path}_max = {high:g}")
+
+
+# -- smallest, largest -------------------------------------------------------------------------------------
+
+
+def _outermost(row: Row, trials: Trials, box: Box) -> Solution:
+    """The smallest or the largest value that keeps every limit: the outermost side of those that do is bracketed by a scan, then
+    the root of the least margin is refined."""
+    path = trials.paths[0]
+    low, high = box.get(path, (None, None))
+    values = bounded(row.values(trials.design, path), low, high)
+    order = values if row.wanted == SMALLEST else values[::-1]
+    sampled = np.array([_or_least(trials.at(x, refined=False).margin) for x in order.tolist()])
+    first = next((i for i in np.flatnonzero(sampled >= 0.0).tolist() if trials.at(float(order[i])).kept), None)
+    if first is None:
+        best = _best(trials, values)
+        if not trials.at(best).kept:
+            return _solved(row, trials, (best,), values)
+        first = int(np.searchsorted(values, best))  # between two values tried
+        first = first if row.wanted == SMALLEST else values.size - first
+        order = np.insert(order, first, best)
+    end = ""
+    found = float(order[first])
+    if first:
+        found = _kept_side(trials, float(order[first - 1]), found)
+    else:
+        bound = low if row.wanted == SMALLEST else high
+        end = f"{path} = {found:.9g}" + ("" if bound is not None else ", the last value tried")
+    return _solved(row, trials, (found,), values, end)
+
+
+def _or_least(margin: float) -> float:
+    return margin if margin == margin else -np.inf
+
+
+def _kept_side(trials: Trials, bad: float, good: float) -> float:
+    """The value next to where the least margin passes 0, on its good side: with samples first, which never show less margin than
+    there is, then with what is refined."""
+
+    def margin(x: float, refined: bool) -> float:
+        return trials.at(x, refined=refined).margin
+
+    sampled = partial(margin, refined=False)
+    near = bracketed_root(sampled, Ends(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad))
+    step = (good - bad) * NEARER
+    bad, beyond = near.a, near.b
+    while not margin(beyond, True) > 0.0 and (good - beyond) * step > 0.0:
+        bad, beyond = (beyond, beyond + step) if abs(step) < abs(good - beyond) else (beyond, good)
+        step *= 2.0
+    root = bracketed_root(partial(margin, refined=True), Ends(bad, margin(bad, True), beyond, margin(beyond, True)), LAST * abs(beyond))
+    found, step = root.b, np.copysign(EPS * abs(root.b), good - root.a)
+    while not trials.at(found).kept and (good - found) * step > 0.0:
+        found, step = found + step, 2.0 * step
+    return float(found)
+
+
+def _best(trials: Trials, values: np.ndarray) -> float:
+    """The value with the greatest least margin, where none is positive. Raises KindynaError where there is no cam with any."""
+    outcomes = [trials.at(x, refined=False) for x in values.tolist()]
+    margins = np.array([_or_least(outcome.margin) for outcome in outcomes])
+    if not (margins > -np.inf).any():
+        raise KindynaError(f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}")
+    top = int(np.argmax(margins))
+    low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
+    best, _ = bounded_minimum(lambda x: -_or_least(trials.at(x).margin), float(low), float(high), NEARER * float(high - low))
+    return max((best, float(values[top])), key=lambda x: _or_least(trials.at(x).margin))
+
+
+# -- least pressure angle ----------------------------------------------------------------------------------
+
+
+def _merit(outcome: Outcome) -> float:
+    """The greatest pressure angle [deg]; more than any where a limit is exceeded, by how much; infinite without a cam."""
+    if not outcome.readings:
+        return np.inf
+    return outcome.pressures[-1] if outcome.kept else EXCLUDED * (1.0 - outcome.margin)
+
+
+def _least_pressure(row: Row, trials: Trials, box: Box) -> Solution:
+    path = trials.paths[0]
+    values = bounded(row.values(trials.design, path), *box.get(path, (None, None)))
+    at: At = lambda x, refined: trials.at(x, refined=refined)  # noqa: E731
+    merits = np.array([_merit(at(x, False)) for x in values.tolist()])
+    _require_effect(trials, merits)
+    if not (merits < EXCLUDED).any():
+        return _solved(row, trials, (_best(trials, values),), values)
+    found = optimum(at, values, merits)
+    return _solved(row, trials, (found,), values, _end_of(path, found, values))
+
+
+def _require_effect(trials: Trials, merits: np.ndarray) -> None:
+    serving = merits[merits < EXCLUDED]
+    if serving.size > 1 and np.ptp(serving) < SAME:
+        raise KindynaError(f"the pressure angle of a {trials.design.drive.face.noun} does not depend on {', '.join(trials.paths)}")
+
+
+def _end_of(path: str, found: float, values: np.ndarray) -> str:
+    return f"{path} = {found:.9g}" if found in (values[0], values[-1]) else ""
+
+
+def optimum(at: At, values: np.ndarray, merits: np.ndarray) -> float:
+    """Where the greatest pressure angle is least, of the values that keep every limit, beside the best of those tried.
+
+    There it is flat, or two stretches of the motion have the same one, or a limit is reached, or the values end: each is looked for
+    in what samples leave of the bracket, and the best of them is checked on both sides.
+    """
+    top = int(np.argmin(merits))
+    first, last = float(values[max(top - 1, 0)]), float(values[min(top + 1, values.size - 1)])
+    width = last - first
+
+    def merit(x: float) -> float:
+        return _merit(at(x, True))
+
+    near, _ = bounded_minimum(lambda x: _merit(at(x, False)), first, last, NEARER * width)
+    if merits[top] < _merit(at(near, False)):
+        near = float(values[top])
+    low, high, step = near, near, 2.0 * NEARER * width
+    while low > first and (low == near or merit(low) < merit(near)):
+        near, low = min(near, low, key=merit), max(low - step, first)
+        step *= 2.0
+    step = 2.0 * NEARER * width
+    while high < last and (high == near or merit(high) < merit(near)):
+        near, high = min(near, high, key=merit), min(high + step, last)
+        step *= 2.0
+    found = min((near, low, high, *_corners(at, low, near, high)), key=merit)
+    beside = [x for x in (found - BESIDE * width, found + BESIDE * width) if first <= x <= last]
+    if found in (near, low, high) or any(merit(x) < merit(found) for x in beside):
+        flat, _ = bounded_minimum(merit, low, high, FINEST * width)
+        found = min((found, flat), key=merit)
+    return found
+
+
+def _corners(at: At, low: float, near: float, high: float) -> list[float]:
+    """Where between three values rise and return come to the same pressure angle, or a limit is reached."""
+    found = []
+
+    def apart(x: float) -> float:
+        outcome = at(x, True)
+        return outcome.pressures[0] - outcome.pressures[1] if outcome.pressures else np.nan
+
+    def left(x: float) -> float:
+        return at(x, True).margin
+
+    for a, b in ((low, near), (high, near)):
+        if a == b:
+            continue
+        if at(a, True).kept != at(b, True).kept:
+            good, bad = (a, b) if at(a, True).kept else (b, a)
+            root = bracketed_root(left, Ends(bad, left(bad), good, left(good)), LAST * abs(good - bad))
+            found.append(root.b)
+        elif apart(a) * apart(b) < 0.0:
+            root = bracketed_root(apart, Ends(a, apart(a), b, apart(b)), LAST * max(abs(a), abs(b)))
+            found += [root.a, root.b]
+    return found
+
+
+def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
+    """The same of two fields: for each value of the second the first is the best that there is."""
+    first, second = (bounded(row.values(trials.design, path), *box.get(path, (None, None)), (9,)) for path in trials.paths)
+    merits = np.array([[_merit(trials.at(x, y, refined=False)) for x in first.tolist()] for y in second.tolist()])
+    _require_effect(trials, merits)
+    if not (merits < EXCLUDED).any():
+        j, i = divmod(int(np.argmin(merits)), first.size)
+        if not np.isfinite(merits[j, i]):
+            raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}")
+        return _solved(row, trials, (float(first[i]), float(second[j])), first)
+
+    def best_at(y: float) -> float:
+        there = np.array([_merit(trials.at(x, y, refined=False)) for x in first.tolist()])
+        return optimum(lambda x, refined: trials.at(x, y, refined=refined), first, there)
+
+    def outer(y: float) -> float:
+        return _merit(trials.at(best_at(y), y))
+
+    j = int(np.argmin(merits.min(axis=1)))
+    low, high = float(second[max(j - 1, 0)]), float(second[min(j + 1, second.size - 1)])
+    y, value = bounded_minimum(outer, low, high, NEARER * NEARER * (high - low))
+    ends = [end for end in (low, high) if outer(end) <= value]
+    y = min((y, *ends), key=outer)
+    x = best_at(y)
+    ends_text = [text for text in (_end_of(trials.paths[0], x, first), _end_of(trials.paths[1], y, second)) if text]
+    return _solved(row, trials, (x, y), first, " and ".join(ends_text))
+
+
+# -- flat face ---------------------------------------------------------------------------------------------
+
+
+def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solution:
+    """The face that just holds the span of the contact, centred on it as far as the bounds let it."""
+    study = Study(design)
+    if "contact_on_face" not in row_of(design.drive.face).limits:
+        raise KindynaError(f"find face-width: a {design.drive.face.noun} has no width; allowed: a flat face")
+    contact = find_extremes(lambda angles: {"": flat_flank(study.at(angles).cam).on_face}, study.program)[""]
+    span = (1e3 * contact.low.value, 1e3 * contact.high.value)
+    (half_low, half_high), (low, high) = (box.get(path, (None, None)) for path in paths)
+
+    def needed(centre: float) -> float:
+        return max(abs(end - centre) for end in span)
+
+    middle = 0.5 * (span[0] + span[1])
+    centre = max(middle if high is None else min(middle, high), -np.inf if low is None else low)
+    half = max(needed(centre), half_low or 0.0)
+    against: tuple[str, ...] = ()
+    if half_high is not None and half > half_high:
+        against = (f"the contact runs from {span[0]:.6g} to {span[1]:.6g} mm: half a width of {half:.9g} mm, limit {half_high:g} mm",)
+    values = dict(zip(paths, (half, centre), strict=True))
+    centres = np.linspace(span[0], span[1], 49).tolist()
+    return Solution(
+        NARROWEST, Trials(design, paths, {}).with_values((half, centre)), values,
+        {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]}, {},
+        tuple((needed(at), at) for at in centres), paths[1], against,
+    )  # fmt: skip
+
+
+# -- the answer --------------------------------------------------------------------------------------------
+
+
+def _solved(row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarray, end: str = "") -> Solution:
+    outcome = trials.at(*found)
+    reached = {reading.key: reading.reached for reading in outcome.readings}
+    tightest = outcome.readings[0].key
+    if row.wanted == LEAST_PRESSURE or tightest in NEEDED:
+        reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])
+    shown = ANY_PRESSURE if row.wanted == LEAST_PRESSURE else tightest
+    curve = []
+    for x in sorted({*values.tolist(), found[0]}):
+        there = trials.at(x, *found[1:], refined=x == found[0])
+        if there.readings:
+            curve.append((x, _shown(there, shown)))
+    return Solution(
+        row.wanted, trials.with_values(found), dict(zip(trials.paths, found, strict=True)), reached, trials.limits, tuple(curve),
+        shown, tuple(reading.text for reading in outcome.readings if not reading.kept), end,
+    )  # fmt: skip
+
+
+def _shown(outcome: Outcome, key: str) -> float:
+    """What is reached of a limit, or the pressure angle."""
+    readings: dict[str, Reading] = {reading.key: reading for reading in outcome.readings}
+    return readings[key].reached if key in readings else outcome.pressures[NEEDED.index(key)]
+
+
+_SOLVERS: Mapping[tuple[int, str], Callable[[Row, Trials, Box], Solution]] = {
+    (1, SMALLEST): _outermost,
+    (1, LARGEST): _outermost,
+    (1, LEAST_PRESSURE): _least_pressure,
+    (2, LEAST_PRESSURE): _least_pressure_of_two,
+}
+"""By the number of fields that are varied, and what is wanted."""

@@ -1,0 +1,130 @@
+"""What can be sought: one row each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from core.design import Design, get
+from core.find.limits import LIMITS
+
+Box = Mapping[str, tuple[float | None, float | None]]
+"""Path -> bounds of the value that the user states."""
+
+SMALLEST, LARGEST, LEAST_PRESSURE, NARROWEST = "smallest", "largest", "least pressure angle", "narrowest"
+NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: where values near the present one are tried
+FAR = np.linspace(-4.6, 4.6, 36)
+
+
+class Row(NamedTuple):
+    """fields   design, the paths that the user bounds -> the fields that are varied
+    wanted   which of the values that keep the limits
+    values   design, path -> the values tried first, rising: those between which there may be an answer
+    limits   keys that apply
+    """
+
+    fields: Callable[[Design, Box], tuple[str, ...]]
+    wanted: str
+    values: Callable[[Design, str], np.ndarray]
+    limits: tuple[str, ...] = tuple(LIMITS)
+    help: str = ""
+
+
+def _always(*paths: str) -> Callable[[Design, Box], tuple[str, ...]]:
+    return lambda design, box: paths
+
+
+def _around(design: Design, path: str) -> np.ndarray:
+    """From a hundredth of the present value to a hundred times, closer near it."""
+    return np.sort(get(design, path) * np.exp(np.concatenate((NEAR, FAR))))
+
+
+def _up_to_base(design: Design, path: str) -> np.ndarray:
+    """Rollers up to the size of the base circle."""
+    base = get(design, "cam.base_radius_mm") if has(design, "cam.base_radius_mm") else 10.0 * get(design, path)
+    return base * np.exp(np.linspace(math.log(1e-3), 0.0, 49))
+
+
+def _within_reach(design: Design, path: str) -> np.ndarray:
+    """Offsets up to the distance of the follower from the cam centre on the base circle."""
+    reach = get(design, "cam.base_radius_mm") + design.drive.face.radius_mm
+    return reach * np.linspace(-0.999, 0.999, 49)
+
+
+def _spans(design: Design, path: str) -> np.ndarray:
+    """Spans that leave something to the segment that follows."""
+    segments = design.drive.motion.segments if design.drive.motion else ()
+    index = segment_of(path)
+    other = segments[(index + 1) % len(segments)]
+    room = segments[index].span_deg + (other.span_deg if len(segments) > 1 else 0.0)
+    return np.linspace(0.0, room, 62)[1:-1]
+
+
+def segment_of(path: str) -> int:
+    """Number of the segment in a path, from 0."""
+    return int(path.partition("[")[2].partition("]")[0])
+
+
+def _rise(design: Design, box: Box) -> tuple[str, ...]:
+    """The span of the segment that the user bounds, else of the first that rises."""
+    segments = design.drive.motion.segments if design.drive.motion else ()
+    named = next((path for path in box if path.startswith("motion.segments[")), None)
+    rising = next((i for i, segment in enumerate(segments) if segment.rise > 0.0), 0)
+    return (named or f"motion.segments[{rising}].span_deg",)
+
+
+def _beside(design: Design, path: str) -> np.ndarray:
+    """Places of a pivot beside the present one: up to a quarter of its distance from the cam centre."""
+    far = math.hypot(get(design, "follower.pivot_x_mm"), get(design, "follower.pivot_y_mm"))
+    return get(design, path) + far * np.linspace(-0.25, 0.25, 9)
+
+
+def _half_to_double(design: Design, path: str) -> np.ndarray:
+    return get(design, path) * np.linspace(0.5, 2.0, 49)
+
+
+def _arm(design: Design, box: Box) -> tuple[str, ...]:
+    """The arm that carries what touches the cam."""
+    return next(((path,) for path in ("follower.arm_mm", "follower.roller_arm_mm") if has(design, path)), ("follower.arm_mm",))
+
+
+def has(design: Design, path: str) -> bool:
+    """Whether the design has such an entry."""
+    try:
+        get(design, path)
+    except (KeyError, IndexError):
+        return False
+    return True
+
+
+WANTED: Mapping[str, Row] = MappingProxyType(
+    {
+        "base-radius": Row(_always("cam.base_radius_mm"), SMALLEST, _around, help="the smallest base radius"),
+        "offset": Row(_always("follower.offset_mm"), LEAST_PRESSURE, _within_reach, help="the offset of least pressure angle"),
+        "roller-radius": Row(_always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
+        "span": Row(_rise, SMALLEST, _spans, help="the shortest span of a rise, the first or the one that is bounded"),
+        "face-width": Row(
+            _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST, lambda design, path: np.zeros(0), (),
+            "the narrowest flat face, and its centre",
+        ),
+        "pivot": Row(
+            _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
+            help="the pivot of least pressure angle in a box",
+        ),
+        "arm": Row(_arm, LEAST_PRESSURE, _half_to_double, help="the arm length of least pressure angle in a box"),
+    }
+)  # fmt: skip
+
+
+def bounded(values: np.ndarray, low: float | None, high: float | None, counts: Sequence[int] = (25,)) -> np.ndarray:
+    """The values between the bounds that are stated, and these themselves; values anew where none lies between."""
+    low = float(values[0]) if low is None else low
+    high = float(values[-1]) if high is None else high
+    inside = values[(values > low) & (values < high)]
+    if inside.size < counts[0]:
+        inside = np.linspace(low, high, max(counts[0], inside.size))[1:-1]
+    return np.unique(np.concatenate(([low], inside, [high])))
