@@ -22,10 +22,11 @@ from core.motion.extremes import Range
 from core.numerics.vectors import cross, dot
 
 LeastAt = Callable[[str, float], float]
-ROUNDS = 12  # of a search for a base radius
+ROUNDS = 20  # of a search for a base radius
 DIGITS = 5  # of a base radius that would do
 NEAR = 1e-4  # of that: what is less above the limit will do
 MARGIN = 0.1  # of a drawn face beyond where it touches, parts of that
+NO_RADIUS = "no larger base radius was found that would do: lengthen the rise, lower the motion, or put the pivot farther away"
 THICK = 0.06  # of a drawn face, parts of the cam's size
 
 
@@ -162,7 +163,7 @@ def _undercut(
     if not is_undercut(extremes, face):
         return []
     least = extremes["profile_radius"].low
-    values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": "enlarge the base radius"}
+    values: dict[str, float | str] = {"radius_mm": 1e3 * least.value, "face": face.face, "remedy": NO_RADIUS}
     wanted = _base_radius(cam.base_radius_mm, 1e3 * least.value, least_at)
     if wanted:
         values |= {"base_radius_mm": wanted, "remedy": f"a base radius of {wanted:.5g} mm would do"}
@@ -173,20 +174,26 @@ def _base_radius(base: float, least: float, least_at: LeastAt) -> float:
     """The base radius [mm], to a few digits and upwards, that keeps the radius of curvature positive; 0 where none was found.
 
     least: the least radius of curvature with the base radius ``base`` [mm], which grows as that does under a face that slides,
-    and about so under one that swings: by secants.
+    and faster under one that swings: by secants (Illinois), below the radius from which on there is no cam (``wall``).
     """
-    below, above, radius = (base, least), None, base - least
+    below, above, wall, radius = (base, least), None, math.inf, base - least
     for _ in range(ROUNDS):
+        if radius >= wall:
+            radius = 0.5 * (below[0] + wall)
         radius = float(rounded(radius, math.ceil, DIGITS))
         if above and radius >= above[0]:
             return above[0]
-        found = 1e3 * least_at("profile_radius", radius)
-        if math.isnan(found) or radius <= below[0]:
+        if radius <= below[0] or radius >= wall:
             break
+        found = 1e3 * least_at("profile_radius", radius)
+        if math.isnan(found):
+            wall = radius
+            continue
         if found > 0.0:
             above = (radius, found)
         else:
             below = (radius, found)
+            above = above and (above[0], 0.5 * above[1])
         far = above or (radius - found, 0.0)
         radius = below[0] - below[1] * (far[0] - below[0]) / (far[1] - below[1])
         if above and above[0] - radius < NEAR * radius:

@@ -338,6 +338,17 @@ def test_a_concave_stretch_under_a_flat_face_names_the_base_radius_that_would_do
             assert ("undercut" in codes) == undercut
 
 
+def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> None:
+    """The first guess lies beyond the largest base circle that the face can lie on."""
+    steep = replace(levels(0.0, (60, 0.0, "dwell"), (120, 26.0, "cycloidal"), (60, 26.0, "dwell"), (120, 0.0, "cycloidal")), unit="deg")
+    far = with_drive(ROCKER, motion=steep)
+    (finding,) = [f for f in Study(far).findings(("cam",)) if f.code == "undercut"]
+    assert f"a base radius of {finding.values['base_radius_mm']:.5g} mm would do" in finding.message
+    for part, undercut in ((1.0, False), (0.999, True)):
+        other = edited(far, "cam.base_radius_mm", float(finding.values["base_radius_mm"]) * part)
+        assert ("undercut" in {f.code for f in Study(other).findings(("cam",))}) == undercut
+
+
 def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> None:
     """Translating: ρ = Br + s + s'', so the base radius at which it vanishes is that of s + s'' least."""
     least = min((Study(TAPPET).at_theta(np.linspace(0.0, 6.28, 4001)).motion.y[[0, 2]]).sum(axis=0))
