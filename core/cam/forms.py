@@ -82,12 +82,17 @@ def second_kinematics(kinematics: Kinematics, body: str, point: str) -> Kinemati
     )
 
 
+def path_by_driver(kinematics: Kinematics, flank: Flank) -> np.ndarray:
+    """Velocity (n,) complex of the reference point of a flank by the driver's coordinate; it exists in dwells too."""
+    pose = kinematics.bodies[flank.body]
+    local = (flank.reference[0] - pose.origin[0][0]) * complex(pose.unit[0]).conjugate()
+    return np.asarray(kinematics.by_driver[flank.body].carried(complex(local))[1])
+
+
 def forward_push(kinematics: Kinematics, flank: Flank) -> np.ndarray:
     """How much of one newton on a flank's roller pushes the driver forward (n,): -n·v, v the unit vector of where the roller's
     centre goes as the driver's coordinate grows."""
-    pose = kinematics.bodies[flank.body]
-    local = (flank.reference[0] - pose.origin[0][0]) * complex(pose.unit[0]).conjugate()
-    path = kinematics.by_driver[flank.body].carried(complex(local))[1]
+    path = path_by_driver(kinematics, flank)
     return -dot(flank.normal, path) / np.abs(path)
 
 

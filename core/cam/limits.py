@@ -11,6 +11,8 @@ import numpy as np
 
 from core.cam.faces import LeastAt, row_of
 from core.cam.flank_limits import further_flanks
+from core.cam.forms import path_by_driver
+from core.cam.shape import SECOND, CamShape
 from core.cam.sizes import ENTRIES
 from core.errors import NoCam
 from core.findings import ERROR, WARNING, Finding
@@ -69,18 +71,21 @@ def undercut(extremes: Mapping[str, Range], flank: str, face: Any, cam: Any) -> 
     return further[flank] if further else row_of(face).undercut(extremes, face)
 
 
-def require_hold(kinematics: Kinematics, noun: str) -> None:
+def require_hold(kinematics: Kinematics, noun: str, shape: CamShape) -> None:
     """The roller of a linkage, or another face of that ``noun``, must come nearer to the cam centre or go away from it somewhere
-    in a turn.
+    in a turn; so must the second roller of a conjugate pair.
 
     Else the cam is a circle about its own centre, every contact normal goes through that, and no torque of the cam moves
     the linkage: NoCam.
     """
-    reference = kinematics.follower.origin[0]
-    with np.errstate(invalid="ignore"):  # no travel where the roller stands still
-        hold = np.abs(dot(kinematics.travel, reference)) / np.abs(reference)
-    if not (hold > 16.0 * EPS * kinematics.condition).any():
-        raise NoCam(
-            f"the {noun} keeps its distance from the cam centre, so no cam can move it", "cam.point",
-            "choose another point",
-        )  # fmt: skip
+    held = [(noun, "cam.point", kinematics.follower.origin[0], kinematics.travel)]
+    held += [
+        ("second roller", "cam.second.point", flank.reference, path_by_driver(kinematics, flank))
+        for flank in shape.flanks
+        if flank.name == SECOND
+    ]
+    for name, field, reference, path in held:
+        with np.errstate(invalid="ignore", divide="ignore"):  # no travel where the roller stands still
+            hold = np.abs(dot(path / np.abs(path), reference)) / np.abs(reference)
+        if not (hold > 16.0 * EPS * kinematics.condition).any():
+            raise NoCam(f"the {name} keeps its distance from the cam centre, so no cam can move it", field, "choose another point")

@@ -236,7 +236,7 @@ class Study:
         with self._located("cam"):
             shape: CamShape = self._stage("cam", cam.envelope, self.linkage, self.design.drive.face, self.design.drive.bare_cam, self.sense)
             if self._given is None and self.mechanism.ranged:
-                cam.require_hold(self.linkage, self.design.drive.face.noun)
+                cam.require_hold(self.linkage, self.design.drive.face.noun, shape)
             return shape
 
     @property

@@ -41,7 +41,7 @@ from core.design import (
     with_drive,
 )
 from core.dynamics import momentum_residual, power_residual
-from core.errors import DesignError, NoAnswer
+from core.errors import DesignError, NoAnswer, NoCam
 from core.followers import SECOND_ROLLER, built
 from core.followers.dragging import joints_of, move_joint
 from core.mechanism import solve_mechanism
@@ -445,6 +445,15 @@ def test_limits_of_the_second_cam() -> None:
 def test_a_second_roller_on_the_cam_centre_is_named() -> None:
     with pytest.raises(NoAnswer, match=r"cam\.second\.roller_radius_mm: the second roller covers the cam centre.*farther out"):
         _ = Study(edited(PAIR, "cam.second.roller_radius_mm", 95.0), 72).cam
+
+
+def test_a_second_roller_on_a_fixed_pivot_is_named() -> None:
+    """A point of a moving link that stands still: that cam would be a circle and could push nothing."""
+    coupler = edited(load(EXAMPLES / "four_bar_coupler_cam.toml"), "cam.form", "conjugate")
+    pivot = LinkageConjugate(second=SecondLinkRoller(link=4, point="O4", roller_radius_mm=12.0))
+    with pytest.raises(NoCam, match="the second roller keeps its distance from the cam centre") as refused:
+        Study(edited(coupler, "cam", replace(coupler.drive.cam, form=pivot))).findings()
+    assert refused.value.field == "cam.second.point"
 
 
 def test_the_second_roller_is_drawn_elsewhere_by_the_mouse() -> None:
