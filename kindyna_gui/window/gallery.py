@@ -9,6 +9,7 @@ from functools import lru_cache, partial
 from math import ceil
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QPoint, QRect, QSize, Qt, QTimer
 from PySide6.QtGui import QIcon, QImage, QPainter, QPixmap
@@ -38,6 +39,9 @@ from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.pictures.files import Sheet
 from kindyna_gui.places import FIRST_EXAMPLE, example, examples
 from kindyna_gui.requirements import lists_links
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
 
 THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # the smaller ones where the screen has no room for all of the others
 MOST_COLUMNS = 6
@@ -299,9 +303,10 @@ class Gallery(QDialog):
         self.ok.setEnabled(self.chosen is not None)
 
 
-def mechanism_wanted(parent: QWidget, first: str = "") -> Choice | None:
-    """Ask for a mechanism; None where the user thinks better of it. first: the group that is shown at first."""
-    dialog = Gallery(parent, first=first)
+def mechanism_wanted(window: MainWindow) -> Choice | None:
+    """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it."""
+    row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
+    dialog = Gallery(window, first=row.label if row else LINKAGES)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     chosen = dialog.chosen if accepted else None
     dialog.deleteLater()

@@ -148,6 +148,15 @@ def fill_layers(window: MainWindow, menu: QMenu) -> None:
     menu.menuAction().setVisible(not menu.isEmpty())
 
 
+def fill_colours(window: MainWindow, menu: QMenu) -> None:
+    """The layers that colour the profile, where there is a cam."""
+    view = window.view("mechanism")
+    for action in view.layer_actions() if view is not None else ():
+        if action.actionGroup() is not None:
+            menu.addAction(action)
+    menu.menuAction().setVisible(not menu.isEmpty())
+
+
 def _without_state(slot: object, argument: object, *_: object) -> None:
     """Call a slot without the checked state that ``triggered`` brings."""
     assert callable(slot)

@@ -171,6 +171,13 @@ def test_from_the_picture_of_a_four_bar_to_the_cam_under_its_coupler(open_user: 
     with answering(gallery.Gallery, choose):
         user.choose("File", "New", "Chosen by its picture...")
     assert user.design == load(example("four_bar"))
+
+    def leave(dialog: gallery.Gallery) -> None:
+        assert dialog.shown is dialog.groups["Linkages"], "where the design at hand belongs"
+        dialog.reject()
+
+    with answering(gallery.Gallery, leave):
+        user.choose("Compo", "Choose a mechanism...")
     user.enter("linkage.links[2].points.C.y_mm", "60")
     user.choose("Compo", "Driver", "Link 2 follows a motion")
     user.choose("Compo", "Cam roller", "C on link 3")

@@ -118,6 +118,7 @@ def test_colours_are_chosen_one_at_a_time_in_the_menu_of_layers(user: User) -> N
     settle()
     user.drawing()
     assert not any(part.item.isVisible() for key, part in scene.parts.items() if "_colours" in key), "plain again"
+    assert user.entries("Kine", "Colour the profile") == [BY_PRESSURE, BY_CURVATURE], "and where the task is"
 
 
 # -- values under the mouse -----------------------------------------------------------------------------------
