@@ -97,6 +97,23 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "flank-change.play": "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.4g} m/s",
         "face-too-narrow": "the contact leaves the flat face{at}: it runs to {contact_mm:.6g} mm, {needed_mm} mm from the face's "
         "centre, its half width is {half_width_mm} mm",
+        "pressure-angle-rise": "pressure angle {value} deg on the rise{at}, your own limit {limit} deg: {remedy}",
+        "pressure-angle-return": "pressure angle {value} deg on the return{at}, your own limit {limit} deg: {remedy}",
+        "convex-radius": "the profile's smallest convex radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
+        "its motion gentler",
+        "concave-radius": "the profile's smallest concave radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
+        "its motion gentler",
+        "contact-force": "contact force {value} N{at}, your own limit {limit} N: lower the speed, the masses or the closing force",
+        "profile-meets-hub": "the profile comes as near as {radius_mm} mm to the cam centre{at}, the {what} has a radius of "
+        "{limit_mm} mm: make the cam larger, or the {what} smaller",
+        "profile-meets-keyway": "the profile cuts {overlap_mm:.4g} mm into the keyway{at}: turn the keyway, make it shallower, or make "
+        "the cam larger",
+        "cutter-too-large": "the cutter's radius of {cutter_mm} mm does not go into the hollow of the profile, of {radius_mm} mm{at}: "
+        "take a cutter no larger than that",
+        "cutter-wider-than-groove": "the cutter's radius of {cutter_mm} mm is more than half the width of the groove, {radius_mm} mm: "
+        "take a cutter no larger than that",
+        "self-intersection": "the {which} crosses itself: it passes the same place{at} and at {other_deg:.5g} deg; make the cam "
+        "larger, the roller smaller or the motion gentler",
         "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
         "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1",
         "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "
@@ -138,6 +155,14 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "second-pressure-angle": (4, ("value", "limit")),
         "second-roller-meets-hub": (5, ("distance_mm", "radius_mm")),
         "face-too-narrow": (5, ("needed_mm", "half_width_mm")),
+        "pressure-angle-rise": (4, ("value", "limit")),
+        "pressure-angle-return": (4, ("value", "limit")),
+        "convex-radius": (5, ("value", "limit")),
+        "concave-radius": (5, ("value", "limit")),
+        "contact-force": (5, ("value", "limit")),
+        "profile-meets-hub": (5, ("radius_mm", "limit_mm")),
+        "cutter-too-large": (5, ("cutter_mm", "radius_mm")),
+        "cutter-wider-than-groove": (5, ("cutter_mm", "radius_mm")),
         "jamming": (4, ("factor", "limit")),
         "contact-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),

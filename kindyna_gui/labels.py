@@ -15,7 +15,8 @@ from core.followers import LAYOUT_TABLE
 from core.laws import find_law
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
-    {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads"}
+    {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
+     "limits": "Limits"}
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(

@@ -1,10 +1,20 @@
 """Cam shape from the follower's motion, its limits and its proof."""
 
+from core.cam.crossings import Crossing, crossings
 from core.cam.faces import FACES, FaceRow, row_of
 from core.cam.forms import FORMS, FormRow, envelope, faces_of, form_row, forward_push
 from core.cam.groove import Wall, thinnest_wall, wall_findings
-from core.cam.limits import PRESSURE_LIMITS, findings, further_findings, limits_of, require_hold, undercut
+from core.cam.limits import (
+    PRESSURE_LIMITS,
+    PRESSURE_SOURCE,
+    findings,
+    further_findings,
+    limits_of,
+    require_hold,
+    undercut,
+)
 from core.cam.proof import centre_residual, gaps, tangency, tangency_residual
+from core.cam.radii import Radius, curvatures_of, smallest_radii
 from core.cam.shape import (
     INNER,
     OUTER,
@@ -26,16 +36,21 @@ __all__ = [
     "INNER",
     "OUTER",
     "PRESSURE_LIMITS",
+    "PRESSURE_SOURCE",
     "SECOND",
     "CamShape",
+    "Crossing",
     "FaceOutline",
     "FaceRow",
     "Flank",
     "FlatFlank",
     "FormRow",
+    "Radius",
     "RoundFlank",
     "Wall",
     "centre_residual",
+    "crossings",
+    "curvatures_of",
     "envelope",
     "faces_of",
     "findings",
@@ -50,6 +65,7 @@ __all__ = [
     "require_hold",
     "round_flank",
     "row_of",
+    "smallest_radii",
     "tangency",
     "tangency_residual",
     "thinnest_wall",

@@ -22,6 +22,7 @@ from core.motion.extremes import Range
 from core.numerics.vectors import dot
 
 # usual limits for cams in machine shops: VDI 2142, Norton ch. 7; by the pair that holds the follower
+PRESSURE_SOURCE = "VDI 2142; Norton ch. 7"
 PRESSURE_LIMITS: Mapping[str, float] = MappingProxyType({SLIDING: 30.0, REVOLUTE: 45.0})
 
 ROUNDING = 1e-12  # relative accuracy of a channel: a radius found for the limit itself does not exceed it

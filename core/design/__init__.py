@@ -38,6 +38,7 @@ from core.design.joins import (
     joins_of_level,
     with_join_moved,
 )
+from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import (
     CRANK,
     DRIVERS,
@@ -127,6 +128,7 @@ __all__ = [
     "LAYOUTS",
     "LEAST_SPAN",
     "MOTION",
+    "NO_LIMITS",
     "NO_UNIT",
     "SECTIONS",
     "SENSES",
@@ -154,6 +156,7 @@ __all__ = [
     "Groove",
     "Info",
     "Knife",
+    "Limits",
     "Link",
     "LinkForce",
     "LinkMass",

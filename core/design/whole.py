@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from core.design.faces import Face
 from core.design.forms import Blank
+from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
 from core.errors import DesignError, Fault
@@ -15,13 +16,13 @@ from core.frozen import frozen
 
 D = TypeVar("D")
 BLANK = tuple(field.name for field in fields(Blank))
-SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads")
+SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits")
 """The tables of a file in their order; no design has all of them."""
 
 
 @frozen
 class Drive:
-    """What one motion moves: a follower or a linkage, the cam under it, the loads on it.
+    """What one motion moves: a follower or a linkage, the cam under it, the loads on it, and the user's own limits.
 
     ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion.
     """
@@ -30,6 +31,7 @@ class Drive:
     mechanism: Follower | Linkage
     cam: Any  # Cam | LinkageCam | None, as the mechanism takes it
     loads: Any  # Loads | LinkageLoads
+    limits: Limits = NO_LIMITS
 
     @property
     def table(self) -> str:
@@ -117,9 +119,10 @@ class Design:
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The tables of its file that it has, in their order."""
+        """The tables of its file that it has, in their order; limits only where there is a cam, and then always."""
         drive = self.drive
-        parts = {"motion": drive.motion, drive.table: drive.mechanism, "cam": drive.cam, "shaft": self.shaft, "loads": drive.loads}
+        parts = {"motion": drive.motion, drive.table: drive.mechanism, "cam": drive.cam, "shaft": self.shaft, "loads": drive.loads,
+                 "limits": None if drive.cam is None else drive.limits}  # fmt: skip
         return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
 
     @property
@@ -155,6 +158,8 @@ def with_table(design: Design, name: str, part: Any) -> Design:
     """The design with one table of its file replaced, or taken away where the part is None."""
     if name == "shaft":
         return replace(design, shaft=part)
+    if name == "limits" and part is None:
+        part = NO_LIMITS
     return with_drive(design, **{"mechanism" if name == design.drive.table else name: part})
 
 

@@ -12,6 +12,7 @@ from core.laws import find_law
 from core.output.channels import Channel, channels
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
 from core.study import Study
+from core.study.cam_checks import limit_rows
 
 _ASSUMED = "*"
 
@@ -143,6 +144,15 @@ def _extremes(study: Study, rows: Iterable[Channel], stages: Sequence[str]) -> l
     return _heading("Extremes over one turn") + columns(table, left=2)
 
 
+def _limits(study: Study, stages: Sequence[str]) -> list[str]:
+    """The figures of a cam beside their limits."""
+    table: list[Sequence[str]] = [("", "unit", "worst", "at °", "limit", "whose")]
+    for row in limit_rows(study, stages):
+        limit = "" if row.limit is None else digits(row.limit)
+        table.append((row.label, UNITS[row.unit].symbol, digits(row.value), digits(row.cam_angle_deg), limit, row.source))
+    return _heading("Limits of the cam") + columns(table, left=2) if len(table) > 1 else []
+
+
 def _flywheel(study: Study) -> list[str]:
     wheel = flywheel(study)
     if not wheel:
@@ -245,6 +255,6 @@ def report(study: Study) -> str:
     lines = [name, "=" * len(name)]
     lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
-    lines += _extremes(study, channels(study.design), stages)
+    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages)
     lines += _flywheel(study) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"

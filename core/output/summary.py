@@ -15,6 +15,7 @@ from core.errors import NoStability
 from core.mechanism.grashof import four_bar
 from core.output.channels import channels
 from core.study import Study
+from core.study.cam_checks import limit_rows
 
 
 def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
@@ -31,6 +32,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "joins": joins(study),
         **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
         "extremes": extremes(study, stages),
+        **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"stability": shaft} if shaft else {}),
         "findings": [
@@ -82,6 +84,20 @@ def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
                     for side, e in (("min", low), ("max", high))
                 }
     return rows
+
+
+def limits(study: Study, stages: Sequence[str]) -> list[dict[str, Any]]:
+    """The figures of a cam beside their limits: the user's own, else the usual one with its source, null where there is none."""
+    return [
+        {
+            "name": row.name,
+            "value": row.value,
+            "cam_angle_deg": row.cam_angle_deg,
+            "limit": row.limit,
+            "source": row.source or None,
+        }
+        for row in limit_rows(study, stages)
+    ]
 
 
 def flywheel(study: Study) -> dict[str, float | None]:

@@ -13,12 +13,14 @@ from core.design import (
     CURVES,
     FOLLOWER_KINDS,
     MOTION,
+    NO_LIMITS,
     Conjugate,
     Design,
     Drive,
     Driver,
     FollowerKind,
     Groove,
+    Limits,
     Linkage,
     LinkageCam,
     LinkageLoads,
@@ -81,7 +83,7 @@ def from_table(table: Tables) -> Design:
     found += [unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in _KINDS]
     found += row_faults
     parts = {}
-    for name in ("shaft", kind, "motion", "cam", "loads"):  # the shaft's speed is the driver's, who tells the motion's unit
+    for name in ("shaft", kind, "motion", "cam", "loads", "limits"):  # the shaft's speed is the driver's, who tells the motion's unit
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
             reader.shaft_rpm = part.signed_rpm
@@ -91,7 +93,9 @@ def from_table(table: Tables) -> Design:
             reader.unit = _driver_unit(part, table.get("motion"))
     assumed = table.get("assumed", ())
     plain = tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
-    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"])
+    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
+    if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
+        found.append(Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away"))
     design = Design(table.get("name", ""), parts["shaft"], (drive,), plain)
     found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
     unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
@@ -293,10 +297,11 @@ def _face_word(table: Tables, row: FollowerKind | None) -> str | None:
 def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str, type | None]:
     """The class of each table of the file; None where it depends on an unknown kind of follower, or an unknown face."""
     if kind == "linkage":
-        return {"motion": Motion, "linkage": Linkage, "cam": LinkageCam, "shaft": Shaft, "loads": LinkageLoads}
+        return {"motion": Motion, "linkage": Linkage, "cam": LinkageCam, "shaft": Shaft, "loads": LinkageLoads, "limits": Limits}
 
     follower, cam, loads = row.under(face or Rolling.face) if row else (None, RollerCam, None)
-    return {"motion": Motion, "follower": follower, "cam": cam if face or not row else None, "shaft": Shaft, "loads": loads}
+    cam_class = cam if face or not row else None
+    return {"motion": Motion, "follower": follower, "cam": cam_class, "shaft": Shaft, "loads": loads, "limits": Limits}
 
 
 def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:

@@ -9,23 +9,24 @@ from typing import Any
 
 import tomli_w
 
-from core.design import Design, LinkageLoads, Motion, Segment
+from core.design import NO_LIMITS, Design, LinkageLoads, Motion, Segment
 from core.design.edits import is_dwell
 from core.design.fields import Slot, slots
 from core.design.paths import in_order
 
 FORMAT = 1
+_SILENT = (repr(LinkageLoads()), repr(NO_LIMITS))  # tables that say nothing; as text, which tells 0.0 from -0.0
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
 
 def to_table(design: Design) -> dict[str, Any]:
-    """The tables of the file; of a linkage [loads] only where there is something to say."""
+    """The tables of the file; [limits], and of a linkage [loads], only where there is something to say."""
     drive = design.drive
     table: dict[str, Any] = {"format": FORMAT, "name": design.name}
     if design.assumed:
         table["assumed"] = list(design.assumed)
     for name, part in design.tables.items():
-        if name != "loads" or repr(part) != repr(LinkageLoads()):  # which tells 0.0 from -0.0
+        if repr(part) not in _SILENT:
             table[name] = _table(part, drive.motion_unit)
     if not drive.is_linkage:
         table["follower"] = {"kind": drive.kind, **table["follower"]}

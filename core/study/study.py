@@ -13,7 +13,7 @@ import numpy as np
 
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
-from core.design import Design, Linkage, with_drive
+from core.design import NO_LIMITS, Design, Linkage, with_drive
 from core.dynamics import FlankChange, Forces, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
@@ -24,6 +24,7 @@ from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.numerics.lazy import locked
 from core.shaft import Flywheel, LoadCurve, levels, load_curve
+from core.study import cam_checks
 from core.study.certificate import certificate
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
@@ -274,7 +275,7 @@ class Study:
         def compute() -> Extreme | None:
             return find_above(lambda angles: self.at(angles).dynamics.jam, self.program, dynamics.JAMS)
 
-        worst: Extreme | None = memory.get("jam", self._depends_on("dynamics"), compute)
+        worst: Extreme | None = memory.get("jam", self.depends_on("dynamics"), compute)
         return worst
 
     @property
@@ -297,7 +298,7 @@ class Study:
 
             return dynamics.flank_changes(at, self.program, self.loading, 1e-3 * self.design.drive.cam.form.play_mm)
 
-        return memory.get("flank changes", self._depends_on("dynamics"), compute)
+        return memory.get("flank changes", self.depends_on("dynamics"), compute)
 
     @property
     def stability(self) -> Stability | None:
@@ -336,7 +337,7 @@ class Study:
     @cached_property
     def flywheel(self) -> Flywheel:
         """Sizing, speed and motor torque. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
-        return memory.get("flywheel", (self._depends_on("dynamics"), self.design.shaft), self._flywheel)
+        return memory.get("flywheel", (self.depends_on("dynamics"), self.design.shaft), self._flywheel)
 
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
@@ -356,7 +357,7 @@ class Study:
             raise NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
-        curve: LoadCurve = memory.get("load curve", self._depends_on("dynamics"), self._fitted_load)
+        curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._fitted_load)
         return curve
 
     def _fitted_load(self) -> LoadCurve:
@@ -381,10 +382,10 @@ class Study:
 
     # -- what figures depend on -----------------------------------------------------------------------------
 
-    def _depends_on(self, stage: str) -> tuple[Any, ...]:
+    def depends_on(self, stage: str) -> tuple[Any, ...]:
         """The parts of the design that the quantities of a stage depend on."""
         design = self.design
-        drive = replace(design.drive, cam=design.drive.bare_cam)
+        drive = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS)
         speed = (design.sense, design.speed_rpm)
         parts: Mapping[str, tuple[Any, ...]] = {
             "motion": (drive.motion, speed),
@@ -412,7 +413,7 @@ class Study:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
         self.require_stage(stage)
         with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
-        key = self._depends_on(stage), self.design.shaft if with_motor else None
+        key = self.depends_on(stage), self.design.shaft if with_motor else None
         found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
         return found
 
@@ -478,7 +479,8 @@ class Study:
         grounds = {flank.name: self._held_by(flank.body) for flank in self.cam.flanks}
         found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, self._least_at)
         found += cam.further_findings(extremes, grounds, drive.face, drive.cam)
-        return found + (cam.wall_findings(self._wall(), drive.cam) if any(f.name == cam.OUTER for f in self.cam.flanks) else [])
+        found += cam.wall_findings(self._wall(), drive.cam) if any(f.name == cam.OUTER for f in self.cam.flanks) else []
+        return found + cam_checks.findings(self)
 
     def _wall(self) -> Wall | None:
         """The wall of a groove that is gone."""
@@ -486,8 +488,13 @@ class Study:
         def compute() -> Wall | None:
             return cam.thinnest_wall(lambda theta: self.at_theta(theta).cam, self.cam, self.angles)
 
-        wall: Wall | None = memory.get("wall", (self._depends_on("cam"), self.samples), compute)
+        wall: Wall | None = memory.get("wall", (self.depends_on("cam"), self.samples), compute)
         return wall
+
+    @property
+    def ground(self) -> str:
+        """Kind of the pair that holds what the cam acts on."""
+        return self._held_by(self.cam.flank.body)
 
     def _held_by(self, body: str) -> str:
         """Kind of the pair that holds a body on the frame; a body that none holds turns with its pole."""
@@ -511,6 +518,7 @@ class Study:
             found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
             if self.holds and self.jam is None and not self.loading.empty:
                 found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
+            found += cam_checks.force_findings(self)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     def undercut_on(self, flank: str) -> bool:

@@ -23,8 +23,8 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
-SECTIONS = ("follower", "cam", "shaft", "loads")
-EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads")  # of all kinds of design, in the order of tabs
+SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
+EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits")  # of all kinds of design, in the order of tabs
 
 
 _STRUCTURE = frozenset({"number", "link", "on", "kind"})
@@ -131,7 +131,7 @@ def kind_label(study: Study) -> str:
 
 
 class ParametersView(View):
-    """Name and parameters of the design: follower, cam, shaft, loads."""
+    """Name and parameters of the design: follower, cam, shaft, loads, limits."""
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)

@@ -1,0 +1,35 @@
+"""The user's own limits of a drive; the usual ones of the trade stand in ``core.cam``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from core.design.fields import LONGEST_MM, number
+
+
+def _angle(label: str, stretch: str) -> Any:
+    return number(label, 0.0, 90.0, open_low=True, default=None, step=1.0, help=f"greatest {stretch}; empty = the usual one")
+
+
+def _least(label: str, help: str) -> Any:
+    return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = none")
+
+
+def _most(label: str, help: str) -> Any:
+    return number(label, 0.0, open_low=True, default=None, help=f"{help}; empty = none")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What the user does not want to exceed, as far as stated; radii are those of the profile."""
+
+    pressure_angle_rise_deg: float | None = _angle("Pressure angle, rise", "while the motion rises")
+    pressure_angle_return_deg: float | None = _angle("Pressure angle, return", "while it returns")
+    convex_radius_mm: float | None = _least("Convex radius", "least radius of curvature where the profile bulges")
+    concave_radius_mm: float | None = _least("Concave radius", "least radius of curvature where the profile is hollow")
+    contact_force_n: float | None = _most("Contact force", "greatest between follower and cam")
+    contact_pressure_mpa: float | None = _most("Contact pressure", "greatest between follower and cam")
+
+
+NO_LIMITS = Limits()

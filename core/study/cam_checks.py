@@ -1,0 +1,188 @@
+"""The checks of a cam that go through the whole turn: pressure angle on rise and return, smallest radii, hub, bore and cutter,
+and the profile against itself; and all its limits side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import degrees, isfinite, nan
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from core import cam
+from core.cam import checks
+from core.findings import Finding
+from core.motion import TURN, Angles
+from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
+from core.study.stages import memory
+
+if TYPE_CHECKING:
+    from core.study.study import Study
+
+_UNDER = "pressure_angle"
+_SAMPLES = 181  # between two cam angles, to see whether the profile runs backwards there
+
+
+def _pressure_names(study: Study) -> list[str]:
+    return [name for name in study.quantities("cam") if name.endswith(_UNDER)]
+
+
+def pressure_angles(study: Study) -> Mapping[str, Range]:
+    """Refined extremes of the pressure angle [rad] by stretch of the motion, of all flanks together: ``rise`` and ``return``,
+    as far as there is one."""
+
+    def compute() -> Mapping[str, Range]:
+        rows = {name: study.quantities("cam")[name] for name in _pressure_names(study)}
+
+        def values(angles: Angles) -> Mapping[str, np.ndarray]:
+            there = study.at(angles)
+            sign = there.motion.velocity_sign
+            each = {name: row.value(there) for name, row in rows.items()}
+            return {
+                f"{name} {stretch}": np.where(sign == way, value, nan)
+                for name, value in each.items()
+                for stretch, way in checks.STRETCHES.items()
+            }
+
+        found = find_extremes(values, study.program)
+        result = {}
+        for stretch in checks.STRETCHES:
+            here = [found[f"{name} {stretch}"] for name in rows]
+            if all(isfinite(each.high.value) for each in here):
+                low = min((each.low for each in here), key=lambda extreme: extreme.value)
+                result[stretch] = Range(low, max((each.high for each in here), key=lambda extreme: extreme.value))
+        return result
+
+    found: Mapping[str, Range] = memory.get("pressure angles", study.depends_on("cam"), compute)
+    return found
+
+
+def radii(study: Study) -> tuple[cam.Radius, ...]:
+    """The smallest radii of curvature of profile and pitch curve [m], convex and concave."""
+    drive = study.design.drive
+    return cam.smallest_radii(study.extremes("cam", cam.curvatures_of(drive.face, drive.cam)), drive.face, drive.cam)
+
+
+def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
+    """Where a flank crosses itself, that of an undercut aside. None where the motion jumps, so that no profile is closed."""
+    if any(join.jumps[0] for join in study.program.joins):
+        return ()
+
+    def flank_at(theta: np.ndarray) -> cam.Flank:
+        return study.at_theta(theta).cam.only(flank).flank
+
+    corners = [join.theta for join in study.program.joins if join.jumps[1]]
+
+    def reversed_between(first: float, second: float) -> bool:
+        """On the shorter way; a corner of the pitch curve counts as an undercut."""
+        ends = (first, second) if second - first <= 0.5 * TURN else (second, first + TURN)
+        if any(ends[0] <= corner + turns <= ends[1] for corner in corners for turns in (0.0, TURN)):
+            return True
+        return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
+
+    def compute() -> tuple[cam.Crossing, ...]:
+        return checks.without_undercut(cam.crossings(flank_at, piecewise_angles(study.program).theta), reversed_between)
+
+    found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
+    return found
+
+
+def findings(study: Study) -> list[Finding]:
+    """What the cam exceeds besides the usual limits."""
+    drive = study.design.drive
+    limits, blank, face = drive.limits, drive.cam, drive.face
+    found: list[Finding] = []
+    if any(getattr(limits, f"pressure_angle_{stretch}_deg") is not None for stretch in checks.STRETCHES):
+        worst = {stretch: each.high for stretch, each in pressure_angles(study).items()}
+        found += checks.pressure_findings(worst, limits, face, blank)
+    if not (limits.convex_radius_mm is limits.concave_radius_mm is blank.cutter_radius_mm is None):
+        found += checks.radius_findings(radii(study), limits, blank)
+        found += checks.cutter_findings(radii(study), face, blank)
+    found += _core_findings(study)
+    for flank in cam.form_row(blank.form).flanks:
+        if not blank.form.holds or flank == cam.SECOND:
+            found += checks.crossing_findings(flank, crossings(study, flank), blank)
+    return found
+
+
+def _core_findings(study: Study) -> list[Finding]:
+    """Of hub, bore and keyway."""
+    blank = study.design.drive.cam
+    if not checks.cores(blank):
+        return []
+    nearest = study.extremes("cam", ("radius",))["radius"].low
+    found = checks.core_findings(nearest, blank)
+    if found or nearest.value > checks.keyway_reach(blank):
+        return found
+
+    def wall(angles: Angles) -> Mapping[str, np.ndarray]:
+        return {"wall": checks.over_keyway(study.at(angles).cam.flank.profile, blank)}
+
+    return checks.keyway_findings(find_extremes(wall, study.program)["wall"].low, blank)
+
+
+def greatest_force(study: Study) -> Extreme | None:
+    """The contact force of greatest size [N] on any flank; None where the user has no limit of it, or there is none."""
+    if "cam" not in study.stages or study.design.drive.limits.contact_force_n is None or study.loading.empty or study.jam is not None:
+        return None
+    names = [name for name in study.quantities("dynamics") if name.endswith("contact_force")]
+    found = study.extremes("dynamics", tuple(names)).values()
+    return max((end for each in found for end in (each.low, each.high)), key=lambda extreme: abs(extreme.value))
+
+
+def force_findings(study: Study) -> list[Finding]:
+    """A contact force beyond the user's own limit."""
+    worst = greatest_force(study)
+    return [] if worst is None else checks.force_findings(worst, study.design.drive.limits)
+
+
+# -- side by side ------------------------------------------------------------------------------------------
+
+
+class LimitRow(NamedTuple):
+    """A figure of a cam beside its limit, both in the unit of ``unit``.
+
+    name    slug, ending with its unit
+    label   what it is
+    value, cam_angle_deg   its worst, refined
+    limit   None where there is none
+    source  whose limit it is: ``own``, or where the usual one stands
+    """
+
+    name: str
+    label: str
+    unit: str
+    value: float
+    cam_angle_deg: float
+    limit: float | None
+    source: str
+
+
+_CURVES = {"profile": "of the profile", "pitch": "of the pitch curve", "outer": "of the outer flank",
+           "second": "of the second profile", "second_pitch": "of the second pitch curve"}  # fmt: skip
+
+
+def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
+    """The figures of a cam that have limits, beside the user's own, else the usual ones; of the named stages."""
+    if "cam" in stages and "cam" in study.stages:
+        yield from _shape_rows(study)
+    if "dynamics" in stages and (worst := greatest_force(study)) is not None:
+        own = study.design.drive.limits.contact_force_n
+        yield LimitRow("contact_force_n", "Contact force", "n", abs(worst.value), degrees(worst.theta), own, "own")
+
+
+def _shape_rows(study: Study) -> Iterator[LimitRow]:
+    limits = study.design.drive.limits
+    for stretch, each in pressure_angles(study).items():
+        own, usual = getattr(limits, f"pressure_angle_{stretch}_deg"), cam.PRESSURE_LIMITS[study.ground]
+        yield LimitRow(
+            f"pressure_angle_{stretch}_deg", f"Pressure angle, {stretch}", "deg", degrees(each.high.value), degrees(each.high.theta),
+            usual if own is None else own, cam.PRESSURE_SOURCE if own is None else "own",
+        )  # fmt: skip
+    for radius in radii(study):
+        sort = "concave" if radius.hollow else "convex"
+        own = getattr(limits, f"{sort}_radius_mm") if radius.of_profile else None
+        yield LimitRow(
+            f"{radius.name}_mm", f"Smallest {sort} radius {_CURVES[radius.curve]}", "mm", 1e3 * radius.smallest.value,
+            degrees(radius.smallest.theta), own, "" if own is None else "own",
+        )  # fmt: skip
