@@ -267,8 +267,8 @@ def arm(side: str, swing: float) -> Design:
 
 def lobe(rng: np.random.Generator) -> Design:
     """A roller with an offset and a stroke many times the base radius: a lobe, some with a neck that is too thin."""
-    roller, base, stroke, offset = rng.uniform(2, 20), rng.uniform(2, 20), rng.uniform(40, 400), rng.uniform(-0.9, 0.9)
-    up, top, down = rng.uniform(20, 90), rng.uniform(0.5, 60), rng.uniform(20, 90)
+    roller, base, stroke, offset = rng.uniform(12, 20), rng.uniform(2, 12), rng.uniform(180, 400), rng.uniform(-0.9, 0.9)
+    up, top, down = rng.uniform(25, 60), rng.uniform(0.5, 40), rng.uniform(25, 60)
     motion = levels(0.0, (100.0, 0.0, "dwell"), (float(up), float(stroke), "3-4-5"), (float(top), float(stroke), "dwell"),
                     (float(down), 0.0, "3-4-5"), (float(260.0 - up - top - down), 0.0, "dwell"))  # fmt: skip
     follower = Translating(offset_mm=float(offset * (base + roller)))
@@ -310,7 +310,7 @@ def check_crossing(design: Design, points: int = 1800) -> str:
         assert abs(there[1] - there[0]) <= 1e-10 * np.abs(profile).max(), "both pass the same place"
         assert finding.cam_angle_deg == finding.values["first_deg"]
         steps = (angles / (2.0 * np.pi) * points).tolist()
-        assert any(abs(i + 0.5 - steps[0]) < 2.0 and abs(j + 0.5 - steps[1]) < 2.0 for i, j in seen)
+        assert any(max(abs(i + 0.5 - steps[0]), abs(j + 0.5 - steps[1])) < 5.0 for i, j in seen)
     return "crosses" if told else "plain"
 
 
@@ -332,8 +332,8 @@ def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
 
 def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:
     rng = np.random.default_rng(15)
-    outcome = [check_crossing(lobe(rng)) for _ in range(70)]
-    assert outcome.count("crosses") >= 2
+    outcome = [check_crossing(lobe(rng)) for _ in range(50)]
+    assert outcome.count("crosses") >= 4
     assert outcome.count("plain") >= 5
 
 
