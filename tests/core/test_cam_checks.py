@@ -290,7 +290,7 @@ def crossing_steps(curve: np.ndarray) -> list[tuple[int, int]]:
     return pairs
 
 
-def check_crossing(design: Design, points: int = 1800) -> str:
+def check_crossing(design: Design, points: int = 1200) -> str:
     """``undercut``, ``none``, ``crosses`` or ``plain``; asserts that the finding says what a dense polyline does."""
     study = Study(design, points)
     try:
@@ -332,8 +332,8 @@ def test_a_profile_that_crosses_itself_far_apart_is_found(side: str) -> None:
 
 def test_crossings_are_those_of_a_dense_polyline_and_no_others() -> None:
     rng = np.random.default_rng(15)
-    outcome = [check_crossing(lobe(rng)) for _ in range(50)]
-    assert outcome.count("crosses") >= 4
+    outcome = [check_crossing(lobe(rng)) for _ in range(32)]
+    assert outcome.count("crosses") >= 3
     assert outcome.count("plain") >= 5
 
 
