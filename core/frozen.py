@@ -21,8 +21,26 @@ def frozen(kind: Any = None, *, eq: bool = True, kw_only: bool = False) -> Any:
     if eq:
         values = _values([each.name for each in fields(made) if each.compare])
         made.__eq__ = lambda self, other: values(self) == values(other) if type(self) is type(other) else NotImplemented
-        made.__hash__ = lambda self: hash(values(self))
+        made.__hash__, made.__setstate__ = _hash(values), _set_state
     return made
+
+
+def _hash(values: Callable[[Any], tuple[Any, ...]]) -> Any:
+    """Computed once: caches ask for the hash of the same design, with all its parts, dozens of times for each edit."""
+
+    def hashed(self: Any) -> int:
+        try:
+            return self._hash
+        except AttributeError:
+            object.__setattr__(self, "_hash", made := hash(values(self)))
+            return made
+
+    return hashed
+
+
+def _set_state(self: Any, state: dict[str, Any]) -> None:
+    vars(self).update(state)
+    vars(self).pop("_hash", None)  # texts have another hash in another process
 
 
 def _values(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:

@@ -73,7 +73,7 @@ def one_value_apart(design: Design, other: Design, path: str) -> bool:
     if cell is None or one is None or two is None or len(one.segments) != len(two.segments):
         return False
     index, key = int(cell[1]), {"law": "curve"}.get(cell[2], cell[2])
-    first, second = ({**vars(m.segments[index]), key: None} for m in (one, two))
+    first, second = (replace(m.segments[index], **{key: None}) for m in (one, two))
     there = replace(two, segments=(*two.segments[:index], one.segments[index], *two.segments[index + 1 :]))
     return first == second and one == there
 
@@ -84,7 +84,7 @@ def _with_cell(motion: Motion, index: int, key: str, value: object) -> Motion:
     if key == "law":
         changed = with_law(replace(motion, segments=(segment,)), 0, str(value)).segments[0]
     else:
-        changed = Segment(**{**vars(segment), key: value})
+        changed = replace(segment, **{key: value})
     return replace(motion, segments=(*motion.segments[:index], changed, *motion.segments[index + 1 :]))
 
 

@@ -31,7 +31,7 @@ from core.design import (
 from core.design.parts import SIDES
 from core.design.units import split_unit
 from core.errors import NoAssembly
-from core.followers.cam_slider import LAYOUT_TABLE, Layout, base_position
+from core.followers.cam_slider import LAYOUT_TABLE, base_position
 from core.followers.reach import FACE, SECOND, reach_of
 from core.frozen import frozen
 from core.mechanism.dragging import movable_points, point_changes
@@ -277,5 +277,5 @@ def _near(angle: float, old: float) -> float:
 def _layout(follower: CamSlider, **changed: bool) -> str:
     """The letter of the follower's layout with one of its sides changed."""
     row = LAYOUT_TABLE[follower.layout]
-    wanted = Layout(**{**vars(row), **changed})
+    wanted = replace(row, **changed)
     return next(letter for letter, each in LAYOUT_TABLE.items() if each == wanted)

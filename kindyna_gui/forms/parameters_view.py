@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QIcon
 from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
-from core.design import FOLLOWER_KINDS, Design, Entry, entries, kind_of
+from core.design import FOLLOWER_KINDS, Design, Entry, entries, is_assumed, kind_of
 from core.findings import ERROR
 from core.study import Study
 from kindyna_gui.documents.session import Session
@@ -32,19 +32,17 @@ _STRUCTURE = frozenset({"number", "link", "on", "kind"})
 menu Compo."""
 
 
-def specs_of(design: Design, section: str) -> list[Spec]:
+def rows_of(design: Design, section: str) -> list[Entry]:
     """The rows of a section, in the order of the file."""
-    return [
-        _named(design, entry) for entry in entries(design, section) if entry.path.rpartition(".")[2] not in _STRUCTURE
-    ]
+    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE]
 
 
-def _named(design: Design, entry: Entry) -> Spec:
+def _spec_of(design: Design, row: Entry) -> Spec:
     """A row of a linkage: named after what it belongs to; a side is chosen of two."""
-    info = replace(entry.info, label=entry_label(design, entry))
-    if entry.path.startswith("linkage.branch."):
+    info = replace(row.info, label=entry_label(design, row))
+    if row.path.startswith("linkage.branch."):
         info = replace(info, choices=(1, -1))
-    return Spec.of(replace(entry, info=info))
+    return Spec.of(replace(row, info=info))
 
 
 def _part(design: Design, section: str) -> Any:
@@ -73,6 +71,7 @@ class Form(QScrollArea):
         self._place = Rebuilt(session)
         self.setWidget(self._place)
         self._shown: tuple[Any, Any] | None = None
+        self._values: dict[str, tuple[Any, bool]] = {}
         self._heads: list[str] = []
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setWidgetResizable(True)
@@ -81,18 +80,21 @@ class Form(QScrollArea):
 
     def refresh(self, design: Design) -> None:
         """Show this design; fields are made anew only where another kind of design has others, and left alone
-        where the section is the one they show."""
+        where they show what they did."""
         shown = (_part(design, self._section), design.assumed)
         if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:
             return
         self._shown = shown
-        specs = specs_of(design, self._section)
-        heads = [heading_of(design, spec.path) for spec in specs]
-        if [spec.path for spec in specs] != list(self.fields) or heads != self._heads:
-            self._heads = heads
-            self._build(specs)
-        for field in self.fields.values():
-            field.refresh(design)
+        rows = rows_of(design, self._section)
+        heads = [heading_of(design, row.path) for row in rows]
+        if [row.path for row in rows] != list(self.fields) or heads != self._heads:
+            self._heads, self._values = heads, {}
+            self._build([_spec_of(design, row) for row in rows])
+        for row in rows:
+            shown = row.value, is_assumed(design, row.path)
+            if self._values.get(row.path) != shown:
+                self._values[row.path] = shown
+                self.fields[row.path].refresh(design)
 
     def _build(self, specs: list[Spec]) -> None:
         paper = QWidget()
