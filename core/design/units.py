@@ -49,6 +49,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
 NO_UNIT = Unit("", 1.0)
 
 
+@lru_cache(maxsize=1024)
 def split_unit(name: str) -> tuple[str, Unit]:
     """``rod_mass_kg`` -> (``rod_mass``, kg). The longest suffix wins; a name without one has no unit."""
     parts = name.split("_")

@@ -8,8 +8,8 @@ import numpy as np
 
 Function = Callable[[np.ndarray], np.ndarray]
 
-_CUTS = 33  # samples of a bracket of a minimum
-_ROUNDS = 7  # each makes it sixteen times narrower; what is lowest is flat there
+_CUTS = 257  # samples of a bracket of a minimum: so many cost hardly more than a few
+_ROUNDS = 4  # each makes it 128 times narrower; what is lowest is flat there
 _PARTS = np.linspace(0.0, 1.0, 33)[1:-1, None]  # of a bracket of a change of sign
 
 

@@ -81,6 +81,7 @@ def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
     return tuple([n for n in chosen if n][:MOST])
 
 
+@lru_cache(maxsize=2)  # of the design in place and the one before: all plots ask
 def _names(study: Study) -> tuple[str, ...]:
     """The quantities of a linkage worth a curve: without angles that go round, and links that never turn."""
     try:
