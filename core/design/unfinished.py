@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
 from core.design.mirror import MIRRORS, with_total_span
@@ -72,13 +73,14 @@ def one_value_apart(design: Design, other: Design, path: str) -> bool:
     cell, one, two = _CELL.fullmatch(path), motion_of(design), motion_of(other)
     if cell is None or one is None or two is None or len(one.segments) != len(two.segments):
         return False
-    index, key = int(cell[1]), {"law": "curve"}.get(cell[2], cell[2])
-    first, second = (replace(m.segments[index], **{key: None}) for m in (one, two))
+    index = int(cell[1])
+    without: dict[str, Any] = {{"law": "curve"}.get(cell[2], cell[2]): None}
+    first, second = (replace(m.segments[index], **without) for m in (one, two))
     there = replace(two, segments=(*two.segments[:index], one.segments[index], *two.segments[index + 1 :]))
     return first == second and one == there
 
 
-def _with_cell(motion: Motion, index: int, key: str, value: object) -> Motion:
+def _with_cell(motion: Motion, index: int, key: str, value: Any) -> Motion:
     """One value of a segment changed and no other; a dwell does not rise."""
     segment = motion.segments[index]
     if key == "law":
