@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from types import MappingProxyType
 from typing import NamedTuple
@@ -13,6 +12,7 @@ import numpy as np
 
 from core.cam import OUTER, CamShape, Flank, FlatFlank, RoundFlank
 from core.cam.limits import ROUNDING
+from core.frozen import frozen
 from core.study import Study
 
 
@@ -101,7 +101,7 @@ the cam is not undercut."""
 PRESSURES = tuple(key for key, row in LIMITS.items() if row.most)
 
 
-@dataclass(frozen=True)
+@frozen
 class Reading:
     """A limit and what is reached: value in the unit of the limit, infinite where there is no such figure; margin as a part of the
     limit; cam angle [rad]."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -14,6 +13,7 @@ from core.errors import KindynaError
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
 from core.find.trial import NEEDED, Outcome, Trials, usual_pressure
 from core.find.wanted import LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
+from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
 from core.study import Study
@@ -30,7 +30,7 @@ At = Callable[[float, bool], Outcome]
 """A value, whether refined -> what it reaches."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Solution:
     """What was found.
 
