@@ -282,6 +282,14 @@ def test_the_scale_bar_is_shown_and_hidden() -> None:
     assert not scene.overlay.bar.isVisible()
 
 
+def test_hub_and_bore_are_drawn_where_they_are_known() -> None:
+    scene = scene_of(PUSHER)
+    assert not {"hub", "bore"} & set(scene.parts)
+    cam = replace(PUSHER.drive.cam, hub_mm=24.0, bore_mm=10.0)
+    scene.update_study(Study(with_drive(PUSHER, cam=cam), SAMPLES))
+    assert [scene.item(name).boundingRect().width() for name in ("hub", "bore")] == pytest.approx([24.0, 10.0])
+
+
 # -- vectors ----------------------------------------------------------------------------------------------
 
 

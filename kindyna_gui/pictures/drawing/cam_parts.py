@@ -30,6 +30,8 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         item = Loop(geometry.profile, theme.pen(theme.cam_line, OUTLINE), brush(theme.cam))
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
+        for name, radius in geometry.bored:
+            yield Part(name, Outline(circle(radius), theme.pen(theme.cam_line, THIN)), ("cam",), Z_CURVES)
         for flank in geometry.further:
             yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
         if geometry.pitch.size:

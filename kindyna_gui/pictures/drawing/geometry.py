@@ -123,6 +123,13 @@ class Geometry:
             return typed
         return float(np.abs(self.profile).min()) if self.profile.size else 0.0
 
+    @property
+    def bored(self) -> tuple[tuple[str, float], ...]:
+        """The circles of hub and bore, as far as they are known: name, radius [mm]."""
+        cam = self.study.design.drive.cam
+        known = ((name, getattr(cam, f"{name}_mm", None)) for name in ("hub", "bore"))
+        return tuple((name, 0.5 * diameter) for name, diameter in known if diameter)
+
     def nearest(self, theta: float) -> int:
         """The sample nearest to an angle [rad]."""
         return nearest(self.study.theta, theta)
@@ -278,7 +285,7 @@ class Geometry:
         return (
             self.kinematics is other.kinematics
             and self.shape is other.shape
-            and (self.sense, self.base_radius) == (other.sense, other.base_radius)
+            and (self.sense, self.base_radius, self.bored) == (other.sense, other.base_radius, other.bored)
         )
 
     @cached_property
