@@ -104,6 +104,8 @@ def shaft_radius(geometry: Geometry) -> float:
 def sense_arc(geometry: Geometry) -> tuple[float, float, float]:
     """The arrow that shows the sense of rotation: radius [mm], start and span [deg]."""
     radius = max(1.6 * shaft_radius(geometry), 0.5 * geometry.bearing_room)
+    for _, other in geometry.bored:  # it must not look like a part of them
+        radius = 1.25 * other if 0.85 * other < radius < 1.2 * other else radius
     start = ARROW_START if geometry.sense > 0 else ARROW_START + ARROW_SPAN
     return radius, start, geometry.sense * ARROW_SPAN
 
