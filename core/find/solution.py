@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from core.cam import flat_flank, row_of
-from core.design import Design
+from core.design import Design, get
 from core.errors import KindynaError
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
 from core.find.trial import NEEDED, Outcome, Trials, usual_pressure
@@ -24,10 +24,11 @@ LAST = 1e-13  # of the value, to which a root is
 BESIDE = 1e-4  # of the distance between two values tried: where an optimum is checked
 EXCLUDED = 1e3  # [deg] more than any pressure angle: of what does not keep its limits
 SAME = 1e-9  # [deg] pressure angles that do not differ
+ALIKE = 1e-5  # the same, of samples
 ENDS = ("_min", "_max")
 
-At = Callable[[float, bool], Outcome]
-"""A value, whether refined -> what it reaches."""
+At = Callable[[float], Outcome]
+"""A value -> what it reaches."""
 
 
 @frozen
@@ -156,24 +157,28 @@ def _or_least(margin: float) -> float:
 
 
 def _kept_side(trials: Trials, bad: float, good: float) -> float:
-    """The value next to where the least margin passes 0, on its good side: with samples first, which never show less margin than
-    there is, then with what is refined."""
+    """The value next to where the least margin passes 0, on its good side: with samples first, then with what is refined."""
 
     def margin(x: float, refined: bool) -> float:
         return trials.at(x, refined=refined).margin
 
     sampled = partial(margin, refined=False)
-    near = bracketed_root(sampled, Ends(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad))
-    step = (good - bad) * NEARER
-    bad, beyond = near.a, near.b
-    while not margin(beyond, True) > 0.0 and (good - beyond) * step > 0.0:
-        bad, beyond = (beyond, beyond + step) if abs(step) < abs(good - beyond) else (beyond, good)
-        step *= 2.0
+    near = bracketed_root(sampled, Ends(bad, sampled(bad), good, sampled(good)), NEARER * abs(good - bad)).b
+    bad = _towards(bad, near, lambda x: not margin(x, True) > 0.0)
+    beyond = _towards(good, near, lambda x: margin(x, True) > 0.0)
     root = bracketed_root(partial(margin, refined=True), Ends(bad, margin(bad, True), beyond, margin(beyond, True)), LAST * abs(beyond))
     found, step = root.b, np.copysign(EPS * abs(root.b), good - root.a)
     while not trials.at(found).kept and (good - found) * step > 0.0:
         found, step = found + step, 2.0 * step
     return float(found)
+
+
+def _towards(end: float, near: float, fits: Callable[[float], bool]) -> float:
+    """The first value that fits, from near towards the end in growing steps; the end where none does before it."""
+    step = (end - near) * NEARER
+    while not fits(near) and abs(end - near) > abs(step):
+        near, step = near + step, 4.0 * step
+    return near if fits(near) else end
 
 
 def _best(trials: Trials, values: np.ndarray) -> float:
@@ -201,12 +206,14 @@ def _merit(outcome: Outcome) -> float:
 def _least_pressure(row: Row, trials: Trials, box: Box) -> Solution:
     path = trials.paths[0]
     values = bounded(row.values(trials.design, path), *box.get(path, (None, None)))
-    at: At = lambda x, refined: trials.at(x, refined=refined)  # noqa: E731
-    merits = np.array([_merit(at(x, False)) for x in values.tolist()])
+    at = trials.at
+    merits = np.array([_merit(at(x, refined=False)) for x in values.tolist()])
     _require_effect(trials, merits)
     if not (merits < EXCLUDED).any():
         return _solved(row, trials, (_best(trials, values),), values)
-    found = optimum(at, values, merits)
+    top = int(np.argmin(merits))
+    around = float(values[max(top - 1, 0)]), float(values[min(top + 1, values.size - 1)])
+    found = optimum(partial(at, refined=True), partial(at, refined=False), *around)
     return _solved(row, trials, (found,), values, _end_of(path, found, values))
 
 
@@ -220,36 +227,39 @@ def _end_of(path: str, found: float, values: np.ndarray) -> str:
     return f"{path} = {found:.9g}" if found in (values[0], values[-1]) else ""
 
 
-def optimum(at: At, values: np.ndarray, merits: np.ndarray) -> float:
-    """Where the greatest pressure angle is least, of the values that keep every limit, beside the best of those tried.
+def optimum(at: At, rough: At, first: float, last: float) -> float:
+    """Where the greatest pressure angle is least, of the values from first to last that keep every limit.
 
     There it is flat, or two stretches of the motion have the same one, or a limit is reached, or the values end: each is looked for
-    in what samples leave of the bracket, and the best of them is checked on both sides.
+    in what rough outcomes leave of the bracket, and the best of them is checked on both sides.
     """
-    top = int(np.argmin(merits))
-    first, last = float(values[max(top - 1, 0)]), float(values[min(top + 1, values.size - 1)])
     width = last - first
 
     def merit(x: float) -> float:
-        return _merit(at(x, True))
+        return _merit(at(x))
 
-    near, _ = bounded_minimum(lambda x: _merit(at(x, False)), first, last, NEARER * width)
-    if merits[top] < _merit(at(near, False)):
-        near = float(values[top])
-    low, high, step = near, near, 2.0 * NEARER * width
-    while low > first and (low == near or merit(low) < merit(near)):
-        near, low = min(near, low, key=merit), max(low - step, first)
-        step *= 2.0
-    step = 2.0 * NEARER * width
-    while high < last and (high == near or merit(high) < merit(near)):
-        near, high = min(near, high, key=merit), min(high + step, last)
-        step *= 2.0
+    near, least = bounded_minimum(lambda x: _merit(rough(x)), first, last, NEARER * width)
+    near = min((x for x in (first, last) if _merit(rough(x)) <= least), key=lambda x: _merit(rough(x)), default=near)
+    low, near = _downhill(merit, near, first, 2.0 * NEARER * width)
+    high, near = _downhill(merit, near, last, 2.0 * NEARER * width)
     found = min((near, low, high, *_corners(at, low, near, high)), key=merit)
     beside = [x for x in (found - BESIDE * width, found + BESIDE * width) if first <= x <= last]
-    if found in (near, low, high) or any(merit(x) < merit(found) for x in beside):
+    if low < found < high and (found == near or any(merit(x) < merit(found) for x in beside)):
         flat, _ = bounded_minimum(merit, low, high, FINEST * width)
         found = min((found, flat), key=merit)
     return found
+
+
+def _downhill(merit: Callable[[float], float], near: float, end: float, step: float) -> tuple[float, float]:
+    """From near towards the end in growing steps as long as it goes down: the first value that is no better, or the end, and the best
+    one before it."""
+    low = near
+    while low != end:
+        low = max(low - step, end) if end < near else min(low + step, end)
+        if merit(low) >= merit(near):
+            break
+        near, step = low, 2.0 * step
+    return low, near
 
 
 def _corners(at: At, low: float, near: float, high: float) -> list[float]:
@@ -257,17 +267,17 @@ def _corners(at: At, low: float, near: float, high: float) -> list[float]:
     found = []
 
     def apart(x: float) -> float:
-        outcome = at(x, True)
+        outcome = at(x)
         return outcome.pressures[0] - outcome.pressures[1] if outcome.pressures else np.nan
 
     def left(x: float) -> float:
-        return at(x, True).margin
+        return at(x).margin
 
     for a, b in ((low, near), (high, near)):
         if a == b:
             continue
-        if at(a, True).kept != at(b, True).kept:
-            good, bad = (a, b) if at(a, True).kept else (b, a)
+        if at(a).kept != at(b).kept:
+            good, bad = (a, b) if at(a).kept else (b, a)
             root = bracketed_root(left, Ends(bad, left(bad), good, left(good)), LAST * abs(good - bad))
             found.append(root.b)
         elif apart(a) * apart(b) < 0.0:
@@ -287,21 +297,53 @@ def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
             raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}")
         return _solved(row, trials, (float(first[i]), float(second[j])), first)
 
-    def best_at(y: float) -> float:
-        there = np.array([_merit(trials.at(x, y, refined=False)) for x in first.tolist()])
-        return optimum(lambda x, refined: trials.at(x, y, refined=refined), first, there)
+    def best_at(y: float, refined: bool, low: float, high: float) -> float:
+        exact, rough = (partial(lambda x, how: trials.at(x, y, refined=how), how=how) for how in (refined, False))
+        return optimum(exact, rough, low, high)
 
-    def outer(y: float) -> float:
-        return _merit(trials.at(best_at(y), y))
+    def along(y: float, refined: bool) -> tuple[float, float]:
+        """The best first value there, and what it reaches."""
+        x = best_at(y, refined, *_room(first, line[-1], refined))
+        line.append(x)
+        return _merit(trials.at(x, y, refined=refined)), x
 
-    j = int(np.argmin(merits.min(axis=1)))
+    j, i = divmod(int(np.argmin(merits)), first.size)
+    line = [float(first[i])]
     low, high = float(second[max(j - 1, 0)]), float(second[min(j + 1, second.size - 1)])
-    y, value = bounded_minimum(outer, low, high, NEARER * NEARER * (high - low))
-    ends = [end for end in (low, high) if outer(end) <= value]
-    y = min((y, *ends), key=outer)
-    x = best_at(y)
+    y, least = bounded_minimum(lambda y: along(y, False)[0], low, high, NEARER * (high - low))
+    y = min((end for end in (low, high) if along(end, False)[0] <= least), default=y)
+    present = get(trials.design, trials.paths[1])
+    if second[0] <= present <= second[-1] and along(present, False)[0] <= least + ALIKE:
+        y = present  # only the distance of a pivot from the cam centre counts
+    y = _vertex(lambda y: along(y, True)[0], y, low, high)
+    x = along(y, True)[1]
     ends_text = [text for text in (_end_of(trials.paths[0], x, first), _end_of(trials.paths[1], y, second)) if text]
     return _solved(row, trials, (x, y), first, " and ".join(ends_text))
+
+
+def _room(values: np.ndarray, near: float, refined: bool) -> tuple[float, float]:
+    """The values beside one: as far as the next ones tried, or a little of that where samples have come near."""
+    step = float(values[1] - values[0]) * (0.1 if refined else 1.0)
+    return max(near - step, float(values[0])), min(near + step, float(values[-1]))
+
+
+def _vertex(value: Callable[[float], float], near: float, low: float, high: float) -> float:
+    """Where a function is least that samples found to be so near a place: the vertex of the parabola through it and its neighbours,
+    which move on as long as one of them is better."""
+    step = 0.02 * (high - low)
+    known = {near: value(near)}
+    while step > FINEST * (high - low):
+        places = [min(max(near + by, low), high) for by in (-step, 0.0, step)]
+        known |= {place: value(place) for place in places if place not in known}
+        left, middle, right = (known[place] for place in places)
+        if places[0] < places[1] < places[2] and middle <= min(left, right) + SAME:
+            bend = left - 2.0 * middle + right
+            vertex = near + 0.5 * step * (left - right) / bend if bend > SAME else near
+            known |= {vertex: value(vertex)}
+            return min((near, vertex), key=known.__getitem__)
+        better = min(places, key=known.__getitem__)
+        near, step = (better, 2.0 * step) if better != near else (near, 0.25 * step)
+    return near
 
 
 # -- flat face ---------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
-from core.design import Design, edited, faults
+from core.design import Design, edited, part_faults
 from core.errors import DesignError, NoAnswer
 from core.find.limits import LIMITS, Curve, Reading
 from core.mechanism.kinematics import REVOLUTE
@@ -53,7 +53,8 @@ class Trials:
         made = self.design
         for path, value in zip(self.paths, values, strict=True):
             made = edited(made, path, float(value))
-        if found := faults(made):
+        tables = {path.partition(".")[0] for path in self.paths}
+        if found := [fault for name in sorted(tables) for fault in part_faults(made.tables[name], name)]:
             raise DesignError(found)
         return made
 
@@ -104,9 +105,18 @@ def _margin(reading: Reading) -> float:
 
 
 def _sampled(value: np.ndarray, angles: Angles) -> Extreme:
+    """The highest of samples (n,), or of the parabola through it and its neighbours in the same segment."""
     value = np.where(np.isnan(value), -np.inf, value)
-    top = int(np.argmax(value))
-    return Extreme(float(value[top]), float(angles.theta[top]))
+    i = int(np.argmax(value))
+    theta, top = angles.theta, float(value[i])
+    if 0 < i < value.size - 1 and angles.piece[i - 1] == angles.piece[i + 1] and np.isfinite(value[i - 1 : i + 2]).all():
+        before, after = theta[i - 1] - theta[i], theta[i + 1] - theta[i]
+        left, right = (value[i - 1] - top) / before, (value[i + 1] - top) / after
+        bend = (right - left) / (after - before)
+        slope = left - bend * before
+        if bend < 0.0:
+            top -= 0.25 * slope * slope / bend
+    return Extreme(float(top), float(theta[i]))
 
 
 def usual_pressure(design: Design) -> float:
