@@ -12,6 +12,8 @@ from core.commands import NOTHING_DONE, Painter
 from core.commands.common import design_file, verdict
 from core.errors import KindynaError
 from core.find import LIMITS, WANTED, Solution, find
+from core.findings import ERROR
+from core.output.report import finding_line
 from core.output.summary import to_json
 from core.project import load, save
 from core.study import Study
@@ -47,7 +49,11 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         return NOTHING_DONE
     if arguments.into is not None:
         save(solution.design, arguments.into)
-    return verdict(Study(solution.design), ("cam",))
+    study = Study(solution.design)
+    for finding in study.findings(("cam",)):
+        if finding.severity == ERROR:
+            print(finding_line(finding, study.angle_name), file=sys.stderr)
+    return verdict(study, ("cam",))
 
 
 def _limits(given: Sequence[tuple[str, float]]) -> Mapping[str, float]:

@@ -60,8 +60,8 @@ class Solution:
 
 
 def find(design: Design, what: str, stated: Mapping[str, float]) -> Solution:
-    """The value of a row of ``WANTED`` under the limits stated, else under the design's own, else under the usual ones; the cam is
-    not undercut in any case. Where no value serves: the best that there is, and what stands against it.
+    """The value of a row of ``WANTED`` under the limits stated and the design's own, which those replace; where there are none, under
+    the usual ones. The cam is not undercut in any case. Where no value serves: the best that there is, and what stands against it.
 
     stated: key of a limit, or path of a field with _min or _max -> value. Raises KindynaError where there is no such thing to
     seek, no such limit, or no value at all with which there is a cam.
@@ -74,6 +74,8 @@ def find(design: Design, what: str, stated: Mapping[str, float]) -> Solution:
     _require(design, what, paths, box)
     if row.wanted == NARROWEST:
         return _narrowest_face(design, paths, box)
+    own = vars(design.drive.limits)
+    limits = {key: own[key] for key in row.limits if own.get(key) is not None} | limits
     if not limits and row.wanted != LEAST_PRESSURE:
         limits[ANY_PRESSURE] = usual_pressure(design)
     limits.setdefault(CONVEX, 0.0)
@@ -315,7 +317,7 @@ def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
     present = get(trials.design, trials.paths[1])
     if second[0] <= present <= second[-1] and along(present, False)[0] <= least + ALIKE:
         y = present  # only the distance of a pivot from the cam centre counts
-    y = _vertex(lambda y: along(y, True)[0], y, low, high)
+    y = _vertex(lambda y: along(y, True)[0], y, float(second[0]), float(second[-1]))
     x = along(y, True)[1]
     ends_text = [text for text in (_end_of(trials.paths[0], x, first), _end_of(trials.paths[1], y, second)) if text]
     return _solved(row, trials, (x, y), first, " and ".join(ends_text))
@@ -330,7 +332,7 @@ def _room(values: np.ndarray, near: float, refined: bool) -> tuple[float, float]
 def _vertex(value: Callable[[float], float], near: float, low: float, high: float) -> float:
     """Where a function is least that samples found to be so near a place: the vertex of the parabola through it and its neighbours,
     which move on as long as one of them is better."""
-    step = 0.02 * (high - low)
+    step = 0.005 * (high - low)
     known = {near: value(near)}
     while step > FINEST * (high - low):
         places = [min(max(near + by, low), high) for by in (-step, 0.0, step)]

@@ -111,6 +111,18 @@ def test_a_cam_sized_to_30_degrees_gives_30_degrees(tmp_path: Path) -> None:
     assert "base_radius_mm = 50.0" not in after
 
 
+def test_the_design_s_own_limits_hold_where_none_is_stated(tmp_path: Path) -> None:
+    """One that is stated takes the place of the same one only; where only radii are, the pressure angle is free."""
+    path = file(tmp_path, more="[limits]\npressure_angle_rise_deg = 25.0\nconvex_radius_mm = 2.0\n")
+    (tmp_path / "plain").mkdir()
+    plain = file(tmp_path / "plain")
+    own, steeper = found(path, "base-radius"), found(path, "base-radius", "pressure_angle_rise_deg=35")
+    assert own["limits"] == {"pressure_angle_rise_deg": 25.0, "convex_radius_mm": 2.0}
+    assert own["answer"] == found(plain, "base-radius", "pressure_angle_rise_deg=25", "convex_radius_mm=2")["answer"]
+    assert steeper["limits"] == {"pressure_angle_rise_deg": 35.0, "convex_radius_mm": 2.0}
+    assert found(plain, "base-radius", "convex_radius_mm=2")["reached"] == {"convex_radius_mm": pytest.approx(2.0, abs=1e-9)}
+
+
 def test_base_radius_for_a_radius_of_curvature_under_a_flat_face(tmp_path: Path) -> None:
     """ρ = Br + s + s''; without a limit there is just no undercut."""
     lowest = min(float((s + a).min()) for s, _, a in stretches())
@@ -247,6 +259,7 @@ def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -
     assert 70.0 <= x <= 95.0
     assert -10.0 <= y <= 40.0
     assert data["reached"]["pressure_angle_deg"] == pytest.approx(swinging_worst(x, y, 70.0), abs=1e-4)
+    assert y == 20.0  # where it was: only the distance from the cam centre counts
     places = [(a, b) for a in np.linspace(70.0, 95.0, 26) for b in np.linspace(-10.0, 40.0, 26)]
     places += [(np.clip(x + a, 70.0, 95.0), np.clip(y + b, -10.0, 40.0)) for a in (-0.1, 0.0, 0.1) for b in (-0.1, 0.0, 0.1)]
     assert min(swinging_worst(a, b, 70.0) for a, b in places) > data["reached"]["pressure_angle_deg"] - 1e-4
@@ -259,7 +272,7 @@ def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -
         ("transfer_lift", "base-radius", ()),
         ("rocker_shoe", "base-radius", ("convex_radius_mm=12", "pressure_angle_rise_deg=40")),
         ("conjugate", "base-radius", ("pressure_angle_deg=35",)),
-        ("groove", "base-radius", ("concave_radius_mm=15",)),
+        ("groove", "base-radius", ("pressure_angle_deg=20",)),
         ("rocker_flat", "base-radius", ("convex_radius_mm=4",)),
         ("four_bar_coupler_cam", "roller-radius", ()),
     ],
@@ -274,6 +287,15 @@ def test_the_answer_just_keeps_what_the_next_value_does_not(tmp_path: Path, name
     beyond = value * (1.0 - 1e-6 if what == "base-radius" else 1.0 + 1e-6)
     pinned = found(path, what, *limits, f"{field}_min={beyond * (1.0 - 1e-9)}", f"{field}_max={beyond}", code=2)
     assert len(pinned["against"]) == 1
+
+
+def test_what_is_wrong_with_the_answer_is_said(tmp_path: Path) -> None:
+    """The limits do not hold the hub's size: the answer is written, and the finding that it leads to stands beside it."""
+    code, text, faults = run(EXAMPLES / "groove.toml", "base-radius", "--into", tmp_path / "small.toml")
+    assert code == 1
+    assert "pressure_angle_deg = 30, limit 30" in text
+    assert faults.startswith("error: the profile comes as near as")
+    assert (tmp_path / "small.toml").exists()
 
 
 def test_the_design_s_example_files_answer_with_a_curve(tmp_path: Path) -> None:
