@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
 from core.cam.shape import Flank
+from core.frozen import frozen
 from core.numerics.vectors import cross
 
 TURN = 2.0 * pi
@@ -25,7 +25,7 @@ DISTINCT = 1e-7  # [rad]
 FlankAt = Callable[[np.ndarray], Flank]
 
 
-@dataclass(frozen=True)
+@frozen
 class Crossing:
     """A place [m] in the cam's own frame where the profile passes twice, at two cam angles [rad], the smaller first."""
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from core.cam.faces import row_of
 from core.cam.forms import faces_of, form_row
 from core.cam.shape import INNER, OUTER, SECOND
+from core.frozen import frozen
 from core.motion.extremes import Extreme, Range
 
 STRAIGHT = 1e6  # [m] from such a radius on
@@ -16,7 +16,7 @@ PITCH, FLAT = "pitch_curvature", "profile_radius"
 _PITCH_OF: Mapping[str, str] = {INNER: PITCH, OUTER: PITCH, SECOND: f"{SECOND}_{PITCH}"}
 
 
-@dataclass(frozen=True)
+@frozen
 class Radius:
     """A smallest radius of curvature [m] with its cam angle.
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from core.design.fields import LONGEST_MM, number
+from core.frozen import frozen
 
 
 def _angle(label: str, stretch: str) -> Any:
@@ -20,7 +20,7 @@ def _most(label: str, help: str) -> Any:
     return number(label, 0.0, open_low=True, default=None, help=f"{help}; empty = none")
 
 
-@dataclass(frozen=True, kw_only=True)
+@frozen(kw_only=True)
 class Limits:
     """What the user does not want to exceed, as far as stated; radii are those of the profile."""
 
