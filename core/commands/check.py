@@ -6,7 +6,7 @@ import argparse
 
 from core.commands import Painter
 from core.commands.common import design_file, verdict
-from core.output.report import finding_line, printable
+from core.output.lines import finding_line, printable
 from core.project import load
 from core.study import Study
 

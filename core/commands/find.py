@@ -13,7 +13,7 @@ from core.commands.common import design_file, verdict
 from core.errors import KindynaError
 from core.find import LIMITS, WANTED, Solution, find
 from core.findings import ERROR
-from core.output.report import finding_line
+from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import load, save
 from core.study import Study

@@ -6,7 +6,7 @@ import argparse
 
 from core.commands import DONE, Painter
 from core.laws import LAWS, Peaks, peaks
-from core.output.report import columns, digits
+from core.output.lines import columns, digits
 from core.output.summary import to_json
 
 

@@ -8,7 +8,8 @@ from core.commands import DONE, Painter
 from core.commands.common import design_file, out_folder, pictures, verdict, within
 from core.design import require_follower
 from core.errors import NoStability
-from core.output.report import finding_line, stability_text
+from core.output.lines import finding_line
+from core.output.report import stability_text
 from core.output.stability_files import claims_text, needed_text, paper_files, stability_files
 from core.project import load
 from core.project.files import write_all

@@ -7,7 +7,7 @@ from typing import Any
 from core.blend import Blended
 from core.design import Design, Motion, Segment, require_motion
 from core.frozen import frozen
-from core.output.report import columns, digits
+from core.output.lines import columns, digits
 
 
 @frozen

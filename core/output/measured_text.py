@@ -11,7 +11,7 @@ import numpy as np
 from core.measured import Fit, Sheet
 from core.measured.columns import column_name
 from core.measured.fitting import EXACT, MOST, contradiction
-from core.output.report import columns
+from core.output.lines import columns
 
 PLURALS = {"displacement": "displacements", "velocity": "velocities", "acceleration": "accelerations"}
 LARGE = 4.0  # measuring errors

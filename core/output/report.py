@@ -7,47 +7,14 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from core.design import CRANK, UNITS, entries
-from core.findings import Finding
 from core.laws import find_law
 from core.output.channels import Channel, channels
+from core.output.lines import columns, digits, finding_line, printable
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
 from core.study import Study
 from core.study.cam_checks import limit_rows
 
 _ASSUMED = "*"
-
-
-def digits(value: float | None, most: int = 6) -> str:
-    """A number for reading: six significant digits, never an exponent where a plain number will do."""
-    if value is None or not math.isfinite(value):
-        return "infinite"
-    if value == 0.0:
-        return "0"
-    size = math.floor(math.log10(abs(value)))
-    if size < -4 or size > 8:
-        return f"{value:.{most - 1}e}"
-    return f"{value:.{max(0, most - 1 - size)}f}"
-
-
-def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
-    """Rows as aligned text; the first ``left`` columns flush left, the others right."""
-    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-    return [
-        "  ".join(
-            c.ljust(w) if i < left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in rows
-    ]
-
-
-def printable(text: str) -> str:
-    """The text on one line, without what a terminal would obey."""
-    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
-
-
-def finding_line(finding: Finding, angle: str = "cam angle") -> str:
-    where = "" if finding.cam_angle_deg is None or finding.says_angle else f" at {angle} {digits(finding.cam_angle_deg)} °"
-    return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
 
 
 def _heading(text: str) -> list[str]:

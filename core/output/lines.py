@@ -1,0 +1,41 @@
+"""Lines of plain text: numbers, columns, findings. Apart from the report, so that who prints a finding need not load all of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from core.findings import Finding
+
+
+def digits(value: float | None, most: int = 6) -> str:
+    """A number for reading: six significant digits, never an exponent where a plain number will do."""
+    if value is None or not math.isfinite(value):
+        return "infinite"
+    if value == 0.0:
+        return "0"
+    size = math.floor(math.log10(abs(value)))
+    if size < -4 or size > 8:
+        return f"{value:.{most - 1}e}"
+    return f"{value:.{max(0, most - 1 - size)}f}"
+
+
+def columns(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
+    """Rows as aligned text; the first ``left`` columns flush left, the others right."""
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    return [
+        "  ".join(
+            c.ljust(w) if i < left else c.rjust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True))
+        ).rstrip()
+        for row in rows
+    ]
+
+
+def printable(text: str) -> str:
+    """The text on one line, without what a terminal would obey."""
+    return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def finding_line(finding: Finding, angle: str = "cam angle") -> str:
+    where = "" if finding.cam_angle_deg is None or finding.says_angle else f" at {angle} {digits(finding.cam_angle_deg)} °"
+    return f"{finding.severity}: {finding.message}{where} [{finding.field}]"
