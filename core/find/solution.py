@@ -191,7 +191,8 @@ def _best(trials: Trials, values: np.ndarray) -> float:
         raise KindynaError(f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}")
     top = int(np.argmax(margins))
     low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
-    best, _ = bounded_minimum(lambda x: -_or_least(trials.at(x).margin), float(low), float(high), NEARER * float(high - low))
+    finest = NEARER * float(high - low)
+    best, _ = bounded_minimum(lambda x: -_or_least(trials.at(x, refined=False).margin), float(low), float(high), finest)
     return max((best, float(values[top])), key=lambda x: _or_least(trials.at(x).margin))
 
 

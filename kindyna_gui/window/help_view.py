@@ -47,6 +47,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
         "followers": ("Followers", _as_is),
+        "finding": ("Finding dimensions", _as_is),
         "linkages": ("Linkages", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "laws": ("Laws and conventions", _laws),

@@ -219,6 +219,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("&Making a motion", "show_help", "making", None, "The motion editor by mouse and keys; measured tables"),
             Item("&Blended motions", "show_help", "blending", None, "Which curve follows which; the card picker twice"),
             Item("&Followers", "show_help", "followers", None, "Cam slider, translating and swinging follower"),
+            Item("Fi&nding dimensions", "show_help", "finding", None, "The dimension that just keeps its limits, or the best of them"),
             Item("Lin&kages", "show_help", "linkages", None, "Links, pins and guides; centres and velocities"),
             Item("&Stability of the camshaft", "show_help", "stability", None, "Chart, verdicts, and Kim1990's claims against ours"),
             Item("&Laws and conventions", "show_help", "laws", None, "Motion laws, signs, units, angles"),
