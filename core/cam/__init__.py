@@ -14,7 +14,7 @@ from core.cam.limits import (
     undercut,
 )
 from core.cam.proof import centre_residual, gaps, tangency, tangency_residual
-from core.cam.radii import Radius, curvatures_of, smallest_radii
+from core.cam.radii import Radius, smallest_radii
 from core.cam.shape import (
     INNER,
     OUTER,
@@ -50,7 +50,6 @@ __all__ = [
     "Wall",
     "centre_residual",
     "crossings",
-    "curvatures_of",
     "envelope",
     "faces_of",
     "findings",

@@ -34,10 +34,10 @@ class Crossing:
     place: complex
 
 
-def crossings(flank_at: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
+def crossings(flank_at: FlankAt, sampled: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
     """All crossings of a closed profile with itself, by cam angle.
 
-    flank_at: the flank at any cam angles; theta: rising cam angles (n,) [rad], so dense that the profile bends little between
+    flank_at: the flank at any cam angles, sampled: at those that are looked at first; theta: rising cam angles (n,) [rad], so dense that the profile bends little between
     two of them. A profile whose polar angle goes round once, and never back, cannot cross itself. Else wherever two of the
     polyline's steps cross, their ends are no farther apart than the steps are long together: such pairs that are not neighbours
     along the curve are taken where the steps cross, and of those beside each other the nearest, and P(θ₁) = P(θ₂) is solved from
@@ -46,7 +46,7 @@ def crossings(flank_at: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
     theta = theta[np.diff(theta, append=TURN) > CLOSEST]
     if theta.size > MOST:
         theta = theta[:: -(-theta.size // MOST)]
-    place = flank_at(theta).profile
+    place = sampled(theta).profile
     turned = np.angle(np.roll(place, -1) * place.conj())
     if ((turned > 0.0).all() or (turned < 0.0).all()) and abs(turned.sum()) < 1.5 * TURN:
         return ()
@@ -55,6 +55,8 @@ def crossings(flank_at: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
         return ()
     widest = float(np.diff(theta).max())
     first, second = _closer(flank_at, theta[i], theta[j], widest)
+    if not first.size:
+        return ()
     return _solved(flank_at, first, second, float(np.abs(place).max()), widest)
 
 
@@ -102,7 +104,8 @@ def _nearest(i: np.ndarray, j: np.ndarray, distance: np.ndarray, size: int) -> n
 
 def _closer(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, widest: float) -> tuple[np.ndarray, np.ndarray]:
     """Cam angles (m,), (m,) to begin Newton's method from: around each pair the curve is sampled once more, ``FINER`` times as
-    densely, where two crossings may lie within one step; there its nearest points, and every place where steps cross."""
+    densely, where two crossings may lie within one step: every place where steps cross, else the nearest points if they all but
+    touch."""
     offsets = widest * np.linspace(-1.5, 1.5, 3 * FINER + 1)
     near = np.concatenate((first, second))[:, None] + offsets
     place = flank_at(near.ravel() % TURN).profile.reshape(near.shape)
@@ -113,8 +116,11 @@ def _closer(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, widest: fl
         along, across = cross(gap, its) / area, cross(gap, own) / area
     k, a, b = np.nonzero((along >= 0.0) & (along <= 1.0) & (across >= 0.0) & (across <= 1.0))
     distance = np.abs(other[:, None, :] - one[:, :, None]).reshape(first.size, -1)
+    touch = distance.min(axis=1) <= np.abs(own).max(axis=(1, 2)) + np.abs(its).max(axis=(1, 2))
+    touch[k] = False
     p, q = np.unravel_index(distance.argmin(axis=1), (offsets.size, offsets.size))
-    return np.concatenate((first + offsets[p], first[k] + offsets[a])), np.concatenate((second + offsets[q], second[k] + offsets[b]))
+    ours = np.concatenate(((first + offsets[p])[touch], first[k] + offsets[a]))
+    return ours, np.concatenate(((second + offsets[q])[touch], second[k] + offsets[b]))
 
 
 def _solved(flank_at: FlankAt, first: np.ndarray, second: np.ndarray, size: float, widest: float) -> tuple[Crossing, ...]:

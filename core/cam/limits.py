@@ -46,9 +46,10 @@ def findings(extremes: Mapping[str, Range], ground: str, face: Any, cam: Any, le
 
 
 def limits_of(face: Any, cam: Any) -> tuple[str, ...]:
-    """The quantities whose refined extremes the findings of a cam are taken from."""
+    """The quantities whose refined extremes the findings of a cam are taken from; the radius where hub or bore are known."""
     further = [name for _, row, _ in further_flanks(face, cam) for name in row.limits]
-    return tuple(dict.fromkeys((*row_of(face).limits, *further)))
+    inside = [] if cam.hub_mm is cam.bore_mm is None else ["radius"]
+    return tuple(dict.fromkeys((*row_of(face).limits, *further, *inside)))
 
 
 def further_findings(extremes: Mapping[str, Range], grounds: Mapping[str, str], face: Any, cam: Any) -> list[Finding]:

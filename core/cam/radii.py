@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from core.cam.faces import row_of
-from core.cam.forms import faces_of, form_row
+from core.cam.forms import faces_of
 from core.cam.shape import INNER, OUTER, SECOND
 from core.frozen import frozen
 from core.motion.extremes import Extreme, Range
@@ -37,13 +37,6 @@ class Radius:
     @property
     def of_profile(self) -> bool:
         return "pitch" not in self.curve
-
-
-def curvatures_of(face: Any, cam: Any) -> tuple[str, ...]:
-    """The quantities that the radii follow from."""
-    if FLAT in row_of(face).limits:
-        return (FLAT,)
-    return tuple(dict.fromkeys(_PITCH_OF[name] for name in form_row(cam.form).flanks))
 
 
 def smallest_radii(extremes: Mapping[str, Range], face: Any, cam: Any) -> tuple[Radius, ...]:

@@ -60,7 +60,7 @@ def pressure_angles(study: Study) -> Mapping[str, Range]:
 def radii(study: Study) -> tuple[cam.Radius, ...]:
     """The smallest radii of curvature of profile and pitch curve [m], convex and concave."""
     drive = study.design.drive
-    return cam.smallest_radii(study.extremes("cam", cam.curvatures_of(drive.face, drive.cam)), drive.face, drive.cam)
+    return cam.smallest_radii(study.cam_extremes, drive.face, drive.cam)
 
 
 def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
@@ -70,6 +70,11 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
 
     def flank_at(theta: np.ndarray) -> cam.Flank:
         return study.at_theta(theta).cam.only(flank).flank
+
+    def sampled(theta: np.ndarray) -> cam.Flank:
+        """At the angles that all flanks share."""
+        shape: cam.CamShape = memory.get("sampled cam", study.depends_on("cam"), lambda: study.at_theta(theta).cam)
+        return shape.only(flank).flank
 
     corners = [join.theta for join in study.program.joins if join.jumps[1]]
 
@@ -81,7 +86,7 @@ def crossings(study: Study, flank: str) -> tuple[cam.Crossing, ...]:
         return bool(checks.reversed_at(flank_at(np.linspace(*ends, _SAMPLES) % TURN)).any())
 
     def compute() -> tuple[cam.Crossing, ...]:
-        return checks.without_undercut(cam.crossings(flank_at, piecewise_angles(study.program).theta), reversed_between)
+        return checks.without_undercut(cam.crossings(flank_at, sampled, piecewise_angles(study.program).theta), reversed_between)
 
     found: tuple[cam.Crossing, ...] = memory.get(("crossings", flank), study.depends_on("cam"), compute)
     return found
@@ -110,7 +115,7 @@ def _core_findings(study: Study) -> list[Finding]:
     blank = study.design.drive.cam
     if not checks.cores(blank):
         return []
-    nearest = study.extremes("cam", ("radius",))["radius"].low
+    nearest = study.cam_extremes["radius"].low
     found = checks.core_findings(nearest, blank)
     if found or nearest.value > checks.keyway_reach(blank):
         return found

@@ -471,11 +471,12 @@ class Study:
         return mechanism.findings(self.course, extremes, self.by_crank)
 
     @property
-    def _cam_extremes(self) -> Mapping[str, Range]:
+    def cam_extremes(self) -> Mapping[str, Range]:
+        """Those of the quantities that the findings of the cam are taken from."""
         return self.extremes("cam", cam.limits_of(self.design.drive.face, self.design.drive.cam))
 
     def _cam_findings(self) -> list[Finding]:
-        drive, extremes = self.design.drive, self._cam_extremes
+        drive, extremes = self.design.drive, self.cam_extremes
         grounds = {flank.name: self._held_by(flank.body) for flank in self.cam.flanks}
         found = cam.findings(extremes, grounds[cam.INNER], drive.face, drive.cam, self._least_at)
         found += cam.further_findings(extremes, grounds, drive.face, drive.cam)
@@ -525,7 +526,7 @@ class Study:
         """Whether a flank has a cusp, or crosses itself where it is curved too much. Where the velocity
         jumps the pitch curve has a corner, which is sharper than any roller."""
         corners = any(join.jumps[:2].any() for join in self.program.joins)
-        return corners or cam.undercut(self._cam_extremes, flank, self.design.drive.face, self.design.drive.cam)
+        return corners or cam.undercut(self.cam_extremes, flank, self.design.drive.face, self.design.drive.cam)
 
     def _stability_findings(self) -> list[Finding]:
         if self.design.shaft is None or self.design.shaft.elastic is None:
