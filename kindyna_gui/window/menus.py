@@ -155,6 +155,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             SEPARATOR,
             _view("&Pressure angle", "pressure_angle", "Pressure angle over the cam angle"),
             _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
+            _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
             Submenu("C&olour the profile", submenus.fill_colours, "colours"),
             SEPARATOR,
             Item("P&lay", "player.play", None, "F5", "Turn the cam", checkable=True, name="play"),
