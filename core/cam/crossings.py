@@ -37,11 +37,11 @@ class Crossing:
 def crossings(flank_at: FlankAt, sampled: FlankAt, theta: np.ndarray) -> tuple[Crossing, ...]:
     """All crossings of a closed profile with itself, by cam angle.
 
-    flank_at: the flank at any cam angles, sampled: at those that are looked at first; theta: rising cam angles (n,) [rad], so dense that the profile bends little between
-    two of them. A profile whose polar angle goes round once, and never back, cannot cross itself. Else wherever two of the
-    polyline's steps cross, their ends are no farther apart than the steps are long together: such pairs that are not neighbours
-    along the curve are taken where the steps cross, and of those beside each other the nearest, and P(θ₁) = P(θ₂) is solved from
-    there by Newton's method.
+    flank_at: the flank at any cam angles, sampled: at those that are looked at first; theta: these, rising (n,) [rad], so dense
+    that the profile bends little between two of them. A profile whose polar angle goes round once, and never back, cannot cross
+    itself. Else wherever two of the polyline's steps cross, their ends are no farther apart than the steps are long together: such
+    pairs that are not neighbours along the curve are taken where the steps cross, and of those beside each other the nearest;
+    there the curve is sampled more densely, and P(θ₁) = P(θ₂) is solved by Newton's method.
     """
     theta = theta[np.diff(theta, append=TURN) > CLOSEST]
     if theta.size > MOST:
