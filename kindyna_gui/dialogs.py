@@ -14,6 +14,7 @@ from core.project.recovery import Recoverable
 DESIGNS = "Designs (*.toml)"
 PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
+DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
 REPORTS = "Text (*.txt)"
 MOST_LINES = 12  # of faults before the rest goes under Details
 
@@ -81,6 +82,12 @@ def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     ending = suggestion.suffix
     name, _ = QFileDialog.getSaveFileName(parent, "Export profile", str(suggestion), f"Profile (*{ending})")
     return with_suffix(parent, name, ending)
+
+
+def drawing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a drawing for the workshop to, ending in .pdf or .svg."""
+    name, chosen = QFileDialog.getSaveFileName(parent, "Export drawing", str(suggestion), DRAWINGS)
+    return with_suffix(parent, name, ".svg" if "svg" in chosen else ".pdf", (".pdf", ".svg"))
 
 
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:

@@ -1,4 +1,4 @@
-"""Commands of ``kindyna --headless`` that need a window, which is never shown: they are added to those of the core.
+"""Commands of ``kindyna --headless`` that paint, most of them a window which is never shown: they are added to those of the core.
 
 Nothing of Qt is imported before one of them runs.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.findings import ERROR
+from core.commands.common import verdict
 from core.project import load
 from core.project.files import write, write_all
 from core.study import Study
@@ -54,6 +54,16 @@ def film(text: str) -> Path:
     return path
 
 
+def sheet(text: str) -> Path:
+    """A file that a drawing can be written to."""
+    from core.output.drawing import ENDINGS
+
+    path = Path(text)
+    if path.suffix.lower() not in ENDINGS:
+        raise argparse.ArgumentTypeError(f"{text!r}: file of a drawing; allowed endings: {', '.join(ENDINGS)}")
+    return path
+
+
 def _screenshot_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
     parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
@@ -69,6 +79,17 @@ def _animation_options(parser: argparse.ArgumentParser) -> None:
 
 def _no_options(parser: argparse.ArgumentParser) -> None:
     """Takes none."""
+
+
+def _drawing_options(parser: argparse.ArgumentParser) -> None:
+    from core.output.drawing import ENDINGS, PAPERS
+    from core.output.profile import ALL_FLANKS
+
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+    parser.add_argument("--out", type=sheet, required=True, metavar="FILE", help=f"file to write: {' or '.join(ENDINGS)}")
+    parser.add_argument("--paper", choices=tuple(PAPERS), default="A4", help="size of the sheet, lying (A4)")
+    parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
+    parser.add_argument("--date", default="", metavar="TEXT", help="for the field of the title block, empty without it")
 
 
 def never_shown() -> None:
@@ -92,14 +113,10 @@ def quiet() -> Iterator[None]:
         qInstallMessageHandler(before)
 
 
-def _verdict(study: Study) -> int:
-    return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings()) else DONE
-
-
 def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
     design = load(arguments.design)
-    code = _verdict(Study(design))
+    code = verdict(Study(design))
     never_shown()
     from kindyna_gui.screenshots import shots
 
@@ -115,7 +132,7 @@ def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
     design = load(arguments.design)
     study = Study(design)
-    code = _verdict(study)
+    code = verdict(study)
     never_shown()
     from kindyna_gui.pictures.film import Film, shoot
     from kindyna_gui.window.player import usual
@@ -127,6 +144,22 @@ def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     write(arguments.out, data)
     print(arguments.out)
     return code
+
+
+def drawing(arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """The drawing of the cam for the workshop."""
+    from core.output.drawing import drawing as drawn
+
+    study = Study(load(arguments.design))
+    page = drawn(study, arguments.flank, arguments.paper, arguments.date)
+    never_shown()
+    from kindyna_gui.pictures.sheet_file import sheet_file
+
+    with quiet():
+        data = sheet_file(page, arguments.out.suffix.lower())
+    write(arguments.out, data)
+    print(arguments.out)
+    return verdict(study, ("cam",))
 
 
 def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
@@ -146,6 +179,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
     {
         "screenshots": Command("every view of the window as PNG", _screenshot_options, screenshots),
         "animation": Command("one turn of the mechanism as GIF or WebP", _animation_options, animation),
+        "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _drawing_options, drawing),
         "selftest": Command("try every example through the window and compare with the core", _no_options, selftest),
     }
 )

@@ -177,6 +177,18 @@ class Exports(QObject):
         self._settings.folder = path.parent
         self._report(f"Wrote {' and '.join(str(each) for each in made)}")
 
+    def drawing(self) -> None:
+        """The cam as a drawing for the workshop."""
+        from kindyna_gui.documents import drawing_dialog
+        from kindyna_gui.pictures.sheet_file import sheet_file
+
+        sheet = drawing_dialog.drawing_wanted(self._window, self._session.design)
+        if sheet is None:
+            return
+        path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._name}.pdf")
+        if path is not None:
+            self._report(written(self._window, path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
+
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""
         from kindyna_gui.documents import export_dialogs

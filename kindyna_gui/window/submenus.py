@@ -104,6 +104,12 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
             window.exports.profile,
             no_cam,
         ),
+        (
+            "&Drawing...",
+            "Write the cam as a drawing for the workshop, with dimensions, table of points and title block, as PDF or SVG",
+            window.exports.drawing,
+            no_cam,
+        ),
         ("&Report...", "Write the whole report as text", window.exports.report, ""),
         (
             "&Picture of the mechanism...",

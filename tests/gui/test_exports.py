@@ -19,7 +19,7 @@ from core.output.report import report
 from core.project import load
 from core.study import Study
 from kindyna_gui import dialogs
-from kindyna_gui.documents import export_dialogs, profile_dialog
+from kindyna_gui.documents import drawing_dialog, export_dialogs, profile_dialog
 from kindyna_gui.documents.export_dialogs import (
     FilmDialog,
     TablesDialog,
@@ -41,7 +41,9 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 
 def test_file_export_offers_everything(user: User) -> None:
-    assert user.entries(*EXPORT) == ["Tables...", "Profile...", "Report...", "Picture of the mechanism...", "Animation..."]
+    assert user.entries(*EXPORT) == [
+        "Tables...", "Profile...", "Drawing...", "Report...", "Picture of the mechanism...", "Animation..."
+    ]  # fmt: skip
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
 
@@ -80,6 +82,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
     monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
+    monkeypatch.setattr(drawing_dialog, "drawing_wanted", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []

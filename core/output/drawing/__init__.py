@@ -1,0 +1,7 @@
+"""The drawing of a cam as one sheet for the workshop: everything on it in millimetres of paper, painted elsewhere."""
+
+from core.output.drawing.page import ENDINGS, drawing
+from core.output.drawing.paper import PAPERS
+from core.output.drawing.sheet import LINE_KINDS, Arrow, Circle, Curve, Line, Sheet, Text
+
+__all__ = ["ENDINGS", "LINE_KINDS", "PAPERS", "Arrow", "Circle", "Curve", "Line", "Sheet", "Text", "drawing"]

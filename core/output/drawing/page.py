@@ -1,0 +1,49 @@
+"""The drawing of a cam: one sheet with the view, its dimensions, the tables and the title block."""
+
+from __future__ import annotations
+
+from core.output.drawing.figures import Figures, figures
+from core.output.drawing.paper import Layout, layout
+from core.output.drawing.sheet import FRAME, Item, Line, Sheet, Text
+from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
+from core.output.drawing.view import view
+from core.output.profile.drawing import SENSES
+from core.study import Study
+
+ENDINGS = (".pdf", ".svg")
+"""Of the files that a drawing is painted to."""
+
+
+def drawing(study: Study, flank: str = "inner", paper: str = "A4", date: str = "") -> Sheet:
+    """The sheet of one flank of the study's cam, on a row of ``PAPERS``; date: what stands in that field.
+
+    Raises as ``core.output.profile.job_of`` does, and KindynaError for a paper that is not known.
+    """
+    room = layout(paper)
+    values = figures(study, flank)
+    (on_paper, real), seen = view(values, room)
+    scale = f"{on_paper}:{real}"
+    items: list[Item] = [Line(room.frame.corners, FRAME), Line((room.view.corners[1], room.view.corners[2]), FRAME), *seen]
+    bottom, table = points_table(values, room)
+    end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
+    title = title_block(values, room, scale, paper, date)
+    items += [*table, *dimensions, *title, *_notes(values, room, end)]
+    name = study.design.name
+    about = f"Cam {name}, {flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
+    return Sheet(room.width, room.height, name, about, tuple(items))
+
+
+def _notes(values: Figures, room: Layout, top: float) -> list[Item]:
+    """What the tables mean, below them."""
+    unit, column = room.unit, room.column
+    lines = (
+        "Table of points: distance of the profile from the cam centre at the cam angle, and",
+        "its polar angle, counter-clockwise from the zero mark. Drawn at cam angle 0;",
+        f"the cam turns {SENSES[values.job.study.sense][1]}.",
+    )
+    width = column.width - 2.0 * PAD * unit
+    first = complex(column.left + PAD * unit, top - 2.2 * SMALL * unit)
+    return [Text(first - 1j * i * 1.8 * SMALL * unit, line, SMALL * unit, width) for i, line in enumerate(lines)]
+
+
+__all__ = ["ENDINGS", "drawing"]

@@ -1,0 +1,103 @@
+"""What stands on a sheet of paper: lines, circles, curves, arrows and texts [mm], without anything that paints them.
+
+Places are complex, from the lower left corner of the sheet, y upwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TypeAlias
+
+import numpy as np
+
+OUTLINE, THIN, CENTRE, DASHED, FRAME = "outline", "thin", "centre", "dashed", "frame"
+
+
+@dataclass(frozen=True)
+class LineKind:
+    """Width [mm]; dashes [mm], drawn and left out in turn."""
+
+    width: float
+    dashes: tuple[float, ...] = ()
+
+
+LINE_KINDS: Mapping[str, LineKind] = MappingProxyType(
+    {
+        OUTLINE: LineKind(0.5),
+        THIN: LineKind(0.18),
+        CENTRE: LineKind(0.18, (6.0, 1.2, 0.6, 1.2)),
+        DASHED: LineKind(0.18, (2.0, 1.0)),
+        FRAME: LineKind(0.35),
+    }
+)
+"""Lines of ISO 128: visible edges, dimensions, axes, circles that are no edges, frames."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """From point to point, through all of them; ``kind`` is a row of ``LINE_KINDS``."""
+
+    points: tuple[complex, ...]
+    kind: str = THIN
+
+
+@dataclass(frozen=True)
+class Circle:
+    """All of a circle, or the arc of so many degrees counter-clockwise from ``start_deg``."""
+
+    centre: complex
+    radius: float
+    kind: str = THIN
+    start_deg: float = 0.0
+    span_deg: float = 360.0
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A closed chain of cubics: their Bézier points (n, 4)."""
+
+    points: np.ndarray
+    kind: str = OUTLINE
+
+
+@dataclass(frozen=True)
+class Arrow:
+    """A filled arrowhead: its tip, the unit vector in which it points, its length."""
+
+    tip: complex
+    direction: complex
+    length: float
+
+
+@dataclass(frozen=True)
+class Text:
+    """One line: where it stands on its baseline, height of its capitals, the width that it has at most: what is longer is
+    condensed; align: 0 begins there, 0.5 has its middle there, 1 ends there."""
+
+    at: complex
+    text: str
+    height: float
+    room: float
+    align: float = 0.0
+
+
+Item: TypeAlias = "Line | Circle | Curve | Arrow | Text"
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A sheet of paper: its size [mm], a title, sentences that say what it is, and what stands on it."""
+
+    width: float
+    height: float
+    title: str
+    about: str
+    items: tuple[Item, ...]
+
+
+__all__ = [
+    "CENTRE", "DASHED", "FRAME", "LINE_KINDS", "OUTLINE", "THIN", "Arrow", "Circle", "Curve", "Item", "Line", "LineKind", "Sheet",
+    "Text",
+]  # fmt: skip

@@ -1,0 +1,216 @@
+"""A sheet of the core as PDF or SVG, painted by one painter for both: a hundred units are a millimetre of paper."""
+
+from __future__ import annotations
+
+import re
+import uuid
+from collections.abc import Callable, Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import Any
+from xml.sax.saxutils import escape
+
+from PySide6.QtCore import (
+    QBuffer,
+    QByteArray,
+    QIODevice,
+    QMarginsF,
+    QPointF,
+    QRect,
+    QRectF,
+    QSize,
+    QSizeF,
+    Qt,
+    QUuid,
+)
+from PySide6.QtGui import (
+    QBrush,
+    QColor,
+    QFont,
+    QFontMetricsF,
+    QPageSize,
+    QPaintDevice,
+    QPainter,
+    QPainterPath,
+    QPdfWriter,
+    QPen,
+    QPolygonF,
+)
+from PySide6.QtSvg import QSvgGenerator
+
+from core.output.drawing import ENDINGS, LINE_KINDS, Arrow, Circle, Curve, Line, Sheet, Text
+from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.style import font
+
+UNITS = 100.0  # of the painter, a millimetre
+DPI = 2540  # at which that is so
+CAPITALS = 0.729  # height of a capital, of the size of the font
+SLIM = 0.15  # half the width of an arrowhead, of its length
+INK, PAPER = "#000000", "#ffffff"
+DATES = re.compile(rb"/(?:CreationDate|ModDate) \([^)]*\)")
+
+
+class SheetPainter:
+    """Paints the items of a sheet on a device of ``DPI``."""
+
+    def __init__(self, painter: QPainter, height: float) -> None:
+        """height: of the sheet [mm]."""
+        self._painter, self._height = painter, height
+
+    def paint(self, sheet: Sheet) -> None:
+        for item in sheet.items:
+            PAINTED[type(item)](self, item)
+
+    def _at(self, z: complex) -> QPointF:
+        return QPointF(UNITS * z.real, UNITS * (self._height - z.imag))
+
+    def line(self, item: Line) -> None:
+        self._painter.setPen(_pen(item.kind))
+        self._painter.drawPolyline(QPolygonF([self._at(z) for z in item.points]))
+
+    def circle(self, item: Circle) -> None:
+        middle, radius = self._at(item.centre), UNITS * item.radius
+        box = QRectF(middle.x() - radius, middle.y() - radius, 2.0 * radius, 2.0 * radius)
+        path = QPainterPath()
+        path.arcMoveTo(box, item.start_deg)
+        path.arcTo(box, item.start_deg, item.span_deg)
+        self._path(path, item.kind)
+
+    def curve(self, item: Curve) -> None:
+        path = QPainterPath(self._at(complex(item.points[0, 0])))
+        for _, a, b, c in item.points.tolist():
+            path.cubicTo(self._at(a), self._at(b), self._at(c))
+        path.closeSubpath()
+        self._path(path, item.kind)
+
+    def _path(self, path: QPainterPath, kind: str) -> None:
+        self._painter.setPen(_pen(kind))
+        self._painter.setBrush(Qt.BrushStyle.NoBrush)
+        self._painter.drawPath(path)
+
+    def arrow(self, item: Arrow) -> None:
+        back = item.tip - item.length * item.direction
+        across = 1j * SLIM * item.length * item.direction
+        self._painter.setPen(Qt.PenStyle.NoPen)
+        self._painter.setBrush(QBrush(QColor(INK)))
+        self._painter.drawPolygon(QPolygonF([self._at(z) for z in (item.tip, back + across, back - across)]))
+
+    def text(self, item: Text) -> None:
+        face = _font(item.height)
+        width = QFontMetricsF(face, self._painter.device()).horizontalAdvance(item.text)
+        room = UNITS * item.room
+        narrow = min(1.0, room / width) if width else 1.0
+        self._painter.save()
+        self._painter.setFont(face)
+        self._painter.setPen(QColor(INK))
+        self._painter.translate(self._at(item.at))
+        self._painter.scale(narrow, 1.0)
+        self._painter.drawText(QPointF(-item.align * width, 0.0), item.text)
+        self._painter.restore()
+
+
+PAINTED: Mapping[type, Callable[[SheetPainter, Any], None]] = MappingProxyType(
+    {
+        Line: SheetPainter.line, Circle: SheetPainter.circle, Curve: SheetPainter.curve, Arrow: SheetPainter.arrow,
+        Text: SheetPainter.text,
+    }
+)  # fmt: skip
+
+
+@cache
+def _pen(kind: str) -> QPen:
+    row = LINE_KINDS[kind]
+    width = UNITS * row.width
+    pen = QPen(QColor(INK), width, Qt.PenStyle.SolidLine, Qt.PenCapStyle.FlatCap, Qt.PenJoinStyle.MiterJoin)
+    if row.dashes:
+        pen.setDashPattern([UNITS * dash / width for dash in row.dashes])
+    return pen
+
+
+def _font(height: float) -> QFont:
+    """Whose capitals have this height [mm]."""
+    return font(round(UNITS * height / CAPITALS))
+
+
+def _on(device: QPaintDevice, sheet: Sheet) -> None:
+    painter = QPainter(device)
+    try:
+        SheetPainter(painter, sheet.height).paint(sheet)
+    finally:
+        painter.end()
+
+
+def paint_sheet(painter: QPainter, sheet: Sheet, room: QRect) -> None:
+    """The sheet as a white page in the middle of the room, as large as it fits."""
+    factor = min(room.width() / sheet.width, room.height() / sheet.height) / UNITS
+    page = QRectF(0.0, 0.0, UNITS * sheet.width, UNITS * sheet.height)
+    painter.save()
+    painter.translate(QRectF(room).center() - factor * page.center())
+    painter.scale(factor, factor)
+    painter.fillRect(page, QColor(PAPER))
+    SheetPainter(painter, sheet.height).paint(sheet)
+    painter.restore()
+
+
+def _svg(sheet: Sheet) -> bytes:
+    data = QByteArray()
+    generator = QSvgGenerator()
+    buffer = QBuffer(data)
+    generator.setOutputDevice(buffer)
+    generator.setResolution(DPI)
+    size = QSize(round(UNITS * sheet.width), round(UNITS * sheet.height))
+    generator.setSize(size)
+    generator.setViewBox(QRect(0, 0, size.width(), size.height()))
+    generator.setTitle(sheet.title)
+    generator.setDescription(sheet.about)
+    _on(generator, sheet)
+    return bytes(data.data())
+
+
+def _pdf(sheet: Sheet) -> bytes:
+    """Without the time at which it was written: the same sheet gives the same bytes."""
+    data = QByteArray()
+    buffer = QBuffer(data)
+    buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+    writer = QPdfWriter(buffer)
+    writer.setResolution(DPI)
+    writer.setPageSize(QPageSize(QSizeF(sheet.width, sheet.height), QPageSize.Unit.Millimeter, "", QPageSize.SizeMatchPolicy.ExactMatch))
+    writer.setPageMargins(QMarginsF(0.0, 0.0, 0.0, 0.0))
+    writer.setTitle(sheet.title)
+    writer.setCreator("KINDYNA")
+    writer.setDocumentXmpMetadata(_xmp(sheet))
+    writer.setDocumentId(_identity(sheet))
+    _on(writer, sheet)
+    buffer.close()
+    return DATES.sub(lambda found: b" " * len(found[0]), bytes(data.data()))
+
+
+def _xmp(sheet: Sheet) -> QByteArray:
+    """Title and description, as readers of PDF look for them; Qt's own would hold the time."""
+    title, about = escape(sheet.title), escape(sheet.about)
+    text = (
+        '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
+        '<rdf:Description rdf:about="" xmlns:dc="http://purl.org/dc/elements/1.1/">'
+        f'<dc:title><rdf:Alt><rdf:li xml:lang="x-default">{title}</rdf:li></rdf:Alt></dc:title>'
+        f'<dc:description><rdf:Alt><rdf:li xml:lang="x-default">{about}</rdf:li></rdf:Alt></dc:description>'
+        "</rdf:Description></rdf:RDF></x:xmpmeta>"
+    )
+    return QByteArray(text.encode("utf-8", "replace"))
+
+
+def _identity(sheet: Sheet) -> QUuid:
+    """By what the sheet is, not by chance."""
+    return QUuid(str(uuid.uuid5(uuid.NAMESPACE_OID, f"{sheet.title}\n{sheet.about}")))
+
+
+FILES: Mapping[str, Callable[[Sheet], bytes]] = MappingProxyType({".pdf": _pdf, ".svg": _svg})
+assert tuple(FILES) == ENDINGS
+
+
+def sheet_file(sheet: Sheet, ending: str) -> bytes:
+    """The sheet as a file of a row of ``FILES``."""
+    ensure_app(offscreen=True)
+    return FILES[ending](sheet)
+
+
+__all__ = ["FILES", "paint_sheet", "sheet_file"]
