@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from itertools import combinations
 
 import numpy as np
 
+from core.frozen import frozen
 from core.numerics.vectors import cross
 from core.output.drawing.paper import Box
 from core.output.drawing.sheet import THIN, Arrow, Item, Line, Text
@@ -23,7 +23,7 @@ CLOSE = 3.0  # mm between a leader and another's tip
 Segment = tuple[complex, complex]
 
 
-@dataclass(frozen=True)
+@frozen
 class Callout:
     """
     lines   of text, both beyond the leader's shoulder, so that no leader runs through them
@@ -40,7 +40,7 @@ class Callout:
         return WIDE * height * max(len(line) for line in self.lines) + height
 
 
-@dataclass(frozen=True)
+@frozen
 class _Placed:
     """A callout at one of its tips; its leader comes from ``end`` of its shoulder."""
 
@@ -55,7 +55,7 @@ class _Placed:
         return [(self.end, self.tip), *inner]
 
 
-@dataclass(frozen=True)
+@frozen
 class Surroundings:
     """Where callouts are placed: along the top and the foot of ``field``, on the side of ``middle`` (y) where their tips are;
     height of their letters [mm]; ``kept``: lines that no leader shall cross; ``edge`` (n,): the closed outline of the part, which

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from core.cam import OUTER, form_row
+from core.frozen import frozen
 from core.motion import Angles, degrees
 from core.motion.extremes import Extreme, find_extremes
 from core.output.profile.curve import Exact
@@ -28,7 +29,7 @@ DRAWN = 1e-5  # of the cam's size: how far the curve as drawn may be off
 STRAIGHT = 1e-9  # of 1/size: what is less curved is straight
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Place:
     """A value, the cam angle [deg] where it stands, the point of the profile there [mm], and all points that have the value."""
 
@@ -38,7 +39,7 @@ class Place:
     all: np.ndarray
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Figures:
     """
     job       the chosen flank, its curve as drawn and exactly; ``others`` are the curves of the other flanks of this body

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from core.errors import KindynaError
+from core.frozen import frozen
 
 PAPERS: Mapping[str, tuple[float, float]] = MappingProxyType({"A4": (297.0, 210.0), "A3": (420.0, 297.0)})
 """Width and height [mm], lying."""
@@ -25,7 +25,7 @@ SCALES: tuple[tuple[int, int], ...] = tuple(
 """Of ISO 5455, paper : cam, from the largest."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Box:
     """A rectangle on the sheet [mm]."""
 
@@ -53,7 +53,7 @@ class Box:
         return low, complex(self.right, self.bottom), high, complex(self.left, self.top), low
 
 
-@dataclass(frozen=True)
+@frozen
 class Layout:
     """A paper: its size, the frame, the field of the view and that of the tables; ``unit`` is how much larger than on A4 texts
     and tables are."""

@@ -6,16 +6,17 @@ Places are complex, from the lower left corner of the sheet, y upwards.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TypeAlias
 
 import numpy as np
 
+from core.frozen import frozen
+
 OUTLINE, THIN, CENTRE, DASHED, FRAME = "outline", "thin", "centre", "dashed", "frame"
 
 
-@dataclass(frozen=True)
+@frozen
 class LineKind:
     """Width [mm]; dashes [mm], drawn and left out in turn."""
 
@@ -35,7 +36,7 @@ LINE_KINDS: Mapping[str, LineKind] = MappingProxyType(
 """Lines of ISO 128: visible edges, dimensions, axes, circles that are no edges, frames."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Line:
     """From point to point, through all of them; ``kind`` is a row of ``LINE_KINDS``."""
 
@@ -43,7 +44,7 @@ class Line:
     kind: str = THIN
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle:
     """All of a circle, or the arc of so many degrees counter-clockwise from ``start_deg``."""
 
@@ -54,7 +55,7 @@ class Circle:
     span_deg: float = 360.0
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Curve:
     """A closed chain of cubics: their Bézier points (n, 4)."""
 
@@ -62,7 +63,7 @@ class Curve:
     kind: str = OUTLINE
 
 
-@dataclass(frozen=True)
+@frozen
 class Arrow:
     """A filled arrowhead: its tip, the unit vector in which it points, its length."""
 
@@ -71,7 +72,7 @@ class Arrow:
     length: float
 
 
-@dataclass(frozen=True)
+@frozen
 class Text:
     """One line: where it stands on its baseline, height of its capitals, the width that it has at most: what is longer is
     condensed; align: 0 begins there, 0.5 has its middle there, 1 ends there."""
@@ -86,7 +87,7 @@ class Text:
 Item: TypeAlias = "Line | Circle | Curve | Arrow | Text"
 
 
-@dataclass(frozen=True, eq=False)
+@frozen(eq=False)
 class Sheet:
     """A sheet of paper: its size [mm], a title, sentences that say what it is, and what stands on it."""
 

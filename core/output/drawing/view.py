@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import asin, degrees, radians
 
 import numpy as np
 
+from core.frozen import frozen
 from core.output.drawing.callouts import Callout, Segment, Surroundings, callouts
 from core.output.drawing.figures import EQUAL, Figures, Place, extent
 from core.output.drawing.paper import Box, Layout, scale_for
@@ -28,7 +28,7 @@ MOST_TIPS = 12
 EDGES = 60  # of the outline that leaders shall not cross
 
 
-@dataclass(frozen=True)
+@frozen
 class Placing:
     """Where the cam is on the sheet: its centre [mm], millimetres of paper per millimetre."""
 
