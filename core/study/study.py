@@ -43,6 +43,16 @@ _AT_CHANGE = 1e-3  # the same from a change point, where samples fall beside it
 _CONTACT = ("contact_force",)
 
 
+PROFILE_CURVATURES = {cam.INNER: "profile_curvature", cam.OUTER: "outer_curvature", cam.SECOND: "second_profile_curvature"}
+"""Flank -> quantity."""
+
+
+def _through_cusp(found: Range) -> Range:
+    """A curvature that grows without limit at a cusp, and comes back from below where the profile runs backwards."""
+    low = Extreme(-np.inf, found.low.theta) if found.low.value < 0.0 else found.low
+    return Range(low, Extreme(np.inf, found.high.theta))
+
+
 class Study:
     """One design at equally spaced angles of its cam or crank, or at the angles given.
 
@@ -431,9 +441,20 @@ class Study:
 
         with self._located(stage):
             found = find_extremes(values, self.program)
+        if stage == "cam":
+            found |= self._infinite_at_cusps(found)
         if not self.by_crank:
             return found
         return {name: Range(self._limit(name, r.low), self._limit(name, r.high)) for name, r in found.items()}
+
+    def _infinite_at_cusps(self, found: Mapping[str, Range]) -> dict[str, Range]:
+        """The curvatures among extremes of the cam that grow without limit, as they come out."""
+        drive = self.design.drive
+        flanks = [(flank, name) for flank, name in PROFILE_CURVATURES.items() if name in found]
+        if not flanks:
+            return {}
+        limits = found if found.keys() >= set(cam.limits_of(drive.face, drive.cam)) else self.cam_extremes
+        return {name: _through_cusp(found[name]) for flank, name in flanks if cam.undercut(limits, flank, drive.face, drive.cam)}
 
     def _limit(self, name: str, extreme: Extreme) -> Extreme:
         """An extreme right at a dead centre, or at a change point, is infinite where it grows without limit there."""

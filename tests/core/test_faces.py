@@ -349,6 +349,16 @@ def test_the_base_radius_under_a_rocker_is_found_close_to_its_pivot_too() -> Non
         assert ("undercut" in {f.code for f in Study(other).findings(("cam",))}) == undercut
 
 
+def test_the_curvature_at_a_cusp_is_infinite_and_no_figure_stands_for_it() -> None:
+    for design, small in ((TAPPET, 6.0), (ROCKER, 10.0)):
+        study = Study(edited(design, "cam.base_radius_mm", small))
+        found, radius = study.extremes("cam")["profile_curvature"], lambda theta, study=study: flat_flank(study.at_theta(theta).cam)
+        assert (found.low.value, found.high.value) == (-math.inf, math.inf)
+        for end in (found.low, found.high):
+            assert abs(radius(np.array([end.theta])).profile_radius[0]) < 1e-5  # a hundredth of a millimetre
+        assert math.isfinite(Study(design).extremes("cam")["profile_curvature"].high.value)
+
+
 def test_the_radius_of_curvature_of_a_flat_faced_cam_is_exact_to_the_limit() -> None:
     """Translating: ρ = Br + s + s'', so the base radius at which it vanishes is that of s + s'' least."""
     least = min((Study(TAPPET).at_theta(np.linspace(0.0, 6.28, 4001)).motion.y[[0, 2]]).sum(axis=0))
