@@ -47,19 +47,31 @@ def joins(x: Any, h1: float, h3: float) -> list[float]:
     ]
 
 
+def slopes(x: Any, h1: float, h3: float) -> list[list[float]]:
+    """Their derivatives by spans and speed."""
+    b1, b2, b3, b4, _ = x.tolist()
+    return [
+        [1.0 / SPAN, 1.0 / SPAN, 1.0 / SPAN, 1.0 / SPAN, 0.0],
+        [-2.0 * h1 / b1**2, 0.0, 0.0, 0.0, -1.0],
+        [0.0, -(HEIGHT - h1 - h3) / b2**2, 0.0, 0.0, -1.0],
+        [0.0, 0.0, -math.pi / 2 * h3 / b3**2, 0.0, -1.0],
+        [0.0, 0.0, -(math.pi**2) / 2 * h3 / b3**3, 432.0 / 41.0 * HEIGHT / b4**3, 0.0],
+    ]
+
+
 START = np.array([60.0, 100.0, 60.0, 80.0, 0.1])
 
 
 def newton(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import fsolve
 
-    return [np.array([v]) for v in fsolve(joins, START, (there.h1, there.h3), xtol=tolerance)]
+    return [np.array([v]) for v in fsolve(joins, START, (there.h1, there.h3), fprime=slopes, xtol=tolerance)]
 
 
 def least_squares(there: Any, tolerance: float) -> Channels:
     from scipy.optimize import root
 
-    told = root(joins, START, (there.h1, there.h3), method="lm", options={"xtol": tolerance, "ftol": tolerance})
+    told = root(joins, START, (there.h1, there.h3), method="lm", jac=slopes, options={"xtol": tolerance, "ftol": tolerance})
     return [np.array([v]) for v in told.x]
 
 
@@ -88,7 +100,7 @@ KERNEL = Kernel(
     roundings=8,
     digits=1.5e-15,
     handed="type, stroke, span and two heights of a request that was never asked before; Newton and least squares also the"
-    " sequence of curves, its equations and a start near the solution",
+    " sequence of curves, its equations with their derivatives and a start near the solution",
     warm="what KINDYNA knows of the sequences of a type",
     sizes=(1,),
     usual=1,

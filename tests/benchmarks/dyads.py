@@ -14,6 +14,7 @@ from benchmarks.plain import (
     ON_GRID,
     POINTS,
     STEPS,
+    as_far_apart,
     by_table,
     differences,
     differences_on,
@@ -113,13 +114,22 @@ def _loop(x: np.ndarray, c: float, s: float) -> list[float]:
     ]
 
 
+def _loop_slopes(x: np.ndarray, c: float, s: float) -> list[list[float]]:
+    phi, psi = x.tolist()
+    return [
+        [-COUPLER * math.sin(phi), ROCKER * math.sin(psi)],
+        [COUPLER * math.cos(phi), -ROCKER * math.cos(psi)],
+    ]
+
+
 def newton(there: Any, tolerance: float) -> Channels:
     """Angle by angle, each from the one before."""
     from scipy.optimize import fsolve
 
     x, found = np.array([0.8, 1.4]), []
     for theta in there.theta.tolist():
-        x = fsolve(_loop, x, args=(CRANK * math.cos(theta), CRANK * math.sin(theta)), xtol=tolerance)
+        turned = CRANK * math.cos(theta), CRANK * math.sin(theta)
+        x = fsolve(_loop, x, args=turned, fprime=_loop_slopes, xtol=tolerance)
         found.append(x)
     phi, psi = np.array(found).T
     return _on_rocker(np.exp(1j * psi), *_rates(there.theta, phi, psi))
@@ -189,8 +199,8 @@ KERNEL = Kernel(
         Method("tangent of the half angle (Freudenstein)", half_angle, special=True),
         Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5, 7), "steps"),
         Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-5), "xtol", one_by_one=True),
-        Method("finite differences", finite_differences, STEPS, "step"),
-        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        Method("finite differences", finite_differences, STEPS, "step", special=True),
+        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
         by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),

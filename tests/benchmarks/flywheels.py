@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from math import sqrt
 from types import SimpleNamespace
 from typing import Any
@@ -146,54 +147,90 @@ def fixed_steps(there: Any, kept: Any) -> Channels:
 
 
 def splines(there: Any, setting: tuple[str, float, int]) -> Any:
-    """Torque and inertia as cubic splines, their coefficients as lists."""
+    """Torque and inertia as cubic splines from join to join of the motion, their coefficients as lists."""
     from scipy.interpolate import CubicSpline
 
-    points = setting[2]
-    torque, worth = _load(there, turn(points))
-    mean = float(torque.mean())
-    rows = np.stack((torque - mean, worth))
-    curve = CubicSpline(knots(points), np.column_stack((rows, rows[:, :1])), axis=1, bc_type="periodic")
-    pieces = curve.c.transpose(1, 2, 0).reshape(points, 8).tolist()
-    return (*setting, mean, float(np.abs(torque).max()), pieces, _load(there, there.theta)[1])
+    ends = [*map(float, there.program.starts), TURN]
+    counts = [max(4, round(setting[2] * (b - a) / TURN)) for a, b in pairwise(ends)]
+    at = [np.linspace(a, b, count + 1) for (a, b), count in zip(pairwise(ends), counts, strict=True)]
+    before = [np.append(row[:-1], np.nextafter(row[-1], 0.0)) for row in at]  # the join's values on this side of it
+    values = np.split(np.stack(_load(there, np.concatenate(before))), np.cumsum(counts[:-1]) + np.arange(1, len(counts)), axis=1)
+    curves = [CubicSpline(row, rows, axis=1) for row, rows in zip(at, values, strict=True)]
+    mean = sum(float(curve.integrate(a, b)[0]) for curve, (a, b) in zip(curves, pairwise(ends), strict=True)) / TURN
+    stretches = []
+    for curve, (a, b), count in zip(curves, pairwise(ends), counts, strict=True):
+        curve.c[-1, :, 0] -= mean
+        stretches.append((a, b, (b - a) / count, curve.c.transpose(1, 2, 0).reshape(count, 8).tolist()))
+    size = max(float(np.abs(rows[0]).max()) for rows in values)
+    return (*setting[:2], mean, size, stretches, _load(there, there.theta)[1])
 
 
-def adaptive(there: Any, kept: Any) -> Channels:
-    """scipy's solve_ivp over one turn, the turn closed by secants, its own dense output."""
-    from scipy.integrate import solve_ivp
+Stretch = tuple[float, float, float, list[list[float]]]
 
-    method, tolerance, points, mean, size, pieces, at_angles = kept
-    width, last = TURN / points, points - 1
+
+def _rate(stretch: Stretch) -> Callable[[float, Any], tuple[float]]:
+    """e' between two joins."""
+    begin, _, width, pieces = stretch
+    last = len(pieces) - 1
 
     def rate(t: float, x: Any) -> tuple[float]:
-        i = min(int(t / width), last)
-        r = t - i * width
+        i = min(int((t - begin) / width), last)
+        r = t - begin - i * width
         a, b, c, d, p, q, s, w = pieces[i]
         above = 2.0 * float(x[0]) / (((p * r + q) * r + s) * r + w)
         return (-(((a * r + b) * r + c) * r + d) - SLOPE * above / (MEAN + sqrt(max(MEAN * MEAN + above, 0.0))),)
 
+    return rate
+
+
+def adaptive(there: Any, kept: Any) -> Channels:
+    """scipy's solve_ivp over one turn, stopped at the joins as ours is; the turn closed by secants, its own dense output."""
+    from scipy.integrate import solve_ivp
+
+    method, tolerance, mean, size, stretches, at_angles = kept
+    rates = [(stretch[:2], _rate(stretch)) for stretch in stretches]
     solved: list[Any] = []
 
     def once(e: float) -> float:
-        told = solve_ivp(rate, (0.0, TURN), [e], method, rtol=tolerance, atol=tolerance * size, dense_output=True)
-        solved[:] = [told.sol]
-        return float(told.y[0, -1])
+        solved.clear()
+        for span, rate in rates:
+            told = solve_ivp(rate, span, [e], method, rtol=tolerance, atol=tolerance * size, dense_output=True)
+            solved.append(told.sol)
+            e = float(told.y[0, -1])
+        return e
 
     closed(once, 3.0 * tolerance * size)
-    return (mean - SLOPE * _above(solved[0](there.theta)[0], at_angles),)
+    theta, e = there.theta, np.empty(there.theta.size)
+    where = np.searchsorted([stretch[0] for stretch in stretches], theta, side="right") - 1
+    for i, curve in enumerate(solved):
+        inside = where == i
+        if inside.any():
+            e[inside] = curve(theta[inside])[0]
+    return (mean - SLOPE * _above(e, at_angles),)
 
 
-TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+TOLERANCES = (1e-8, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+
+SAMPLES = ((1e-6, 720), (1e-8, 1440), (1e-9, 3600), (1e-10, 7200), (0.0, 14_400))
+"""As few as a tolerance needs: the splines' error is below it."""
 
 
 def _by(method: str, least: float = 1e-13) -> Method:
-    samples = {1e-3: 720, 1e-4: 720, 1e-5: 3600, 1e-6: 3600}
-    pairs = [(t, samples.get(t, 36_000)) for t in TOLERANCES]
+    pairs = [(t, next(count for below, count in SAMPLES if t >= below)) for t in TOLERANCES]
     settings = tuple((method, *pair) for pair in pairs if pair[0] >= least)
     return Method(f"solve_ivp {method}", adaptive, settings, "rtol, samples", keeps=splines, one_by_one=True)
 
 
-TRANSFORMS = ((1, 9), (0.05, 4), (0.1, 4), (0.25, 6), (0.5, 7), (1, 7), (2, 10), (4, 11), (10, 12))
+TRANSFORMS = ((1, 9), (0.05, 4), (0.1, 4), (0.25, 6), (0.5, 7), (1, 7), (2, 10), (4, 11), (10, 12), (14, 13), (16, 13), (20, 13))
+POINTS = (3600, 180, 360, 720, 1440, 1800, 2880, 5760, 7200, 11_520, 14_400, 36_000)
+
+
+def of_as_many(setting: tuple[float, float], by: float) -> tuple[float, float] | None:
+    """As many samples among so many times as many cam angles; None where these do not hold them."""
+    times = setting[0] / by
+    part = times if times >= 1.0 else 1.0 / times
+    return (times, setting[1]) if abs(part - round(part)) < 1e-9 else None
+
 
 KERNEL = Kernel(
     "flywheel",
@@ -202,8 +239,8 @@ KERNEL = Kernel(
     grid=turn,
     methods=(
         Method("KINDYNA", ours, ours=True, keeps=our_load),
-        Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True),
-        Method("RK4, fixed steps", fixed_steps, (3600, 180, 360, 720, 1800, 7200, 14_400, 36_000), "points", keeps=steps, one_by_one=True),
+        Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True, scaled=of_as_many),
+        Method("RK4, fixed steps", fixed_steps, POINTS, "points", keeps=steps, one_by_one=True),
         *(_by(method) for method in ("RK45", "DOP853", "LSODA")),
         _by("Radau", 1e-10),
     ),
@@ -211,6 +248,6 @@ KERNEL = Kernel(
     # Lebesgue's constant of 2.5, from panel to panel some 240 roundings
     roundings=34 + 22 + 30 + 24 + 2 * 10 * 2.5 + 240,
     digits=1.2e-14,
-    handed="a function that gives the cam's torque and inertia at any cam angles",
+    handed="a function that gives the cam's torque and inertia at any cam angles, and the joins of the motion",
     warm="torque and inertia: samples, splines, polynomials",
 )

@@ -14,6 +14,7 @@ from benchmarks.plain import (
     SENSE,
     G,
     again,
+    as_far_apart,
     by_table,
     differences_on,
     given,
@@ -167,7 +168,10 @@ KERNEL = Kernel(
         Method("KINDYNA", ours, ours=True),
         Method("numpy by hand, body by body", by_hand, special=True),
         Method("nine equations at once", generic, special=True),
-        Method("differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        Method(
+            "differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True,
+            scaled=as_far_apart,
+        ),  # fmt: skip
         by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),

@@ -18,6 +18,7 @@ from benchmarks.plain import (
     STEPS,
     G,
     arm_pin,
+    as_far_apart,
     by_table,
     differences,
     differences_on,
@@ -129,13 +130,22 @@ def _loop(x: np.ndarray, slider: float) -> list[float]:
     ]
 
 
+def _loop_slopes(x: np.ndarray, slider: float) -> list[list[float]]:
+    """Its derivatives by φ and β."""
+    phi, beta = x.tolist()
+    return [
+        [-G.slider_arm * math.sin(phi), -G.rod * math.sin(beta)],
+        [G.slider_arm * math.cos(phi), G.rod * math.cos(beta)],
+    ]
+
+
 def newton(there: Any, tolerance: float) -> Channels:
     """Angle by angle, each from the one before."""
     from scipy.optimize import fsolve
 
     x, found = START, []
     for slider in (L0 + there.motion.y[0]).tolist():
-        x = fsolve(_loop, x, args=(slider,), xtol=tolerance)
+        x = fsolve(_loop, x, args=(slider,), fprime=_loop_slopes, xtol=tolerance)
         found.append(x)
     phi, beta = np.array(found).T
     return _carried(phi, beta, *_rates(phi, beta, there.motion.y))
@@ -189,8 +199,8 @@ KERNEL = Kernel(
         Method("tangent substitution, printed (7)-(14)", printed, special=True),
         Method("Newton, all angles at once", newton_at_once, (6, 3, 4, 5), "steps"),
         Method("Newton (fsolve)", newton, TOLERANCES, "xtol", one_by_one=True),
-        Method("finite differences", finite_differences, STEPS, "step"),
-        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True),
+        Method("finite differences", finite_differences, STEPS, "step", special=True),
+        Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
         by_table(lambda at: by_hand(motion_at(at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),

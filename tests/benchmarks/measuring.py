@@ -28,6 +28,7 @@ MOST_MEMORY_LOOP = 0.05  # ... nor loops of Python, which take many times as lon
 
 
 WARM, COLD = "warm", "cold"
+SMALL = -9  # power of ten: an error within which methods are compared at other sizes
 
 
 @dataclass(frozen=True)
@@ -138,26 +139,37 @@ def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
             yield _lacking(kernel, method)
 
 
+Grown = tuple[Method, Any, Row]  # a method, its setting at a size, what it took at the usual one
+
+
+def _grown(kernel: Kernel, plan: Plan, usual: Sequence[Row], n: int) -> Iterator[Grown]:
+    """Each method in its usual setting and in the quickest that came within a small error, as long as a run of it does not
+    take too long."""
+    by = n / kernel.usual
+    for method in kernel.methods:
+        if method.lacks or (method.on_grid and n < FEWEST):
+            continue
+        rows = [r for r in usual if (r.method, r.regime) == (method.name, WARM)]
+        told = [(method, other, row) for row, s in zip(rows, method.settings, strict=False) for other in method.at_size(s, by)]
+        able = [t for t in told if t[2].error <= 10.0**SMALL]
+        quickest = min(able, key=lambda t: t[2].seconds, default=None)
+        chosen = [t for t in told if t is quickest or t[2] is rows[0]]  # the usual setting first
+        yield from (t for t in chosen if method.ours or t[2].seconds * by <= plan.longest)
+
+
 def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
-    """Each method in its usual setting at the other sizes, warm, as long as a run of it does not take too long."""
-    expected = {}
-    for row in usual:
-        expected.setdefault(row.method, row)  # the usual setting comes first
+    """Methods at the other sizes, warm."""
     for n in [n for n in kernel.sizes[: plan.sizes] if n != kernel.usual]:
-        methods = [
-            m for m in kernel.methods
-            if not m.lacks and (n >= FEWEST or not m.on_grid) and (m.ours or expected[m.name].seconds * n / kernel.usual <= plan.longest)
-        ]  # fmt: skip
         there = kernel.given(kernel.grid(n))
-        runs = {m.name: warm_run(kernel, m, there, m.settings[0]) for m in methods}
+        told = list(_grown(kernel, plan, usual, n))
+        runs = {str(i): warm_run(kernel, method, there, setting) for i, (method, setting, _) in enumerate(told)}
         times = measure(runs, n, plan.growth * len(runs))
-        ours = times.seconds[kernel.ours.name]
-        for method in methods:
-            seconds = times.seconds[method.name]
+        ours = times.seconds["0"]
+        for i, (method, setting, row) in enumerate(told):
+            seconds = times.seconds[str(i)]
             yield Row(
-                kernel.name, method.name, n, seconds, expected[method.name].error,
-                _memory(runs[method.name].make(), seconds, method),
-                _text(method.settings[0]), seconds / times.yardstick, seconds / ours, "", WARM, times.noise[method.name],
+                kernel.name, method.name, n, seconds, row.error, _memory(runs[str(i)].make(), seconds, method),
+                _text(setting), seconds / times.yardstick, seconds / ours, "", WARM, times.noise[str(i)],
             )  # fmt: skip
 
 

@@ -36,7 +36,8 @@ def _kernel_charts(rows: Sequence[Row], kernel: Kernel, methods: Mapping[str, li
         here = sorted((r for r in told if r.n == usual), key=lambda r: r.error)
         precision.append(Curve(name, [(max(r.error, 1e-17), r.times_ours) for r in here], colour, strong=strong))
         first = next(r for r in told if r.n == usual)
-        sizes = sorted([r for r in told if r.n != usual] + [first], key=lambda r: r.n)
+        at = {r.n: r for r in reversed(told) if r.n != usual}  # in the usual setting, which comes first
+        sizes = sorted([*at.values(), first], key=lambda r: r.n)
         growth.append(Curve(name, [(r.n, r.times_yardstick) for r in sizes], colour, strong=strong))
         memory.append(Curve(name, [(r.n, r.peak_memory_mib) for r in sizes if r.peak_memory_mib > 0.0], colour, strong=strong))
     made = [Chart(title, "largest true error, relative", "time / KINDYNA's", precision, limit=1.0, y_range=(-1, 1))]

@@ -36,13 +36,27 @@ def _jitted(walk: Callable[..., None], compiled: bool) -> Callable[..., None]:
     return njit(walk)
 
 
+Rows = tuple[Any, ...]
+
+
+def _rows(count: int, n: int, compiled: bool) -> Rows:
+    """What a loop writes into: Python is quickest with lists, compiled code with arrays."""
+    return tuple(np.empty((count, n), dtype=complex)) if compiled else tuple([0j] * n for _ in range(count))
+
+
+def _read(array: np.ndarray, compiled: bool) -> Any:
+    """What a loop reads."""
+    return array if compiled else array.tolist()
+
+
 @cache
 def _walk(compiled: bool) -> Callable[..., None]:
     """A loop over the cam angles: arm pin between pivot and slider pin, roller fixed to the arm."""
     pin, fixed, pin_speed, fixed_speed, pin_gain, fixed_gain = _solvers(compiled)
 
     def walk(px, py, l1, l2, arm, ahead, a, v, c, bx, by, out):  # type: ignore[no-untyped-def]
-        for i in range(a.shape[0]):
+        o0, o1, o2, o3, o4, o5 = out
+        for i in range(len(a)):
             ax, ay, vx, vy, cx, cy = a[i].real, a[i].imag, v[i].real, v[i].imag, c[i].real, c[i].imag
             bx, by = pin(bx, by, px, py, l1, ax, ay, l2)
             ux, uy = pin_speed(bx, by, px, py, 0.0, 0.0, ax, ay, vx, vy)
@@ -50,8 +64,8 @@ def _walk(compiled: bool) -> Callable[..., None]:
             rx, ry = fixed(px, py, bx, by, arm, ahead)
             sx, sy = fixed_speed(rx, ry, px, py, 0.0, 0.0, bx, by, ux, uy, arm, ahead)
             tx, ty = fixed_gain(rx, ry, sx, sy, px, py, 0.0, 0.0, 0.0, 0.0, bx, by, ux, uy, wx, wy, arm, ahead)
-            out[0, i], out[1, i], out[2, i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
-            out[3, i], out[4, i], out[5, i] = complex(rx, ry), complex(sx, sy), complex(tx, ty)
+            o0[i], o1[i], o2[i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
+            o3[i], o4[i], o5[i] = complex(rx, ry), complex(sx, sy), complex(tx, ty)
 
     return _jitted(walk, compiled)
 
@@ -60,13 +74,13 @@ def _solve(there: Any, compiled: bool) -> Channels:
     slider = L0 + there.motion.y[0]
     pin_a = PIVOT + slider + 1j * G.guide_height
     start = PIVOT + G.slider_arm * complex(math.cos(PHI0), math.sin(PHI0))
-    out = np.empty((6, slider.size), dtype=complex)
-    speed, gain = there.motion.y[1].astype(complex), there.motion.y[2].astype(complex)
+    out = _rows(6, slider.size, compiled)
+    read = [_read(row, compiled) for row in (pin_a, there.motion.y[1].astype(complex), there.motion.y[2].astype(complex))]
     _walk(compiled)(
-        PIVOT.real, PIVOT.imag, G.slider_arm, G.rod, G.roller_arm, G.fixed_angle, pin_a, speed, gain, start.real,
-        start.imag, out,
+        PIVOT.real, PIVOT.imag, G.slider_arm, G.rod, G.roller_arm, G.fixed_angle, *read, start.real, start.imag, out,
     )  # fmt: skip
-    return [*out, (pin_a - out[0]) / G.rod]
+    told = [np.asarray(row) for row in out]
+    return [*told, (pin_a - told[0]) / G.rod]
 
 
 def pylinkage(there: Any, setting: None) -> Channels:
@@ -123,21 +137,23 @@ def _dyad_walk(compiled: bool) -> Callable[..., None]:
     pin, _, pin_speed, _, pin_gain, _ = _solvers(compiled)
 
     def walk(a, v, c, ground, coupler, rocker, bx, by, out):  # type: ignore[no-untyped-def]
-        for i in range(a.shape[0]):
+        o0, o1, o2 = out
+        for i in range(len(a)):
             ax, ay, vx, vy, cx, cy = a[i].real, a[i].imag, v[i].real, v[i].imag, c[i].real, c[i].imag
             bx, by = pin(bx, by, ax, ay, coupler, ground, 0.0, rocker)
             ux, uy = pin_speed(bx, by, ax, ay, vx, vy, ground, 0.0, 0.0, 0.0)
             wx, wy = pin_gain(bx, by, ux, uy, ax, ay, vx, vy, cx, cy, ground, 0.0, 0.0, 0.0, 0.0, 0.0)
-            out[0, i], out[1, i], out[2, i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
+            o0[i], o1[i], o2[i] = complex(bx, by), complex(ux, uy), complex(wx, wy)
 
     return _jitted(walk, compiled)
 
 
 def _dyad(there: Any, compiled: bool) -> Channels:
-    out = np.empty((3, there.theta.size), dtype=complex)
+    out = _rows(3, there.theta.size, compiled)
     a = CRANK * np.exp(1j * there.theta)
-    _dyad_walk(compiled)(a, 1j * a, -a, GROUND, COUPLER, ROCKER, 40.0, 60.0, out)
-    return list(out)
+    read = [_read(row, compiled) for row in (a, 1j * a, -a)]
+    _dyad_walk(compiled)(*read, GROUND, COUPLER, ROCKER, 40.0, 60.0, out)
+    return [np.asarray(row) for row in out]
 
 
 @cache

@@ -208,4 +208,13 @@ def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders
     return made  # type: ignore[return-value]
 
 
+def as_far_apart(setting: Any, by: float) -> Any:
+    """Neighbours as far apart among so many times as many angles; None where there are none."""
+    *order, every = setting if isinstance(setting, tuple) else (setting,)
+    wider = round(every * by)
+    if wider < 1 or abs(wider - every * by) > 1e-9:
+        return None
+    return (*order, wider) if order else wider
+
+
 ON_GRID = tuple((order, every) for order in (2, 4, 6) for every in (1, 2, 4, 10))

@@ -12,7 +12,7 @@ from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 
-from benchmarks.measuring import COLD, WARM, WINDOW, Row
+from benchmarks.measuring import COLD, FULL, SMALL, WARM, WINDOW, Row
 from benchmarks.table import SIZES, Kernel, kernels
 
 from core.project.files import write_all
@@ -22,10 +22,9 @@ ERRORS = tuple(range(-3, -13, -1))  # powers of ten
 SHORT = (-3, -6, -9, -12)
 TEN = ("law", "blending", "linkage", "dyads", "profile", "curvature", "torque", "flywheel", "tongues", "wind-up")
 NOISE = 0.03  # of a ratio from one process to the next, however quiet the machine
-BUSY = 0.15  # noise beyond which one digit is all there is
 REGIMES = (WARM, COLD)
 NONE = "–"
-SMALL = -9  # powers of ten: an error of the rivals that are compared at other sizes
+UNMEASURED = "not measured"
 
 
 def power(exponent: int) -> str:
@@ -64,17 +63,16 @@ class Ratio:
     @property
     def words(self) -> str:
         """The same words for who wins and who loses."""
-        if self.alike:
+        times = _rounded(max(self.value, 1.0 / self.value), self.noise)
+        if self.alike or times == "1":
             return "as fast"
-        if self.value < 1.0:
-            return f"{_rounded(1.0 / self.value, self.noise)} times faster"
-        return f"{self.digits} times slower"
+        return f"{times} times {'faster' if self.value < 1.0 else 'slower'}"
 
 
 def _rounded(value: float, noise: float) -> str:
     step = 10.0 ** math.floor(math.log10(value))
-    two = 0.05 * step >= noise * value or (value < 2.0 * step and noise <= BUSY)  # from 1 to 2 is a long way
-    step /= 10.0 if two else 1.0
+    if noise * value <= 0.05 * step:  # half a step of the second digit
+        step /= 10.0
     shown = round(value / step) * step
     if math.floor(math.log10(shown) + 1e-9) > math.floor(math.log10(value)):
         step *= 10.0  # 0.097 is 0.1
@@ -128,7 +126,8 @@ class Told:
         """The rival, the regime and the ratio that are worst for us; special: of those too that were worked out for this one
         case. None where no rival comes within the error."""
         names = [name for name in self.rivals if special or not self.is_special(name)]
-        found = [(name, regime, self.ratio(name, regime, exponent)) for regime in REGIMES for name in names]
+        regimes = {name: REGIMES if self.changes(name) else (WARM,) for name in names}
+        found = [(name, regime, self.ratio(name, regime, exponent)) for name in names for regime in regimes[name]]
         return min([(n, r, q) for n, r, q in found if q], key=lambda f: f[2].value, default=None)
 
     def title(self, name: str) -> str:
@@ -149,7 +148,7 @@ def _head(cells: Sequence[str]) -> list[str]:
 
 def short(rows: Sequence[Row]) -> str:
     """Ten lines: of each kernel the strongest rival at some errors, and whether it wins."""
-    lines = _head(["kernel", "KINDYNA's error", *(f"within {power(e)}" for e in SHORT)])
+    lines = _head(["kernel", "least error", *(f"within {power(e)}" for e in SHORT)])
     for kernel in [k for k in kernels() if k.name in TEN]:
         told = Told.of(kernel, rows)
         if told.of_method(kernel.ours.name, WARM):
@@ -162,7 +161,7 @@ def _strongest(told: Told, exponent: int) -> str:
     """The strongest rival; where that has a star, the strongest without one too."""
     found = [told.strongest(exponent), told.strongest(exponent, special=False)]
     texts = [f"{told.title(n)}{f', {r}' if told.changes(n) else ''}: {ratio.words}" for n, r, ratio in filter(None, found)]
-    return "; ".join(dict.fromkeys(texts)) or "no rival"
+    return "; ".join(dict.fromkeys(texts)) or "no rival among those tried"
 
 
 def markdown(rows: Sequence[Row]) -> str:
@@ -227,28 +226,31 @@ def _cold(told: Told) -> str:
 
 
 def _sizes(rows: Sequence[Row]) -> str:
-    """At other numbers of cam angles: of the rivals within a small error in their usual setting the quickest, warm."""
-    lines = []
-    for kernel in [k for k in kernels() if k.sizes == SIZES]:
-        cells = [_at_size(Told.of(kernel, rows), rows, n) for n in sorted(SIZES)]
-        if any(cell != NONE for cell in cells):
-            lines.append(_line([kernel.title, *cells]))
-    if not lines:
+    """At other numbers of cam angles: of the rivals within a small error the quickest, warm; sizes that were measured."""
+    told = [Told.of(kernel, rows) for kernel in kernels() if kernel.sizes == SIZES]
+    cells = {n: [_at_size(t, rows, n) for t in told] for n in sorted(SIZES)}
+    cells = {n: column for n, column in cells.items() if set(column) != {UNMEASURED}}
+    if not cells:
         return ""
-    text = f"The quickest rival within {power(SMALL)}, each in its usual setting, warm."
-    head = _head(["kernel", *(f"{n:,}".replace(",", " ") for n in sorted(SIZES))])
+    table = [(t.kernel.title, [column[i] for column in cells.values()]) for i, t in enumerate(told)]
+    lines = [_line([title, *row]) for title, row in table if set(row) != {UNMEASURED}]
+    text = (
+        f"Warm only: the quickest rival of those that come within {power(SMALL)} at {SIZES[1]} cam angles, each in its quickest setting"
+        f" that does; differences between the given angles keep their neighbours as far apart. A run that would take longer than"
+        f" {FULL.longest:g} s is not measured."
+    )
+    head = _head(["kernel", *(f"{n:,}".replace(",", " ") for n in cells)])
     return "\n".join(["### At other numbers of cam angles", "", text, "", *head, *lines]) + "\n"
 
 
 def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:
-    usual: dict[str, Row] = {}
-    for row in rows:
-        if (row.kernel, row.n, row.regime) == (told.kernel.name, n, WARM) and not row.note:
-            usual.setdefault(row.method, row)  # the usual setting comes first
-    ours = usual.pop(told.kernel.ours.name, None)
-    best = min([r for r in usual.values() if r.error <= 10.0**SMALL], key=lambda r: r.seconds, default=None)
+    here = [r for r in rows if (r.kernel, r.n, r.regime) == (told.kernel.name, n, WARM) and not r.note and r.error <= 10.0**SMALL]
+    ours, best = (
+        min([r for r in here if (r.method == told.kernel.ours.name) == own], key=lambda r: r.seconds, default=None)
+        for own in (True, False)
+    )
     if ours is None or best is None:
-        return NONE
+        return UNMEASURED
     ratio = Ratio(best.seconds / ours.seconds, math.hypot(best.noise, ours.noise, NOISE))
     return f"{told.title(best.method)}: {ratio.words}"
 

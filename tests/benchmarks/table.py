@@ -38,6 +38,8 @@ class Method:
     one_by_one  a Python loop over angles: not for a million of them
     special   worked out for this one mechanism, law, sequence of curves or cam; the others, as ours, do any
     on_grid   it takes neighbours among the cam angles that are given, so its error is that of an even grid of them
+    scaled    where it is on the grid: (setting, by) -> the setting that has the same error among so many times as many
+              angles, None where there is none
     """
 
     name: str
@@ -50,11 +52,19 @@ class Method:
     one_by_one: bool = False
     special: bool = False
     on_grid: bool = False
+    scaled: Callable[[Any, float], Any] | None = None
 
     @property
     def lacks(self) -> str:
         """The first package that is not there, '' where all are."""
         return next((package for package in self.needs if importlib.util.find_spec(package) is None), "")
+
+    def at_size(self, setting: Any, by: float) -> Any:
+        """The setting of the same error among ``by`` times as many angles, in a tuple; () where there is none."""
+        if self.scaled is None:
+            return (setting,)
+        other = self.scaled(setting, by)
+        return () if other is None else (other,)
 
     def kept(self, there: Any, setting: Any) -> Any:
         """What ``solve`` takes beside what is given."""

@@ -52,19 +52,21 @@ def equation(eta: float) -> tuple[Slopes, Slopes]:
     return resting, moving
 
 
-RESTING, MOVING = equation(SPEED)
+def either(eta: float) -> Slopes:
+    """One or the other, as the cam stands."""
+    resting, moving = equation(eta)
 
+    def slopes(y: float, x: Any) -> tuple[float, float]:
+        return moving(y, x) if (y - x[0]) % 1.0 < 0.5 else resting(y, x)
 
-def slopes(y: float, x: Any) -> tuple[float, float]:
-    """Either, as the cam stands."""
-    return MOVING(y, x) if (y - x[0]) % 1.0 < 0.5 else RESTING(y, x)
+    return slopes
 
 
 def fixed_steps(there: Any, steps: int) -> Channels:
     """Runge and Kutta's four slopes a step, a cubic between two steps."""
     from scipy.interpolate import CubicHermiteSpline
 
-    h = 1.0 / steps
+    slopes, h = either(SPEED), 1.0 / steps
     x = (0.0, 0.0)
     found = [x]
     for i in range(round(there.turns) * steps):
@@ -83,12 +85,16 @@ def _solver(method: str, tolerance: float) -> dict[str, Any]:
     return {"method": method, "rtol": tolerance, "atol": 1e-3 * tolerance, "dense_output": True}
 
 
-def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
-    """scipy's solve_ivp with its dense output, which is told nothing of the joins."""
+def _through(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
     from scipy.integrate import solve_ivp
 
-    solved = solve_ivp(slopes, (0.0, there.turns), [0.0, 0.0], max_step=0.25, **_solver(*setting))
-    return (solved.sol(there.y)[0],)
+    solved = solve_ivp(either(eta), (0.0, there.turns), [0.0, 0.0], max_step=0.25, **_solver(*setting))
+    return np.asarray(solved.sol(there.y)[0])
+
+
+def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
+    """scipy's solve_ivp with its dense output, which is told nothing of the joins."""
+    return (_through(there, setting, SPEED),)
 
 
 def _stopped(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
@@ -171,18 +177,26 @@ def adaptive_of_many(there: Any, setting: tuple[str, float]) -> Channels:
 
 
 def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
+    """Each speed for itself."""
+    return [_through(there, setting, eta) for eta in SPEEDS]
+
+
+def one_piecewise_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
     """Each speed for itself, stopped at every join of the cam."""
     return [_stopped(there, setting, eta) for eta in SPEEDS]
 
 
 # -- rows -------------------------------------------------------------------------------------------------
 
-TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14)
+
+STEPS = (400, 50, 100, 200, 800, 1600, 3200, 6400)
 
 
 def _by(solve: Any, names: tuple[str, ...], what: str = "") -> list[Method]:
     return [
-        Method(f"solve_ivp {name}{what}", solve, tuple((name, t) for t in TOLERANCES), "rtol", one_by_one=True) for name in names
+        Method(f"solve_ivp {name}{what}", solve, tuple((name, t) for t in TOLERANCES), "rtol", one_by_one=True, special=True)
+        for name in names
     ]
 
 
@@ -195,7 +209,7 @@ KERNEL = Kernel(
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours, ours=True),
-        Method("RK4, fixed steps", fixed_steps, (400, 50, 100, 200, 800, 1600, 3200, 6400), "steps a turn", one_by_one=True),
+        Method("RK4, fixed steps", fixed_steps, STEPS, "steps a turn", one_by_one=True, special=True),
         *_by(adaptive, ("DOP853", "LSODA")),
         *_by(piecewise, ("DOP853", "LSODA"), ", stopped at the joins"),
     ),
@@ -217,9 +231,10 @@ MANY = Kernel(
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours_of_many, ours=True),
-        Method("RK4, fixed steps, numpy", fixed_steps_of_many, (400, 50, 100, 200, 800, 1600), "steps a turn", one_by_one=True),
+        Method("RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:6], "steps a turn", one_by_one=True, special=True),
         *_by(adaptive_of_many, ("DOP853", "LSODA"), ", numpy"),
-        *_by(one_after_the_other, ("DOP853", "LSODA"), ", one after the other, stopped at the joins"),
+        *_by(one_after_the_other, ("LSODA",), ", one after the other"),
+        *_by(one_piecewise_after_the_other, ("DOP853",), ", one after the other, stopped at the joins"),
     ),
     roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
     handed=HANDED,
