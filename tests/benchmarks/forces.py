@@ -171,7 +171,7 @@ KERNEL = Kernel(
         Method(
             "differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True,
             scaled=as_far_apart,
-        ),  # fmt: skip
+        ),
         by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
