@@ -19,7 +19,7 @@ from core.project.files import write_all
 FILE = Path(__file__).with_name("limits.json")
 WORSE = 1.3  # times a limit that is too much
 TRIES = 6
-SECONDS = 1.0  # for one kernel at one size
+SECONDS = 0.8  # for one kernel at one size
 SIZES = (360, 3600, 36_000)  # of cam angles; of anything else the usual number
 ROUNDS = 9  # of the window
 

@@ -62,12 +62,12 @@ class Plan:
     """How long and how much: seconds for a method at the usual size, and for one at each other size; how many sizes and
     settings; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 0.15
+    usual: float = 0.1
     growth: float = 0.05
     sizes: int = 99
     settings: int = 99
-    longest: float = 0.7
-    rounds: int = 25  # of the window
+    longest: float = 0.5
+    rounds: int = 15  # of the window
     starts: int = 5
 
 
