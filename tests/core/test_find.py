@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from core.__main__ import main
+from core.design import edited
 from core.project import load
 from core.study import Study
 
@@ -263,6 +264,23 @@ def test_pivot_of_least_pressure_angle_in_a_box_against_a_scan(tmp_path: Path) -
     places = [(a, b) for a in np.linspace(70.0, 95.0, 26) for b in np.linspace(-10.0, 40.0, 26)]
     places += [(np.clip(x + a, 70.0, 95.0), np.clip(y + b, -10.0, 40.0)) for a in (-0.1, 0.0, 0.1) for b in (-0.1, 0.0, 0.1)]
     assert min(swinging_worst(a, b, 70.0) for a, b in places) > data["reached"]["pressure_angle_deg"] - 1e-4
+
+
+def test_pivot_of_a_cam_slider_is_better_than_all_around_it() -> None:
+    """There both coordinates count: the guide goes with the pivot."""
+    path = EXAMPLES / "transfer_lift.toml"
+    data = found(path, "pivot", "follower.pivot_x_mm_min=780", "follower.pivot_x_mm_max=960")
+    x, y = data["answer"]["follower.pivot_x_mm"], data["answer"]["follower.pivot_y_mm"]
+
+    def worst(a: float, b: float) -> float:
+        design = edited(edited(load(path), "follower.pivot_x_mm", a), "follower.pivot_y_mm", b)
+        return math.degrees(Study(design).extremes("cam", ("pressure_angle",))["pressure_angle"].high.value)
+
+    least = worst(x, y)
+    assert data["reached"]["pressure_angle_deg"] == pytest.approx(least, abs=1e-9)
+    assert least < worst(873.746, -65.0)
+    around = [(max(780.0, min(960.0, x + a)), y + b) for a in (-0.5, 0.0, 0.5) for b in (-0.5, 0.0, 0.5)]
+    assert min(worst(a, b) for a, b in around) >= least - 1e-9
 
 
 @pytest.mark.parametrize(
