@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 import zlib
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -174,6 +175,15 @@ def test_what_cannot_be_drawn_is_refused_in_one_line(tmp_path: Path, capsys: pyt
         assert (code, said.out, len(said.err.splitlines())) == (2, "", 1)
         assert reason in said.err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_names_of_any_script_and_length_are_written_as_they_are(tmp_path: Path) -> None:
+    for name in ('A & <B> -- "q"', "캠 설계", "x" * 300, "a\tb\x01"):
+        shown = "".join(c if c.isprintable() else "\ufffd" for c in name)
+        save(replace(load(example("tappet_flat")), name=name), tmp_path / "design.toml")
+        assert run(tmp_path / "design.toml", "--out", tmp_path / "cam.svg", "--date", "1 March") == 0
+        root = ElementTree.parse(tmp_path / "cam.svg").getroot()
+        assert {shown, "1 March"} <= {text.strip() for text in root.itertext()}
 
 
 # -- the window -------------------------------------------------------------------------------------------

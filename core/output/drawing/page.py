@@ -8,6 +8,7 @@ from core.output.drawing.sheet import FRAME, Item, Line, Sheet, Text
 from core.output.drawing.tables import GAP, PAD, SMALL, dimensions_table, points_table, title_block
 from core.output.drawing.view import view
 from core.output.profile.drawing import SENSES
+from core.output.report import printable
 from core.study import Study
 
 ENDINGS = (".pdf", ".svg")
@@ -26,9 +27,9 @@ def drawing(study: Study, flank: str = "inner", paper: str = "A4", date: str = "
     items: list[Item] = [Line(room.frame.corners, FRAME), Line((room.view.corners[1], room.view.corners[2]), FRAME), *seen]
     bottom, table = points_table(values, room)
     end, dimensions = dimensions_table(values, room, bottom - GAP * room.unit)
-    title = title_block(values, room, scale, paper, date)
+    title = title_block(values, room, scale, paper, printable(date))
     items += [*table, *dimensions, *title, *_notes(values, room, end)]
-    name = study.design.name
+    name = printable(study.design.name)
     about = f"Cam {name}, {flank} flank, scale {scale}, millimetres; the cam turns {SENSES[study.sense][1]}"
     return Sheet(room.width, room.height, name, about, tuple(items))
 

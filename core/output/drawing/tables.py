@@ -11,6 +11,7 @@ from core.output.drawing.paper import Box, Layout
 from core.output.drawing.sheet import FRAME, THIN, Item, Line, Text
 from core.output.profile.drawing import SENSES
 from core.output.profile.made import touching
+from core.output.report import printable
 from core.study import Study
 
 SMALL, LETTERS = 1.7, 2.3  # mm on A4: heights of texts in tables, and of what stands alone
@@ -152,7 +153,7 @@ def title_block(values: Figures, layout: Layout, scale: str, paper: str, date: s
     height = TITLE_ROW * unit
     items: list[Item] = []
     y = column.bottom
-    for row in [[("Title", values.job.study.design.name, 1.0)], *reversed(rows)]:
+    for row in [[("Title", printable(values.job.study.design.name), 1.0)], *reversed(rows)]:
         x, tall = column.left, height * (1.25 if len(row) == 1 else 1.0)
         for label, text, width in row:
             box = Box(x, y, x + width * column.width, y + tall)
