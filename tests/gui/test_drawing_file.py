@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from mechanisms import PUSHER, levels, with_drive
 from PySide6.QtCore import QByteArray, Qt, QTimer
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtTest import QTest
@@ -217,6 +218,27 @@ def test_a_drawing_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
     save(user.design, tmp_path / "design.toml")
     assert run(tmp_path / "design.toml", "--out", tmp_path / "again.svg", "--paper", "A3") == 0
     assert (tmp_path / "cam.svg").read_bytes() == (tmp_path / "again.svg").read_bytes()
+
+
+def test_an_undercut_cam_is_refused_in_the_dialog(user: User) -> None:
+    seen: list[str] = []
+
+    def act() -> None:
+        dialog = QApplication.activeModalWidget()
+        if not isinstance(dialog, DrawingDialog):
+            QTimer.singleShot(5, act)
+            return
+        wait_for(lambda: not dialog.result.text().startswith("computing"))
+        seen.append(dialog.result.text())
+        assert not dialog.export.isEnabled()
+        QTest.keyClick(dialog, Qt.Key.Key_Escape)
+
+    motion = levels(0.0, (25.0, 20.0, "cycloidal"), (25.0, 0.0, "cycloidal"), (310.0, 0.0, "dwell"))
+    user.session.start(with_drive(PUSHER, motion=motion))
+    QTimer.singleShot(0, act)
+    user.choose(*WAY)
+    assert len(seen) == 1
+    assert "the profile is undercut" in seen[0]
 
 
 def test_a_design_without_a_cam_has_no_drawing(user: User) -> None:
