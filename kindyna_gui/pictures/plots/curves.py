@@ -10,6 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from core.cam import PRESSURE_LIMITS
+from core.design import si
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
@@ -40,23 +41,37 @@ def _undercut(study: Study) -> float:
     return 1e3 / radius if radius > 0.0 else np.inf
 
 
-LIMITS: Mapping[str, tuple[str, Callable[[Study], float]]] = MappingProxyType(
+def _own(field: str) -> Callable[[Study], float]:
+    """A limit of the user's own [SI]; infinite where none is stated."""
+
+    def value(study: Study) -> float:
+        stated: float | None = getattr(si(study.design.drive.limits), field)
+        return np.inf if stated is None else stated
+
+    return value
+
+
+LIMITS: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = MappingProxyType(
     {
-        "pressure_angle": ("usual limit {}", _pressure_angle),
-        "pitch_curvature": ("undercut from {}", _undercut),
-        "contact_force": ("lifts off below {}", lambda study: np.inf if study.holds else 0.0),
-        "jam_factor": ("jams from {}", lambda study: 1.0),
+        "pressure_angle": (
+            ("usual limit {}", _pressure_angle),
+            ("limit of the rise {}", _own("pressure_angle_rise")),
+            ("limit of the return {}", _own("pressure_angle_return")),
+        ),
+        "pitch_curvature": (("undercut from {}", _undercut),),
+        "contact_force": (
+            ("lifts off below {}", lambda study: np.inf if study.holds else 0.0),
+            ("limit {}", _own("contact_force")),
+        ),
+        "jam_factor": (("jams from {}", lambda study: 1.0),),
     }
 )
 
 
-def limit_of(study: Study, quantity: str) -> Limit | None:
-    """The limit of a quantity of ``core.study``, None where there is none."""
-    row = LIMITS.get(quantity)
-    if row is None:
-        return None
-    value = row[1](study)
-    return Limit(value, row[0]) if np.isfinite(value) else None
+def limits_on(study: Study, quantity: str) -> list[Limit]:
+    """The limits of a quantity of ``core.study``, the user's own after the usual ones."""
+    values = ((value(study), text) for text, value in LIMITS.get(quantity, ()))
+    return [Limit(value, text) for value, text in values if np.isfinite(value)]
 
 
 @frozen(eq=False)
@@ -113,11 +128,10 @@ def extremes_of(study: Study, channels: Sequence[Channel]) -> dict[str, Range]:
 def limits_of(study: Study, channels: Sequence[Channel]) -> list[tuple[float, str, str]]:
     """Value, in the channels' unit, text and short text of each limit; with the channel's name where there are
     several channels."""
-    limits = [(row, limit_of(study, row.quantity)) for row in channels]
     made = []
-    for row, limit in limits:
-        if limit is not None:
-            name = "" if len(channels) == 1 else f"{row.label}: "
+    for row in channels:
+        name = "" if len(channels) == 1 else f"{row.label}: "
+        for limit in limits_on(study, row.quantity):
             short = limit.text.partition("{")[0].removesuffix("from ").removesuffix("below ").strip()
             made.append((limit.value / row.unit.factor, name + limit.text, name + short))
     return made
