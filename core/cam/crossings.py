@@ -14,6 +14,7 @@ from core.numerics.vectors import cross
 TURN = 2.0 * pi
 PANEL = 8  # points
 MOST = 1440  # points
+PAIRS = 64  # of points: a profile of more is undercut all over
 NEAR = 1.25  # two parts may cross where points of them are no farther apart than so many times their steps together
 FAR = 1.5  # and part of a bend: along the curve they are apart by more than so many times that
 CLOSEST = 1e-5  # [rad] between two points
@@ -41,7 +42,8 @@ def crossings(flank_at: FlankAt, sampled: FlankAt, theta: np.ndarray) -> tuple[C
     that the profile bends little between two of them. A profile whose polar angle goes round once, and never back, cannot cross
     itself. Else wherever two of the polyline's steps cross, their ends are no farther apart than the steps are long together: such
     pairs that are not neighbours along the curve are taken where the steps cross, and of those beside each other the nearest;
-    there the curve is sampled more densely, and P(θ₁) = P(θ₂) is solved by Newton's method.
+    there the curve is sampled more densely, and P(θ₁) = P(θ₂) is solved by Newton's method. Of more than ``PAIRS`` such pairs
+    those farthest apart by cam angle are taken: the others belong to loops of an undercut.
     """
     theta = theta[np.diff(theta, append=TURN) > CLOSEST]
     if theta.size > MOST:
@@ -53,6 +55,10 @@ def crossings(flank_at: FlankAt, sampled: FlankAt, theta: np.ndarray) -> tuple[C
     i, j = _near(place)
     if not i.size:
         return ()
+    if i.size > PAIRS:
+        apart = np.abs(theta[i] - theta[j])
+        farthest = np.argsort(-np.minimum(apart, TURN - apart), kind="stable")[:PAIRS]
+        i, j = i[farthest], j[farthest]
     widest = float(np.diff(theta).max())
     first, second = _closer(flank_at, theta[i], theta[j], widest)
     if not first.size:
