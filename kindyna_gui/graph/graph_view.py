@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, Qt, QTimer
-from PySide6.QtGui import QAction, QHideEvent, QKeyEvent, QPalette, QShowEvent
+from PySide6.QtGui import QAction, QKeyEvent, QPalette, QShowEvent
 from PySide6.QtWidgets import (
     QButtonGroup,
     QGridLayout,
@@ -23,21 +23,20 @@ from core.output.channels import Channel, channels
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.graph_choice import USUAL_WIDTH, ChannelTree, Choice
 from kindyna_gui.graph.graph_panel import FORMS, Panel
 from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.graph.quantities import first_graph, stages_of, why_missing
 from kindyna_gui.look import icon
 from kindyna_gui.rebuilt import Rebuilt
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 
 EMPTY = "Tick channels in the tree on the left to draw them here"
 TREE_SHARE = 0.4  # of the width, at most
 
 
-class GraphView(View):
+class GraphView(MarkedView):
     """The page of the graph."""
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -65,10 +64,6 @@ class GraphView(View):
         self._in_sight = QTimer(self, singleShot=True, interval=0)
         self._in_sight.timeout.connect(self._show_active)
         self.tree.ticked.connect(self._ticked)
-        self.extremes = ExtremesSearch(self)
-        self.extremes.found.connect(self._show_extremes)
-        self.marks = marks_action(session)
-        self.marks.toggled.connect(self._switch_marks)
 
     def _tools(self) -> QHBoxLayout:
         row = QHBoxLayout()
@@ -137,35 +132,14 @@ class GraphView(View):
                 panel.plot.set_curves(study, drawable)
             else:
                 panel.plot.show_message("\n".join(self._reasons[name] for name in names) or EMPTY)
-        self._look_for_extremes(study)
+        self.look_for_extremes(study)
 
-    def _look_for_extremes(self, study: Study) -> None:
-        wanted = self.marks.isChecked() and any(panel.lacks_extremes for panel in self.panels)
-        self.extremes.want(study, self.drawn if wanted else ())
+    def lacking(self, study: Study) -> list[Channel]:
+        return self.drawn if any(panel.lacks_extremes for panel in self.panels) else []
 
-    def _show_extremes(self, found: Mapping[str, Range] | None) -> None:
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
         for panel in self.panels:
             panel.show_extremes(found)
-
-    def _switch_marks(self, on: bool) -> None:
-        if self.up_to_date and not self.in_trouble:
-            self._show_extremes(None)
-            self._look_for_extremes(self.session.study)
-            self.extremes.settle()
-
-    @property
-    def busy(self) -> bool:
-        return self.on_screen() and self.extremes.busy
-
-    def settle(self) -> None:
-        self.extremes.settle()
-
-    def leave(self) -> None:
-        self.extremes.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        self.extremes.stop()
 
     def follow(self, theta: float) -> None:
         self.extremes.resume()

@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QHideEvent, QKeyEvent, QPalette
+from PySide6.QtGui import QAction, QKeyEvent, QPalette
 
+from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
-from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
 from kindyna_gui.graph.live_plot import LivePlot
+from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.graph.quantities import quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 
 LEAST_WIDTH = 240  # below it labels and axes no longer fit
 
 
-class PlotView(View):
+class PlotView(MarkedView):
     """One plot of a few quantities of one unit; those that a design does not have are named with the reason."""
 
     def __init__(self, session: Session, player: Player, quantities: Sequence[str]) -> None:
@@ -38,10 +38,6 @@ class PlotView(View):
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
         self.plot.angle_moved.connect(self._turn)
-        self.extremes = ExtremesSearch(self)
-        self.extremes.found.connect(self.plot.show_extremes)
-        self.marks = marks_action(session)
-        self.marks.toggled.connect(self._switch_marks)
         self.plot.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
         for text, slot in (
             ("Export picture...", lambda: save_picture(self, self.usual[0])),
@@ -75,34 +71,17 @@ class PlotView(View):
         else:
             self.plot.show_message(self.message)
         self.note.show_message("; ".join(missing) if drawn else "")
-        self._look_for_extremes(study)
+        self.look_for_extremes(study)
 
-    def _look_for_extremes(self, study: Study) -> None:
-        self.extremes.want(study, self.rows if self.plot.lacks_extremes and self.marks.isChecked() else ())
+    def lacking(self, study: Study) -> tuple[Channel, ...]:
+        return self.rows if self.plot.lacks_extremes else ()
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        self.plot.show_extremes(found)
 
     def follow(self, theta: float) -> None:
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
-
-    def _switch_marks(self, on: bool) -> None:
-        if self.up_to_date and not self.in_trouble:
-            self.plot.show_extremes(None)
-            self._look_for_extremes(self.session.study)
-            self.extremes.settle()
-
-    @property
-    def busy(self) -> bool:
-        return self.on_screen() and self.extremes.busy
-
-    def settle(self) -> None:
-        self.extremes.settle()
-
-    def leave(self) -> None:
-        self.extremes.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        self.extremes.stop()
 
     def _turn(self, theta: float) -> None:
         self.player.play(False)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from math import degrees
 
 import numpy as np
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QHideEvent, QResizeEvent
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import QFrame, QLabel, QScrollArea, QSplitter, QVBoxLayout, QWidget
 
 from core.design import Design, is_assumed, motion_of
 from core.errors import KindynaError
+from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.draft_bar import DraftBar
@@ -19,7 +21,7 @@ from kindyna_gui.documents.session import SAMPLES, Refusal, Session
 from kindyna_gui.documents.texts import closing_text, faulty_paths, joins_of, misses
 from kindyna_gui.forms.field_parts import in_tab_order
 from kindyna_gui.forms.fields import Field
-from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
+from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.graph.quantities import rows_of
 from kindyna_gui.labels import segment_of
 from kindyna_gui.look import WRONG, coloured
@@ -33,7 +35,6 @@ from kindyna_gui.motion.head import NO_STROKE, MotionHead
 from kindyna_gui.motion.segments_model import LAW, RISE, SPAN, SegmentsModel
 from kindyna_gui.motion.segments_table import SegmentsTable
 from kindyna_gui.requirements import require_motion
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
 _KEYS = {"law": LAW, "span_deg": SPAN, "rise_mm": RISE, "rise_deg": RISE}
@@ -79,7 +80,7 @@ class Below(QScrollArea):
             self.ensureWidgetVisible(part, 0, 0)
 
 
-class SegmentsView(View):
+class SegmentsView(MarkedView):
     """The motion editor.
 
     abilities_changed   (dict: name of an action -> whether it makes sense now)
@@ -95,7 +96,6 @@ class SegmentsView(View):
         self.diagram = MotionEditor(session, player)
         self.diagram.setMinimumSize(240, 90)
         self.derivatives = DerivativePlots(self.diagram)
-        self.extremes, self.marks = ExtremesSearch(self), marks_action(session)
         self.curve = CurveForm(session, player)
         self.head = MotionHead(session)
         self.draft = DraftBar()
@@ -154,8 +154,6 @@ class SegmentsView(View):
         self.diagram.released.connect(self._forget_before)
         self.derivatives.angle_moved.connect(self._turn)
         self.derivatives.room_changed.connect(self._draw_derivatives)
-        self.extremes.found.connect(self.derivatives.show_extremes)
-        self.marks.toggled.connect(self._switch_marks)
         self.splitter.splitterMoved.connect(self._part)
         self.draft.close_requested.connect(self.session.close_draft)
         self.draft.drop_requested.connect(self.session.drop_draft)
@@ -228,27 +226,13 @@ class SegmentsView(View):
 
     def _show_derivatives(self, study: Study) -> None:
         self.derivatives.show_study(study)
-        self.extremes.want(study, self.derivatives.lacking(study) if self.marks.isChecked() else ())
+        self.look_for_extremes(study)
 
-    def _switch_marks(self, on: bool) -> None:
-        if self.up_to_date and not self.in_trouble:
-            self.derivatives.show_extremes(None)
-            self._show_derivatives(self.session.study)
-            self.extremes.settle()
+    def lacking(self, study: Study) -> tuple[Channel, ...]:
+        return self.derivatives.lacking(study)
 
-    @property
-    def busy(self) -> bool:
-        return self.on_screen() and self.extremes.busy
-
-    def settle(self) -> None:
-        self.extremes.settle()
-
-    def leave(self) -> None:
-        self.extremes.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        self.extremes.stop()
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        self.derivatives.show_extremes(found)
 
     @staticmethod
     def _channel(study: Study) -> Channel:

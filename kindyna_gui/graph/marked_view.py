@@ -1,0 +1,59 @@
+"""What the views with plots over the cam angle share: extremes that are found beside the window and marked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from PySide6.QtGui import QHideEvent
+
+from core.motion.extremes import Range
+from core.output.channels import Channel
+from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.extremes_search import ExtremesSearch, marks_action
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+
+
+class MarkedView(View):
+    """A view whose plots mark extremes; subclasses say which are lacking and show them, and call ``look_for_extremes`` once the
+    curves of a study are drawn."""
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.extremes = ExtremesSearch(self)
+        self.extremes.found.connect(self.show_extremes)
+        self.marks = marks_action(session)
+        self.marks.toggled.connect(self._switch_marks)
+
+    def lacking(self, study: Study) -> Sequence[Channel]:
+        """The channels whose extremes are to be found."""
+        raise NotImplementedError
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        """Mark these, by quantity; None: mark none."""
+        raise NotImplementedError
+
+    def look_for_extremes(self, study: Study) -> None:
+        """Find what is lacking once editing pauses, unless marks are switched off."""
+        self.extremes.want(study, self.lacking(study) if self.marks.isChecked() else ())
+
+    def _switch_marks(self, on: bool) -> None:
+        if self.up_to_date and not self.in_trouble:
+            self.show_extremes(None)
+            self.look_for_extremes(self.session.study)
+            self.extremes.settle()
+
+    @property
+    def busy(self) -> bool:
+        return self.on_screen() and self.extremes.busy
+
+    def settle(self) -> None:
+        self.extremes.settle()
+
+    def leave(self) -> None:
+        self.extremes.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        self.extremes.stop()
