@@ -49,8 +49,8 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     job = job_of(study, arguments.out, request)
     made, main = write(job, arguments.out), job.main
     if arguments.json:
-        told = {"points": main.count, "length_mm": main.curve.length, "deviation_mm": main.deviation}
-        print(to_json(told), end="")
+        figures = {"points": main.count, "length_mm": main.curve.length, "deviation_mm": main.deviation}
+        print(to_json(figures), end="")
     else:
         for path in made:
             print(path)

@@ -90,18 +90,18 @@ READERS = {
 }
 
 
-def check_deviation(path: Path, told: dict[str, float], curve: np.ndarray, chords: bool, layer: str = "PROFILE") -> None:
+def check_deviation(path: Path, stated: dict[str, float], curve: np.ndarray, chords: bool, layer: str = "PROFILE") -> None:
     """The file is never farther from the curve than it states, and states no more than a tenth above that."""
-    each = max(2, (6_000 if chords else 120_000) // int(told["points"]))
+    each = max(2, (6_000 if chords else 120_000) // int(stated["points"]))
     described = READERS[path.suffix](path, layer, each)
     farthest = float(off(curve, described).max())
     # how far the chords between these points may be from what is described
     inside = 0.0 if chords else float(np.abs(np.diff(described[: described.size // each * each].reshape(-1, each), 2)).max()) / 8.0
-    assert farthest <= told["deviation_mm"] + inside + 1e-9
-    assert told["deviation_mm"] <= 1.1 * farthest + 1e-9
-    assert float(off(described[::7], curve).max()) <= told["deviation_mm"] * 1.001 + 5e-6, "all of the file lies on the curve"
+    assert farthest <= stated["deviation_mm"] + inside + 1e-9
+    assert stated["deviation_mm"] <= 1.1 * farthest + 1e-9
+    assert float(off(described[::7], curve).max()) <= stated["deviation_mm"] * 1.001 + 5e-6, "all of the file lies on the curve"
     length = np.abs(np.diff(np.append(curve, curve[0]))).sum()
-    assert told["length_mm"] == pytest.approx(length, rel=1e-7)
+    assert stated["length_mm"] == pytest.approx(length, rel=1e-7)
 
 
 # -- files measured ---------------------------------------------------------------------------------------
@@ -117,10 +117,10 @@ WISHES = [
 @pytest.mark.parametrize(("ending", "words"), WISHES, ids=str)
 def test_a_file_deviates_as_it_states(tmp_path: Path, ending: str, words: tuple[object, ...]) -> None:
     design = saved(tmp_path, TURNED)
-    told = written(design, tmp_path / f"cam{ending}", *words)
-    check_deviation(tmp_path / f"cam{ending}", told, exact(design), ending == ".csv" or "polyline" in words)
+    stated = written(design, tmp_path / f"cam{ending}", *words)
+    check_deviation(tmp_path / f"cam{ending}", stated, exact(design), ending == ".csv" or "polyline" in words)
     if "--tolerance" in words:
-        assert told["deviation_mm"] <= words[words.index("--tolerance") + 1]
+        assert stated["deviation_mm"] <= words[words.index("--tolerance") + 1]
 
 
 @pytest.mark.parametrize(("fit", "face"), [("spline", "knife"), ("arcs", "roller")])
@@ -129,8 +129,8 @@ def test_other_followers_files_deviate_as_they_state(tmp_path: Path, fit: str, f
     text = path.read_text("utf-8")
     if face == "knife":
         path.write_text(text.replace('face = "roller"', 'face = "knife"').replace("roller_radius_mm = 12.0\n", ""), "utf-8")
-    told = written(path, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
-    check_deviation(tmp_path / "cam.dxf", told, exact(path), False)
+    stated = written(path, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
+    check_deviation(tmp_path / "cam.dxf", stated, exact(path), False)
 
 
 FORMS = {
@@ -148,37 +148,37 @@ def test_other_flanks_have_files(tmp_path: Path, flank: str) -> None:
     text = text.replace("offset_mm = 7.0", "offset_mm = 7.0\nsecond = { distance_mm = 160.0 }") if form == "conjugate" else text
     design.write_text(text, "utf-8")
     there = next(each for each in Study(project.load(design), EXACT).cam.flanks if each.name == flank)
-    told = written(design, tmp_path / "cam.dxf", "--flank", flank, "--as", "arcs", "--tolerance", 0.01)
-    check_deviation(tmp_path / "cam.dxf", told, 1e3 * there.profile, False)
+    stated = written(design, tmp_path / "cam.dxf", "--flank", flank, "--as", "arcs", "--tolerance", 0.01)
+    check_deviation(tmp_path / "cam.dxf", stated, 1e3 * there.profile, False)
     if form == "groove":
-        told = written(design, tmp_path / "path.csv", "--flank", flank, "--cutter", 12.1, "--tolerance", 0.01)
+        stated = written(design, tmp_path / "path.csv", "--flank", flank, "--cutter", 12.1, "--tolerance", 0.01)
         between = Study(project.load(design), EXACT).cam.flank  # the inner flank is 12 mm from the pitch curve, the outer 12.2
         path = 1e3 * between.pitch + 0.1 * (1e3 * there.profile - 1e3 * between.pitch) / 12.2
-        check_deviation(tmp_path / "path.csv", told, path, True)
+        check_deviation(tmp_path / "path.csv", stated, path, True)
         check_refused(tmp_path, "cutter: a radius of 12.2 mm does not go into the groove, which is 24.2 mm wide",
                       design, "--out", tmp_path / "no.csv", "--flank", flank, "--cutter", 12.2)  # fmt: skip
 
 
 def test_a_cam_under_a_linkage_and_the_path_of_a_cutter(tmp_path: Path) -> None:
     """Beside the profile by its radius, where the roller runs."""
-    told = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.01)
-    check_deviation(tmp_path / "cam.dxf", told, exact(COUPLER, 8.0), False, "CUTTER")
+    stated = written(COUPLER, tmp_path / "cam.dxf", "--cutter", 8, "--as", "arcs", "--tolerance", 0.01)
+    check_deviation(tmp_path / "cam.dxf", stated, exact(COUPLER, 8.0), False, "CUTTER")
     profile = drawings.arc_chain(drawings.on_layer(tmp_path / "cam.dxf", "PROFILE"))
     assert off(exact(COUPLER), drawings.along_arcs(*profile, 5000)).max() <= 0.01
-    told = written(COUPLER, tmp_path / "cam.csv", "--cutter", 8)
-    check_deviation(tmp_path / "cam.csv", told, exact(COUPLER, 8.0), True)
+    stated = written(COUPLER, tmp_path / "cam.csv", "--cutter", 8)
+    check_deviation(tmp_path / "cam.csv", stated, exact(COUPLER, 8.0), True)
 
 
 def test_points_at_equal_arc_lengths(tmp_path: Path) -> None:
     design = saved(tmp_path, TURNED)
-    told = written(design, tmp_path / "cam.csv", "--spacing", 2)
+    stated = written(design, tmp_path / "cam.csv", "--spacing", 2)
     rows = np.genfromtxt(tmp_path / "cam.csv", delimiter=",", names=True)
-    assert rows.size == told["points"] == math.ceil(told["length_mm"] / 2.0)
+    assert rows.size == stated["points"] == math.ceil(stated["length_mm"] / 2.0)
     fine = Study(TURNED, 400 * 360)
     curve = fine.cam.flank.profile * 1e3
     lengths = np.append(0.0, np.cumsum(np.abs(np.diff(np.append(curve, curve[0])))))
     at = np.interp(rows["cam_angle_deg"], np.append(fine.angle_degrees, 360.0), lengths)
-    assert np.diff(at) == pytest.approx(told["length_mm"] / rows.size, abs=1e-6)
+    assert np.diff(at) == pytest.approx(stated["length_mm"] / rows.size, abs=1e-6)
 
 
 def test_the_table_holds_the_profile_of_the_export(tmp_path: Path) -> None:
@@ -224,8 +224,8 @@ def test_no_choice_of_points_takes_fewer(tmp_path: Path) -> None:
             chords[i, j - 1] = np.abs(((z - p) * (q - p).conjugate()).imag).max() / abs(q - p)
             arcs[i, j - 1] = pair_deviation(p, q, tangent[piece][0], tangent[piece][-1], z)
     for fit, deviates in (("polyline", chords), ("arcs", arcs)):
-        told = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", tolerance)
-        spans = told["points"] if fit == "polyline" else math.ceil(told["points"] / 2)
+        stated = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", tolerance)
+        spans = stated["points"] if fit == "polyline" else math.ceil(stated["points"] / 2)
         assert spans <= least_count(deviates, tolerance)
         assert spans >= least_count(deviates, 1.2 * tolerance) - 1
 
@@ -266,10 +266,10 @@ def test_tangent_arcs_have_no_break_anywhere(tmp_path: Path) -> None:
 
 def test_an_eccentric_disk_is_two_arcs(tmp_path: Path) -> None:
     (tmp_path / "disk.toml").write_text(circle(), "utf-8")
-    told = written(tmp_path / "disk.toml", tmp_path / "disk.dxf", "--as", "arcs", "--tolerance", 1e-6)
-    assert told["points"] == 2
-    assert told["length_mm"] == pytest.approx(100.0 * np.pi, rel=1e-12)
-    assert told["deviation_mm"] < 1e-10
+    stated = written(tmp_path / "disk.toml", tmp_path / "disk.dxf", "--as", "arcs", "--tolerance", 1e-6)
+    assert stated["points"] == 2
+    assert stated["length_mm"] == pytest.approx(100.0 * np.pi, rel=1e-12)
+    assert stated["deviation_mm"] < 1e-10
     p, b = drawings.arc_chain(drawings.on_layer(tmp_path / "disk.dxf", "PROFILE"))
     assert np.abs(np.abs(drawings.along_arcs(p, b, 100) + 10j) - 50.0).max() < 1e-10
     assert b == pytest.approx([-1.0, -1.0] if b[0] < 0.0 else [1.0, 1.0])
@@ -281,7 +281,7 @@ def test_an_eccentric_disk_is_two_arcs(tmp_path: Path) -> None:
 def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
     design = saved(tmp_path, replace(TURNED, name="Kran 7, gedreht é"))
     for fit in FITS:
-        told = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
+        stated = written(design, tmp_path / "cam.dxf", "--as", fit, "--tolerance", 0.02)
         read = ezdxf.readfile(tmp_path / "cam.dxf")
         audit = read.audit()
         assert (audit.errors, audit.fixes) == ([], [])
@@ -295,7 +295,7 @@ def test_a_dxf_drawing_is_sound_and_says_what_it_is(tmp_path: Path) -> None:
     assert (mark.all(20).item(), mark.all(21).item()) == (0.0, 0.0)
     assert off(np.array([mark.all(11).item()]), exact(design)).item() < 1e-4
     text = "\n".join(drawings.comments(tmp_path / "cam.dxf"))
-    for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "tolerance 0.02 mm", f"{told['points']}"):
+    for words in ("Kran 7, gedreht é", "clockwise (cw)", "mm", "tolerance 0.02 mm", f"{stated['points']}"):
         assert words in text
 
 
@@ -335,11 +335,11 @@ def test_an_svg_drawing_is_to_scale_and_says_what_it_is(tmp_path: Path) -> None:
 
 def test_a_summary_beside_the_table_says_what_it_is(tmp_path: Path) -> None:
     design = saved(tmp_path, TURNED)
-    told = written(design, tmp_path / "cam.csv", "--tolerance", 0.01)
+    stated = written(design, tmp_path / "cam.csv", "--tolerance", 0.01)
     summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     assert {summary[key] for key in ("design", "rotation", "file")} == {"pusher", "cw", "cam.csv"}
     assert summary["tolerance_mm"] == 0.01
-    assert {key: summary[key] for key in told} == told
+    assert {key: summary[key] for key in stated} == stated
     written(design, tmp_path / "other.csv")  # its own kind it replaces
     (tmp_path / "summary.json").write_text('{"kind": "cam"}', "utf-8")
     check_refused(tmp_path, "summary.json: cannot be written", design, "--out", tmp_path / "cam.csv")

@@ -177,15 +177,15 @@ def _one_line(text: str) -> str:
 
 def comment(job: Job) -> list[str]:
     """The same in lines, for a drawing."""
-    told = facts(job)
+    stated = facts(job)
     radius = f", radius {job.request.cutter_mm!r} mm" if job.request.cutter_mm else ""
-    allowed = "" if told["tolerance_mm"] is None else f", tolerance {told['tolerance_mm']!r} mm"
+    allowed = "" if stated["tolerance_mm"] is None else f", tolerance {stated['tolerance_mm']!r} mm"
     return [
-        f"Design: {_one_line(told['design'])}",
-        f"Curve: {told['curve']}{radius}, {told['flank']} flank",
-        f"Cam turns {SENSES[job.study.sense][1]} ({told['rotation']}) as drawn",
-        f"Units: mm; origin: {told['origin']}",
-        f"Points: {told['points']}, {told['sampling']}; {told['fit']}",
-        f"Length: {told['length_mm']:.9g} mm",
-        f"Deviation from the exact curve: at most {rounded_up(told['deviation_mm'], 4)!r} mm{allowed}",
+        f"Design: {_one_line(stated['design'])}",
+        f"Curve: {stated['curve']}{radius}, {stated['flank']} flank",
+        f"Cam turns {SENSES[job.study.sense][1]} ({stated['rotation']}) as drawn",
+        f"Units: mm; origin: {stated['origin']}",
+        f"Points: {stated['points']}, {stated['sampling']}; {stated['fit']}",
+        f"Length: {stated['length_mm']:.9g} mm",
+        f"Deviation from the exact curve: at most {rounded_up(stated['deviation_mm'], 4)!r} mm{allowed}",
     ]

@@ -20,9 +20,9 @@ from kindyna_gui.pictures.drawing.shapes import arrow_head, joined, polyline, se
 from kindyna_gui.pictures.style import SMALL, THIN, Theme, brush
 from kindyna_gui.pictures.units import short
 
-AWAY, LANE, BEYOND, HEAD = 4.0, 3.5, 1.0, 1.6  # in units: from what is measured, from lane to lane, of extension lines, of a head
+AWAY, LEVEL, BEYOND, HEAD = 4.0, 3.5, 1.0, 1.6  # in units: from what is measured, from level to level, of extension lines, of a head
 SHORT, BESIDE, TEXT_HALF = 9.0, 4.5, 3.5  # below which a value stands beside; how far; half of a value's width, in units
-LANES = 10.0  # directions told apart, per radian
+DIRECTIONS = 10.0  # directions that differ, per radian
 ARC, ARC_STEPS = 0.22, 40  # radius of an angle's arc, parts of its shorter leg; pieces of the arc
 Z_DIMENSIONS = 10.0
 
@@ -107,19 +107,19 @@ class Laid(NamedTuple):
 
 
 def laid(geometry: Geometry) -> Iterator[Laid]:
-    """All dimensions of the drive; those that are parallel on one side of a body stand in lanes beside each other."""
+    """All dimensions of the drive; those that are parallel on one side of a body stand on levels beside each other."""
     low, high = geometry.core_box
-    middle, lanes = (low + high) / 2.0, Counter[tuple[str, int]]()
+    middle, levels = (low + high) / 2.0, Counter[tuple[str, int]]()
     for row in dimensions_of(geometry.study.design, geometry.kinematics):
         body = geometry.bodies.get(row.body) if row.body != FRAME else None
         turn = np.ones(geometry.samples, dtype=complex) if body is None else np.exp(1j * np.deg2rad(body.angle))
         origin = np.zeros(geometry.samples, dtype=complex) if body is None else body.z
         outwards = complex(((origin + sum(row.places) * MM / len(row.places) * turn - middle) / turn).mean())
         across = _across(row, outwards)
-        lane = (row.body, round(LANES * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
-        number, unit = lanes[lane], geometry.unit
-        lanes[lane] += 1
-        room = Room(across, (AWAY + LANE * number) * unit, 0.5 / (1.0 + 0.5 * number), unit)
+        direction = (row.body, round(DIRECTIONS * cmath.phase(across))) if row.kind == LENGTH else ("", -1)
+        number, unit = levels[direction], geometry.unit
+        levels[direction] += 1
+        room = Room(across, (AWAY + LEVEL * number) * unit, 0.5 / (1.0 + 0.5 * number), unit)
         yield Laid(row, SHAPES[row.kind](row, room), origin, turn, body)
 
 
