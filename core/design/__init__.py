@@ -1,5 +1,6 @@
 """Inputs: what the user typed, its units, ranges and rules."""
 
+from core.design.balancer import Balancer
 from core.design.edits import (
     edited,
     stretched,
@@ -74,6 +75,7 @@ from core.design.parts import (
     Cam,
     CamSlider,
     CamSliderLoads,
+    Computed,
     Curve,
     DiskCam,
     Elastic,
@@ -135,9 +137,11 @@ __all__ = [
     "SI",
     "SPRINGS",
     "UNITS",
+    "Balancer",
     "Cam",
     "CamSlider",
     "CamSliderLoads",
+    "Computed",
     "Conjugate",
     "ContactFriction",
     "Curve",

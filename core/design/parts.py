@@ -26,7 +26,7 @@ from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate,
 from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS
 from core.frozen import frozen
-from core.laws import LAWS
+from core.laws import LAWS, Piece
 
 # -- motion ----------------------------------------------------------------------------------------------
 
@@ -94,7 +94,17 @@ class Spline:
     points: tuple[Point, ...] = placed(Placing(Point, whole=True), ())
 
 
-Curve = Named | Scca | Polynomial | Spline
+@frozen(eq=False)
+class Computed:
+    """A curve that nobody types, for it follows from other parts: its pieces over the span, 0 ... 1, in the motion's unit, from the
+    segment's start. Equal only to itself."""
+
+    law: ClassVar[str] = "computed"
+    label: ClassVar[str] = "Computed"
+    pieces: tuple[Piece, ...] = placed(Placing(in_file=False))
+
+
+Curve = Named | Scca | Polynomial | Spline | Computed
 CURVES: Mapping[str, type[Scca | Polynomial | Spline]] = MappingProxyType(
     {c.law: c for c in (Scca, Polynomial, Spline)}
 )

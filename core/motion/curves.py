@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Named, Polynomial, Scca, Segment, Spline
+from core.design import Computed, Named, Polynomial, Scca, Segment, Spline
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
@@ -69,6 +69,10 @@ def _spline(curve: Spline, segment: Segment, whole_turn: bool, path: str) -> Sha
     return _turning(least_jerk(knots, given, periodic=whole_turn))
 
 
+def _computed(curve: Computed, segment: Segment, whole_turn: bool, path: str) -> Shape:
+    return _turning(curve.pieces)
+
+
 def _turning(pieces: tuple[Piece, ...]) -> Shape:
     """Pieces cut where the velocity turns, so that each has one sign of it."""
     parts: list[Piece] = []
@@ -109,7 +113,7 @@ def _both_signs(polynomials: np.ndarray) -> np.ndarray:
 
 
 SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], Shape]] = MappingProxyType(
-    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline}
+    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline, Computed: _computed}
 )
 
 

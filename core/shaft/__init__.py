@@ -1,11 +1,12 @@
 """The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
 
+from core.shaft.balancer import balance_drive, balance_motion
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
 from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag
 from core.shaft.speed import SpeedCurve, steady_speed
 
 __all__ = [
-    "NODES", "Flywheel", "LoadCurve", "SpeedCurve", "filtered", "findings", "lag", "levels", "load_curve", "panel_angles",
-    "steady_speed",
+    "NODES", "Flywheel", "LoadCurve", "SpeedCurve", "balance_drive", "balance_motion", "filtered", "findings", "lag", "levels",
+    "load_curve", "panel_angles", "steady_speed",
 ]  # fmt: skip

@@ -44,7 +44,7 @@ class LoadCurve:
 
 
 @lru_cache(maxsize=1)
-def _nodes() -> tuple[np.ndarray, np.ndarray]:
+def nodes() -> tuple[np.ndarray, np.ndarray]:
     """Chebyshev nodes of 0...1 and the matrix from values there to Chebyshev coefficients."""
     k = np.arange(NODES)
     angle = pi * (1.0 - (k + 0.5) / NODES)
@@ -75,7 +75,7 @@ def panel_angles(program: Program, cuts: Angles | None = None) -> tuple[np.ndarr
         even = np.linspace(a, b, max(LEAST_PANELS, int(np.ceil((b - a) / PANEL))) + 1)
         edges.append(even if cuts is None else np.unique(np.append(even, cuts.theta[cuts.piece == i])))
     start, width = np.concatenate([e[:-1] for e in edges]), np.concatenate([np.diff(e) for e in edges])
-    x, _ = _nodes()
+    x, _ = nodes()
     theta = start[:, None] + width[:, None] * x
     return start, width, Angles(theta.ravel(), np.repeat(np.arange(len(edges)), [(e.size - 1) * NODES for e in edges]))
 
@@ -95,7 +95,7 @@ def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.nd
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
         raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
-    _, to_chebyshev = _nodes()
+    _, to_chebyshev = nodes()
     torque, inertia = (to_powers(NODES) @ (to_chebyshev @ row.reshape(-1, NODES).T) for row in values)
     mean = float((width * (torque / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
     return LoadCurve(start, width, torque, inertia, mean)

@@ -7,14 +7,14 @@ from functools import cached_property
 from math import floor, log10
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.design import Shaft, si
 from core.errors import NoAnswer
 from core.findings import ERROR, Finding
 from core.frozen import frozen
 from core.motion import Angles
-from core.shaft.curve import NODES, LoadCurve
+from core.shaft.curve import LoadCurve
+from core.shaft.energy import energy_range
 from core.shaft.linear import filtered, lag
 from core.shaft.speed import SpeedCurve, steady_speed
 
@@ -47,7 +47,8 @@ class Flywheel:
     @cached_property
     def energy_swing(self) -> float:
         """ΔE = max - min of ∫(T_c - T̄)dθ [J]."""
-        return _swing(self.load)
+        low, high = energy_range(self.load)
+        return high - low
 
     @cached_property
     def needed_inertia(self) -> float:
@@ -118,24 +119,6 @@ class Flywheel:
     @cached_property
     def _linear(self) -> Callable[[np.ndarray], np.ndarray]:
         return filtered(self.load, lag(self.shaft))
-
-
-def _swing(curve: LoadCurve) -> float:
-    """max - min of ∫(T - T̄)dθ: at the ends of panels and at the roots of T - T̄ inside them."""
-    energy = filtered(curve, 0.0)
-    power = curve.torque.copy()
-    power[0] -= curve.mean
-    r = np.linspace(0.0, 1.0, 4 * NODES + 1)
-    values = polyval(r, power)  # (m, points)
-    panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
-    before, after = values[panel, cell], values[panel, cell + 1]
-    # two steps are enough: the energy is flat there, its error is of second order in the root's
-    root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
-    slope = polyval(root, np.arange(1, NODES)[:, None] * power[1:, panel], tensor=False)
-    rest = polyval(root, power[:, panel], tensor=False)
-    root = np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
-    at = energy(np.concatenate((curve.start, curve.start[panel] + root * curve.width[panel])))
-    return float(at.max() - at.min())
 
 
 # -- limits: standing still ---------------------------------------------------------------------------------

@@ -1,0 +1,37 @@
+"""What the torque of a shaft, less its mean, gives and takes over the turn: W(θ) = ∫(T - T̄)dθ from 0, exact on panels."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.polynomial.polynomial import polyval
+
+from core.shaft.curve import NODES, LoadCurve
+from core.shaft.linear import filtered
+
+
+def unbalanced(curve: LoadCurve) -> np.ndarray:
+    """Coefficients (NODES, m) of r**k on the panels, of T - T̄ [N m]."""
+    power = curve.torque.copy()
+    power[0] -= curve.mean
+    return power
+
+
+def turning_points(curve: LoadCurve) -> np.ndarray:
+    """Machine angles (n,) among which W has its extremes [rad]: starts of panels, and roots of T - T̄ inside them."""
+    power = unbalanced(curve)
+    r = np.linspace(0.0, 1.0, 4 * NODES + 1)
+    values = polyval(r, power)  # (m, points)
+    panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
+    before, after = values[panel, cell], values[panel, cell + 1]
+    # two steps are enough: the energy is flat there, its error is of second order in the root's
+    root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
+    slope = polyval(root, np.arange(1, NODES)[:, None] * power[1:, panel], tensor=False)
+    rest = polyval(root, power[:, panel], tensor=False)
+    root = np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
+    return np.concatenate((curve.start, curve.start[panel] + root * curve.width[panel]))
+
+
+def energy_range(curve: LoadCurve) -> tuple[float, float]:
+    """The least and the greatest W [J]."""
+    at = filtered(curve, 0.0)(turning_points(curve))
+    return float(at.min()), float(at.max())
