@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyval
@@ -106,9 +107,14 @@ def _over(pose: Pose, rows: Chain, first: int, there: np.ndarray) -> Pose:
 
 def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -> Bridge:
     """The bridge through states (2, 4, 6): at both ends x, y, angle of both links and three derivatives by q."""
-    rows = [polyval(u, polyder(np.eye(8), order)) for u in (-1.0, 1.0) for order in range(4)]
     right = (states * half ** np.arange(4.0)[:, None]).reshape(8, 6)
-    return Bridge(at, half, links, np.linalg.solve(np.array(rows), right))
+    return Bridge(at, half, links, np.linalg.solve(_at_ends(), right))
+
+
+@lru_cache(maxsize=1)
+def _at_ends() -> np.ndarray:
+    """(8, 8): the powers of -1 and 1 with three derivatives."""
+    return np.array([polyval(u, polyder(np.eye(8), order)) for u in (-1.0, 1.0) for order in range(4)])
 
 
 @dataclass

@@ -146,6 +146,7 @@ _STANDS = 1e-6  # of the requested positions: in a shorter range nothing moves, 
 _SIDED = ("RRR", "RRP", "RPR")
 _SAME = 1e-6  # [rad or m] a change point this near to an end of the range is there; it is found to about 1e-8
 _BESIDE = 2e-6  # so far from a change point the dyad is open on both sides
+_TRIES = 7  # at the width of a bridge
 _TOUCH = 1e-12  # of the size: a gap this small at its least is a change point
 
 
@@ -154,14 +155,14 @@ def _samples(length: float, whole: float) -> int:
 
 
 def _gap(plan: Plan, index: int, branch: Branch) -> Callable[[np.ndarray], np.ndarray]:
-    """What a dyad has left at driver positions (n,); at a change point rounding must not open it."""
+    """What a dyad has left at driver positions (n,); on the bridge over a change point, where it is never open, infinite."""
 
     def gap(q: np.ndarray) -> np.ndarray:
         closed = solve(plan, at_driver(q), branch, index + 1).steps[index]
         assert isinstance(closed, DyadSolution)
         value = np.broadcast_to(closed.gap, q.shape)
         for over in branch.bridges.get(index, ()):
-            value = np.where(over.within(q), np.abs(value), value)
+            value = np.where(over.within(q), np.inf, value)
         return value
 
     return gap
@@ -177,33 +178,39 @@ def _changes(plan: Plan, index: int, branch: Branch, ranges: list[Range], whole:
     for r in ranges:
         over = 3.0 * (r.high - r.low) / SAMPLES if whole and r.free and len(ranges) == 1 else 0.0
         places, values = minima(lambda q: np.abs(gap(q)), r.low - over, r.high + over, _samples(r.high - r.low, length))
-        for place in places[values <= _TOUCH * plan.size].tolist():
-            if (gap(place + scale * np.array([-_BESIDE, _BESIDE])) > 0.0).all():  # touched, not crossed
-                found.append(next((end for end in (r.low, r.high) if abs(place - end) < _SAME), place))
+        low = places[values <= _TOUCH * plan.size]
+        if not low.size:
+            continue
+        beside = gap(np.concatenate((low - scale * _BESIDE, low + scale * _BESIDE))).reshape(2, -1)
+        for place in low[(beside > 0.0).all(axis=0)].tolist():  # touched, not crossed
+            found.append(next((end for end in (r.low, r.high) if abs(place - end) < _SAME), place))
     if not found:
         return []
     branch.changes[index] = np.array(sorted(found))
-    bridges = []
-    for at in found:
-        for half in scale * HALF * 0.25 ** np.arange(7.0):  # shorter where a dead centre is near
-            ends = _end_states(solve(plan, at_driver(np.array([at - half, at + half])), branch, index + 1), step.links)
-            if np.isfinite(ends).all():
-                break
-        bridges.append(bridge(at, float(half), (step.links[0], step.links[1]), ends))
-    branch.bridges[index] = tuple(bridges)
-    return [Change(at, step.joint) for at in found]
+    at, half, links = np.array(found), np.full(len(found), scale * HALF), (step.links[0], step.links[1])
+    shorter = np.ones(at.size)
+    for _ in range(_TRIES):
+        half *= shorter
+        q = np.stack((at - half, at + half), axis=1).ravel()
+        ends = _end_states(solve(plan, at_driver(q), branch, index + 1), links, q.size)
+        shorter = np.where(np.isfinite(ends).all(axis=(1, 2, 3)), 1.0, 0.25)  # where a dead centre is near
+        if (shorter == 1.0).all():
+            break
+    rows = zip(at.tolist(), half.tolist(), ends, strict=True)
+    branch.bridges[index] = tuple(bridge(place, width, links, states) for place, width, states in rows)
+    return [Change(place, step.joint) for place in found]
 
 
-def _end_states(solved: Solved, links: tuple[int, ...]) -> np.ndarray:
-    """(2, 4, 6): x, y, angle of both links with three derivatives at both ends of a bridge."""
+def _end_states(solved: Solved, links: tuple[int, ...], n: int) -> np.ndarray:
+    """(m, 2, 4, 6): x, y, angle of both links with three derivatives at both ends of m bridges, solved in this order."""
     columns = []
     for link in links:
         pose = solved.poses[link]
-        angle = np.array(pose.turn.spread(2).all)
-        angle[0] = np.unwrap(angle[0])
-        z = pose.origin.spread(2).all
+        angle = np.array(pose.turn.spread(n).all)
+        angle[0] = np.unwrap(angle[0].reshape(-1, 2)).ravel()
+        z = pose.origin.spread(n).all
         columns += [z.real, z.imag, angle]
-    return np.array(columns).transpose(2, 1, 0)
+    return np.array(columns).transpose(2, 1, 0).reshape(-1, 2, 4, 6)
 
 
 def _followed(plan: Plan, index: int, branch: Branch, ranges: list[Range]) -> list[Range]:

@@ -16,7 +16,7 @@ _PARTS = np.linspace(0.0, 1.0, 33)[1:-1, None]  # of a bracket of a change of si
 def ranges_where(function: Function, low: float, high: float, samples: int) -> list[tuple[float, float]]:
     """Ranges of low ... high in which ``function`` (n,) -> (n,) is >= 0; NaN counts as negative.
 
-    A gap or an island that falls between samples is found where its slopes point at it.
+    A gap or an island that falls between samples is found where its slopes point at it, but not beside what is infinite.
     """
     at = np.linspace(low, high, samples)
     value = _nan_is_negative(function(at))
@@ -62,6 +62,7 @@ def _lowest(function: Function, at: np.ndarray, value: np.ndarray, sign: float) 
     with np.errstate(invalid="ignore"):
         steepest = np.maximum(left - middle, right - middle)
         may = (middle >= 0.0) & (middle <= left) & (middle <= right) & (middle <= steepest) & np.isfinite(middle)
+        may &= (value[:-2] < np.inf) & (value[2:] < np.inf)
     spots = np.flatnonzero(may)
     low, high = at[spots], at[spots + 2]
     if not spots.size:
