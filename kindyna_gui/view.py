@@ -32,6 +32,9 @@ def in_sight(widget: QWidget) -> bool:
     return not rect.isEmpty()
 
 
+LAG_MS = 100  # at the most, of a view that does not keep pace with the mouse
+
+
 class FaultPage(QWidget):
     """What has failed, and a button to try it again."""
 
@@ -61,6 +64,8 @@ class View(QWidget):
 
     ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
+    ``keeps_pace``: False where it may leave out designs while something is drawn with the mouse: then it follows once no further
+    move is waiting and all else is painted, and at least ten times in a second; and when the mouse lets go.
     ``reading_ms``: nor need it show every angle while the cam turns, but one in so long, and the last; 0 shows each.
     """
 
@@ -68,6 +73,7 @@ class View(QWidget):
     stages: tuple[str, ...] = ()
     pause_ms: int = 0
     reading_ms: int = 0
+    keeps_pace: bool = True
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
@@ -89,11 +95,14 @@ class View(QWidget):
         self._pause.timeout.connect(self._pull_if_seen)
         self._soon = QTimer(self, singleShot=True, interval=0)
         self._soon.timeout.connect(self._pull_if_seen)
+        self._lagging = QTimer(self, singleShot=True, interval=LAG_MS)
+        self._lagging.timeout.connect(self._pull_if_seen)
         self._reading = QTimer(self, singleShot=True, interval=self.reading_ms)
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
         session.started.connect(self._forget_fault)
         session.design_changed.connect(self.invalidate)
+        session.let_go.connect(self._follow_soon)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)
 
@@ -167,6 +176,10 @@ class View(QWidget):
         if self.on_screen():
             if self.pause_ms:
                 self._pause.start()
+            elif self.session.held and not self.keeps_pace:
+                self._soon.start()
+                if not self._lagging.isActive():
+                    self._lagging.start()
             else:
                 self.pull()
 
@@ -175,6 +188,8 @@ class View(QWidget):
         if not self._stale or self._fault is not None:
             return
         self._stale, self.not_here = False, False
+        self._soon.stop()
+        self._lagging.stop()
         self._shown = self.session.study
         try:
             self.refresh(self._shown)
@@ -256,6 +271,11 @@ class View(QWidget):
         """Show the angle at hand where it has been left out so far."""
         if self._followed != self.player.theta:
             self._angle_changed(self.player.theta)
+
+    def _follow_soon(self) -> None:
+        """Show the design in place where the last ones have been left out."""
+        if self._stale and not self.keeps_pace:
+            self._soon.start()
 
     def _pull_if_seen(self) -> None:
         if not self.on_screen():

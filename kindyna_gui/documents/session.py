@@ -49,6 +49,7 @@ class Session(QObject):
     file_changed     path or saved state changed
     segment_chosen   another segment of the motion is the chosen one
     step_changed     another step of the circle diagram is shown
+    let_go           what was drawn with the mouse is let go
     """
 
     design_changed = Signal()
@@ -61,6 +62,7 @@ class Session(QObject):
     file_changed = Signal()
     segment_chosen = Signal()
     step_changed = Signal()
+    let_go = Signal()
 
     def __init__(self, design: Design, path: Path | None = None) -> None:
         super().__init__()
@@ -70,6 +72,7 @@ class Session(QObject):
         self.path = path
         self.document = 0  # its number: opening or beginning anew counts, a step of the undo stack does not
         self._gesture = 0
+        self.held = False  # something is drawn with the mouse: each of its moves is a design
         self._segment = 0
         self._running = ("", -1)  # path and gesture of the last step
         self._before: Design | None = None
@@ -272,6 +275,18 @@ class Session(QObject):
     def end_gesture(self) -> None:
         """What comes next is a step of its own."""
         self._gesture += 1
+
+    def take_hold(self) -> None:
+        """The mouse has taken hold of something: what it does next is one step, until ``release``."""
+        self.end_gesture()
+        self.held = True
+
+    def release(self) -> None:
+        """It has let go."""
+        if self.held:
+            self.held = False
+            self.end_gesture()
+            self.let_go.emit()
 
     def _why_not(self, design: Design) -> Reasons:
         return refusal_reasons(design, self.stages_on_screen())

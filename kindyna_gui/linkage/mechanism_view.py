@@ -105,7 +105,7 @@ class MechanismView(View):
 
     def _take_joint(self, name: str) -> None:
         self.player.play(False)
-        self.session.end_gesture()
+        self.session.take_hold()
 
     def _drag_joint(self, name: str, place: complex) -> None:
         """Put a joint where the mouse is at this angle; what cannot be is refused, and the last good design stays."""
@@ -124,7 +124,7 @@ class MechanismView(View):
     def _drop_joint(self, name: str) -> None:
         from core.followers.dragging import joints_of
 
-        self.session.end_gesture()
+        self.session.release()
         self.session.withdraw(joints_of(self.session.design)[name].field)
 
     def _another_design(self) -> None:

@@ -123,6 +123,7 @@ class MotionEditor(MotionDiagram):
     def _forget(self) -> None:
         """What was being moved is void."""
         self._pull = self._from = self._last = self.label = None
+        self._session.release()
         self.hold(False)
         self.point_out()
 
@@ -151,6 +152,7 @@ class MotionEditor(MotionDiagram):
         self._at = event.position()
         self._begin(grip, grip.join == 0 and self._angle_at(self._at) > 180.0)
         self._pull = Pull(self.motion, grip, self.scale_now())
+        self._session.take_hold()
         self._show_label(None, None)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:

@@ -1,14 +1,22 @@
 """Joints of cams and their followers drawn elsewhere on the drawing, as those of linkages are."""
 
+from collections.abc import Callable
+
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QCoreApplication, QEvent, QObject, QPointF, Qt
+from PySide6.QtGui import QMouseEvent
 from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QApplication, QWidget
 from window_user import Open, User, pixel, settle
 
 from core.design import faults
 from core.project import load
+from core.study import Study
+from core.study.stages import evaluations
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.linkage.canvas import joints_now
 from kindyna_gui.places import example
+from kindyna_gui.view import View
 from kindyna_gui.window import gallery
 
 WAYS = {"pivot": 20 + 15j, "arm_pin": -30 + 20j, "slider_pin": 25 - 20j, "roller": 15 + 20j}
@@ -119,3 +127,81 @@ def test_a_joint_shows_that_it_can_be_taken(user: User) -> None:
     QTest.mouseMove(viewport, viewport.rect().center())
     settle()
     assert view.canvas.cursor().shape() == Qt.CursorShape.ArrowCursor
+
+
+class Diary(QObject):
+    """Writes down what is read from a study and what is painted, in order."""
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        super().__init__()
+        self.lines: list[str] = []
+        self._patch, self._papers = patch, dict[QObject, str]()
+
+    def watch(self, name: str, view: View, paper: QWidget) -> None:
+        refresh = view.refresh
+
+        def noted(study: Study) -> None:
+            self.lines.append(f"read {name}")
+            refresh(study)
+
+        self._patch.setattr(view, "refresh", noted)
+        self._papers[paper] = name
+        paper.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        if event.type() == QEvent.Type.Paint:
+            self.lines.append(f"paint {self._papers[watched]}")
+        return False
+
+
+@pytest.fixture
+def hand(six_bar: User) -> Callable[[int], None]:
+    """Takes the first joint of the six-bar and draws it on, so many moves of the mouse from where it is."""
+    paper, at = six_bar.drawing().canvas.viewport(), [QPointF()]
+    none, left = Qt.KeyboardModifier.NoModifier, Qt.MouseButton.LeftButton
+
+    def draw(moves: int) -> None:
+        if at[0].isNull():
+            at[0] = QPointF(pixel(six_bar.drawing().canvas, joints_now(six_bar.drawing().scene)["A"]))
+            QTest.mousePress(paper, left, none, at[0].toPoint())
+        for _ in range(moves):
+            at[0] += QPointF(-1.0, 1.0)
+            before = six_bar.design
+            event = QMouseEvent(QEvent.Type.MouseMove, at[0], paper.mapToGlobal(at[0]), Qt.MouseButton.NoButton, left, none)
+            QApplication.sendEvent(paper, event)
+            assert six_bar.design is not before
+            QCoreApplication.sendPostedEvents()  # paints, while the next move is waiting already
+
+    return draw
+
+
+def test_a_drawn_joint_is_followed_by_the_drawing_first_and_by_plots_once_no_move_waits(
+    six_bar: User, hand: Callable[[int], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each move solves the linkage once for all views, and where the hand is, at one angle."""
+    drawing, plot = six_bar.drawing(), six_bar.see("velocity")
+    assert isinstance(plot, PlotView)
+    settle()
+    diary = Diary(monkeypatch)
+    diary.watch("drawing", drawing, drawing.canvas.viewport())
+    diary.watch("plot", plot, plot.plot.viewport())
+    hand(1)
+    settle()
+    evaluations.clear()
+    diary.lines.clear()
+    hand(4)
+    assert diary.lines == ["read drawing", "paint drawing"] * 4
+    assert evaluations["linkage"] == 4 + 3, "the angle before the first move is known from what was shown"
+    assert not plot.up_to_date
+    settle()
+    assert diary.lines[8:] == ["read plot", "paint plot"]
+    assert plot.up_to_date
+    hand(1)
+    QTest.mouseRelease(drawing.canvas.viewport(), Qt.MouseButton.LeftButton)
+    settle()
+    assert diary.lines.count("read plot") == 2
+    assert plot.up_to_date
+    assert len(six_bar.steps) == 1
+    diary.lines.clear()
+    assert six_bar.session.edit("linkage.links[2].points.B", (69.5, 0.0), "Change B")
+    assert "read plot" in diary.lines, "what is typed is followed at once"

@@ -148,15 +148,18 @@ def hatched_box(left: float, right: float, low: float, high: float, gap: float) 
     return segments(lines)
 
 
-@lru_cache(maxsize=KEPT)
 def hatching(start: complex, end: complex, depth: float, gap: float) -> QPainterPath:
-    """Short strokes at 45 degrees on the right of the line from start to end [mm]."""
+    """Short strokes at 45 degrees on the right of the line from start to end [mm]: as many as it has gaps, which share it."""
     length = abs(end - start)
-    along = (end - start) / length
-    across = -1j * along * depth
     count = max(2, min(400, round(length / gap)))
-    places = [start + along * length * (i + 0.5) / count for i in range(count)]
-    return segments((p + 0.25 * depth * along, p + across - 0.75 * depth * along) for p in places)
+    return scaled(_strokes(count, depth / gap), length / count, start, (end - start) / length)
+
+
+@lru_cache(maxsize=KEPT)
+def _strokes(count: int, depth: float) -> QPainterPath:
+    """So many of them below the +x axis, one in each of its units."""
+    feet = (0.5 + i for i in range(count))
+    return segments((foot + 0.25 * depth, complex(foot - 0.75 * depth, -depth)) for foot in feet)
 
 
 @lru_cache(maxsize=1)
