@@ -139,6 +139,12 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "no-stability": "no word on the stability of the shaft: {why}; {hint}",
         "motor-stalls": "the motor stalls: a flywheel of {inertia_kg_m2:.6g} kg m^2 does not carry the load over its peak, "
         "{least_kg_m2:.3g} kg m^2 and more do; a steeper motor slope needs less",
+        "probe-hollow": "the probe ({probe}) does not reach into a hollow of the profile{hollow}{at}: the lift there is that of a probe "
+        "which touches at two places{left}",
+        "probe-overhang": "the line of measurement runs along the profile{at}: what lies behind is hidden from the probe, and the lift "
+        "jumps",
+        "out-of-tolerance": "the measured lift is {deviation_mm} mm off{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
+        "not-measured": "no measured rows from {from_deg:.6g} to {to_deg:.6g} deg: nothing is said of the cam there",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )
@@ -163,6 +169,7 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "profile-meets-hub": (5, ("radius_mm", "limit_mm")),
         "cutter-too-large": (5, ("cutter_mm", "radius_mm")),
         "cutter-wider-than-groove": (5, ("cutter_mm", "radius_mm")),
+        "out-of-tolerance": (4, ("deviation_mm", "normal_mm", "limit_mm")),
         "jamming": (4, ("factor", "limit")),
         "contact-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),

@@ -53,6 +53,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "report": _row("the whole report of a design", "report"),
         "export": _row("tables as CSV and figures as JSON", "export"),
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF or SVG", "profile"),
+        "inspection": _row("the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"),
         "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm", "find"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),

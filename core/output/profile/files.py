@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from core.errors import FileError, KindynaError
+from core.errors import KindynaError
 from core.frozen import frozen
+from core.output.beside import SUMMARY, require_own
 from core.output.profile import dxf, svg, table
 from core.output.profile.drawing import Job, comment, facts, layers
 from core.output.profile.made import exact_curve, fitted
 from core.output.profile.request import Request
 from core.output.summary import to_json
-from core.project.files import read_text, write_all
+from core.project.files import write_all
 from core.study import Study
-
-SUMMARY = "summary.json"
 
 
 @frozen
@@ -88,29 +86,9 @@ def write(job: Job, path: Path) -> list[Path]:
     """Write the file, and what stands beside it; the paths. Raises FileError, and then nothing has changed."""
     made = files(job, path)
     if SUMMARY in made:
-        _require_own(path.parent / SUMMARY)
+        require_own(path.parent / SUMMARY, ("file", "deviation_mm"))
     write_all(path.parent, made)
     return [path.parent / name for name in made]
-
-
-def _require_own(path: Path) -> None:
-    """A summary that stands there already must be of a profile's table, too: that of an export is not replaced unasked."""
-    if not path.exists():
-        return
-    try:
-        own = set(facts_in(read_text(path))) >= {"file", "deviation_mm"}
-    except ValueError:
-        own = False
-    if not own:
-        raise FileError(f"{path}: cannot be written: it belongs to something else; choose another folder")
-
-
-def facts_in(text: str) -> Mapping[str, object]:
-    """What a summary says. Raises ValueError where it is none."""
-    data = json.loads(text)
-    if not isinstance(data, dict):
-        raise ValueError("no table")
-    return data
 
 
 __all__ = ["FORMATS", "Format", "files", "format_of", "job_of", "write"]
