@@ -16,18 +16,22 @@ def unbalanced(curve: LoadCurve) -> np.ndarray:
     return power
 
 
-def turning_points(curve: LoadCurve) -> np.ndarray:
-    """Machine angles (n,) among which W has its extremes [rad]: starts of panels, and roots of T - T̄ inside them."""
-    power = unbalanced(curve)
+def roots_of(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where polynomials (k, m) of r = 0 ... 1 change their sign: panel and r (n,), to the square of a sample's error."""
     r = np.linspace(0.0, 1.0, 4 * NODES + 1)
     values = polyval(r, power)  # (m, points)
     panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)
     before, after = values[panel, cell], values[panel, cell + 1]
-    # two steps are enough: the energy is flat there, its error is of second order in the root's
+    # two steps are enough: what has an extreme there is flat, its error is of second order in the root's
     root = r[cell] + (r[cell + 1] - r[cell]) * before / (before - after)
-    slope = polyval(root, np.arange(1, NODES)[:, None] * power[1:, panel], tensor=False)
+    slope = polyval(root, np.arange(1, power.shape[0])[:, None] * power[1:, panel], tensor=False)
     rest = polyval(root, power[:, panel], tensor=False)
-    root = np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
+    return panel, np.clip(root - rest / np.where(slope == 0.0, np.inf, slope), r[cell], r[cell + 1])
+
+
+def turning_points(curve: LoadCurve) -> np.ndarray:
+    """Machine angles (n,) among which W has its extremes [rad]: starts of panels, and roots of T - T̄ inside them."""
+    panel, root = roots_of(unbalanced(curve))
     return np.concatenate((curve.start, curve.start[panel] + root * curve.width[panel]))
 
 
