@@ -15,6 +15,7 @@ from hypothesis.database import DirectoryBasedExampleDatabase
 from kindyna_gui.gc_timer import tidy
 
 GUI_TESTS = Path(__file__).parent / "gui"
+EXAMPLES = 40  # of each property, others at each run
 
 # Before Qt is imported. A test of a real window starts its own display and says so by KINDYNA_TEST_XVFB.
 if not os.environ.get("KINDYNA_TEST_XVFB"):
@@ -42,10 +43,11 @@ os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(hypothesis_home)
 hypothesis.settings.register_profile(
     "kindyna",
     deadline=None,
+    max_examples=EXAMPLES,
     print_blob=True,
     database=DirectoryBasedExampleDatabase(hypothesis_home / "examples"),
 )
-hypothesis.settings.register_profile("kindyna-ci", deadline=None, print_blob=True, derandomize=True)
+hypothesis.settings.register_profile("kindyna-ci", deadline=None, max_examples=EXAMPLES, print_blob=True, derandomize=True)
 hypothesis.settings.load_profile("kindyna-ci" if os.environ.get("CI") else "kindyna")
 
 

@@ -52,11 +52,10 @@ class Series:
         """d/dt, one term shorter."""
         return Series([k * c for k, c in enumerate(self.c)][1:])
 
-    def _other(self, other: Any) -> list[Any]:
-        return other.c if isinstance(other, Series) else [MP.convert(other)] + [MP.zero] * (len(self.c) - 1)
-
     def __add__(self, other: Any) -> Series:
-        return Series([a + b for a, b in zip(self.c, self._other(other), strict=False)])
+        if not isinstance(other, Series):
+            return Series([self.c[0] + MP.convert(other), *self.c[1:]])
+        return Series([a + b for a, b in zip(self.c, other.c, strict=False)])
 
     def __neg__(self) -> Series:
         return Series([-c for c in self.c])
@@ -68,21 +67,27 @@ class Series:
         return -self + other
 
     def __mul__(self, other: Any) -> Series:
-        a, b = self.c, self._other(other)
+        if not isinstance(other, Series):
+            factor = MP.convert(other)
+            return Series([a * factor for a in self.c])
+        a, b = self.c, other.c
         n = min(len(a), len(b))
-        return Series([MP.fsum(a[j] * b[k - j] for j in range(k + 1)) for k in range(n)])
+        return Series([MP.fdot(a[: k + 1], b[k::-1]) for k in range(n)])
 
     __radd__, __rmul__ = __add__, __mul__
 
     def __truediv__(self, other: Any) -> Series:
-        a, b = self.c, self._other(other)
+        if not isinstance(other, Series):
+            divisor = MP.convert(other)
+            return Series([a / divisor for a in self.c])
+        a, b = self.c, other.c
         q: list[Any] = []
         for k in range(min(len(a), len(b))):
             q.append((a[k] - MP.fsum(b[j] * q[k - j] for j in range(1, k + 1))) / b[0])
         return Series(q)
 
     def __rtruediv__(self, other: Any) -> Series:
-        return Series(self._other(other)) / self
+        return Series([other] + [0] * (len(self.c) - 1)) / self
 
     def __pow__(self, n: int) -> Series:
         out = self

@@ -42,7 +42,7 @@ def drawn(case: Case) -> Motion:
     return free_motion(name, random.Random(seed), **numbers)
 
 
-@settings(max_examples=125)
+@settings(max_examples=60)
 @given(cases(), st.randoms(use_true_random=False))
 def test_what_is_feasible_is_solved(case: Case, pick: random.Random) -> None:
     """Of a motion made from free heights, as many settings as it takes give it back, or a gentler one that has them too:
@@ -60,7 +60,7 @@ def test_what_is_feasible_is_solved(case: Case, pick: random.Random) -> None:
     assert got.acceleration <= made.acceleration * (1.0 + 1e-9)
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.05, 0.95), min_size=1, max_size=2))
 def test_points_are_passed(case: Case, pick: random.Random, shares: list[float]) -> None:
     """One or two beside other settings, an acceleration among them at times; refused only where many motions pass, or two
@@ -109,7 +109,7 @@ def check_ends(wish: Request, name: str, ranges: list[Range]) -> None:
             assert not solves(wish, name, found.high + step), (name, found)
 
 
-@settings(max_examples=35)
+@settings(max_examples=20)
 @given(cases(), st.randoms(use_true_random=False), st.floats(0.02, 50.0))
 def test_ranges_are_those_of_a_scan_from_outside(case: Case, pick: random.Random, factor: float) -> None:
     """All settings but one from a feasible motion. The motions that have them are followed by Newton's method from there
@@ -151,7 +151,7 @@ def test_ranges_are_those_of_a_scan_from_outside(case: Case, pick: random.Random
         assert text.endswith(f" {unit.get(last, 'mm')}")
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(cases(), st.randoms(use_true_random=False), st.lists(st.floats(0.01, 30.0), min_size=4, max_size=4))
 def test_nonsense_is_always_refused_with_a_range(case: Case, pick: random.Random, factors: list[float]) -> None:
     """Every setting off by a factor of its own: solved rightly, or refused in one line whose range is kept by all that

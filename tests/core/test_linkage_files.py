@@ -295,7 +295,7 @@ def test_parts_that_are_held_too_fast_and_too_loosely_are_named() -> None:
     assert "linkage.links[4].points" in told_faults or "linkage" in told_faults
 
 
-@settings(max_examples=100, derandomize=True, database=None)
+@settings(max_examples=50, derandomize=True, database=None)
 @given(st.data())
 def test_any_damage_is_told(data: st.DataObject) -> None:
     table = copy.deepcopy(TABLES[data.draw(st.sampled_from(NAMES))])

@@ -30,7 +30,7 @@ def wave(place: mpmath.mpf, order: int) -> tuple[list, list]:
 
 def times(a: list, b: list, k: int) -> mpmath.mpf:
     """The k-th coefficient of a product."""
-    return mpmath.fsum(a[j] * b[k - j] for j in range(k + 1))
+    return mpmath.fdot(a[: k + 1], b[k::-1])
 
 
 @cache
@@ -47,7 +47,7 @@ def reference(eta: float, q: float, damping: float, equation: str, panels: int =
             whole = [h * times(s, s, k) * (equation == EXACT) + (k == 0) for k in range(order)]
             inverse: list = []
             for k in range(order):
-                inverse.append(((k == 0) - mpmath.fsum(whole[j] * inverse[k - j] for j in range(1, k + 1))) / whole[0])
+                inverse.append(((k == 0) - mpmath.fdot(whole[1 : k + 1], inverse[::-1])) / whole[0])
             # ψ = 2a (cos 2θ - cos 4θ), κ = 4 cos 4θ
             stiff = [
                 h * (3 * (c[k] - double[k]) + 4 * double[k] * (equation == EXACT)) + n * n * (k == 0)
