@@ -77,6 +77,12 @@ def table_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     return with_suffix(parent, name, ".csv")
 
 
+def inspection_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save an inspection table to, ending in .csv."""
+    name, _ = QFileDialog.getSaveFileName(parent, "Export inspection table", str(suggestion), TABLES)
+    return with_suffix(parent, name, ".csv")
+
+
 def profile_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a profile to, with the ending of the suggestion."""
     ending = suggestion.suffix

@@ -157,17 +157,34 @@ class Exports(QObject):
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""
         from core.output.profile import write
-        from kindyna_gui.documents import export_dialogs, profile_dialog
+        from kindyna_gui.documents import profile_dialog
 
         wanted = profile_dialog.profile_wanted(self._window, self._session.design)
         if wanted is None:
             return
         job, ending = wanted
         path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._name}{ending}")
+        self._write_beside(path, lambda path: write(job, path))
+
+    def inspection(self) -> None:
+        """The lift that a probe measures on the cam."""
+        from core.output.inspection import write
+        from kindyna_gui.inspection.export_dialog import inspection_wanted
+
+        made = inspection_wanted(self._window, self._session.design)
+        if made is None:
+            return
+        path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._name}_lift.csv")
+        self._write_beside(path, lambda path: write(made, path))
+
+    def _write_beside(self, path: Path | None, make: Callable[[Path], Sequence[Path]]) -> None:
+        """Let files be written beside the window, and report which."""
         if path is None:
             return
+        from kindyna_gui.documents import export_dialogs
+
         try:
-            made = export_dialogs.beside(self._window, f"Writing {path.name}", lambda: write(job, path))
+            made = export_dialogs.beside(self._window, f"Writing {path.name}", lambda: make(path))
         except KindynaError as error:
             dialogs.show_faults(self._window, f"{path.name} cannot be written.", str(error).splitlines())
             return

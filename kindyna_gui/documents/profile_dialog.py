@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
     QDialogButtonBox,
-    QDoubleSpinBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -31,6 +30,7 @@ from core.output.profile.digits import rounded_up
 from core.study import Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.profile_preview import Preview, PreviewPicture, preview
+from kindyna_gui.forms.amount import Amount, fill_choices
 from kindyna_gui.look import INK, QUIET, WRONG, coloured
 
 PAUSE_MS = 150  # after the last change before a preview is computed
@@ -58,28 +58,6 @@ ENTRIES: Mapping[str, Entry] = MappingProxyType(
 )
 
 
-class Amount(QDoubleSpinBox):
-    """A number without trailing zeros, whose arrows step by a tenth of its size."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
-        self.setGroupSeparatorShown(False)
-
-    def textFromValue(self, value: float) -> str:
-        text = f"{value:.{self.decimals()}f}"
-        return text.rstrip("0").rstrip(".") if "." in text else text
-
-
-def _chosen(box: QComboBox, rows: Mapping[str, str]) -> None:
-    """Fill a list; what was chosen stays so where it is still there."""
-    before = box.currentData()
-    box.clear()
-    for name, text in rows.items():
-        box.addItem(text, name)
-    box.setCurrentIndex(max(0, box.findData(before)))
-
-
 class ProfileDialog(QDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
@@ -91,11 +69,11 @@ class ProfileDialog(QDialog):
         self._values = {name: row.first for name, row in ENTRIES.items()}
         self.format, self.points, self.fit, self.flank = (QComboBox(self) for _ in range(4))
         self.value, self.cutter = Amount(), Amount()
-        _chosen(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
+        fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))
-        _chosen(self.points, {name: row.text for name, row in ENTRIES.items()})
+        fill_choices(self.points, {name: row.text for name, row in ENTRIES.items()})
         assert design.drive.cam is not None, "a design without cam has no profile"
-        _chosen(self.flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
+        fill_choices(self.flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
         self.cutter.setDecimals(4)
         self.cutter.setRange(0.0, 1e5)
         self.cutter.setSuffix(" mm")
@@ -159,7 +137,7 @@ class ProfileDialog(QDialog):
 
     def _offer_fits(self) -> None:
         """What the format can hold."""
-        _chosen(self.fit, {name: FITS[name].label.capitalize() for name in FORMATS[self.ending].fits})
+        fill_choices(self.fit, {name: FITS[name].label.capitalize() for name in FORMATS[self.ending].fits})
         self._changed()
 
     def _offer_value(self) -> None:

@@ -11,7 +11,7 @@ from core.design import Design, Elastic, motion_of, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
-from kindyna_gui.requirements import NO_MOTION, NO_SHAFT, with_shaft
+from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
@@ -50,6 +50,16 @@ class Designing(QObject):
 
         if self._moves():
             import_measured(self._session, self._window)
+
+    def inspect_measured(self) -> None:
+        """Ask for a measured table of lift and lay it on the profile."""
+        from kindyna_gui.inspection.measured_dialog import inspect_measured
+
+        self._window.documents.settle()
+        if self._session.design.drive.cam is None:
+            self.status_message.emit(NO_CAM)
+        else:
+            inspect_measured(self._window, self._session.design)
 
     def _moves(self) -> bool:
         """Whether there is a motion to be edited; else the status line tells how to get one."""

@@ -157,6 +157,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
             _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
             Submenu("C&olour the profile", submenus.fill_colours, "colours"),
+            Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
+                 "Lay a measured table of lift on the profile: deviations, the largest, in or out of tolerance"),
             SEPARATOR,
             Item("P&lay", "player.play", None, "F5", "Turn the cam", checkable=True, name="play"),
             Item("Step &forward", "player.step", 1.0, "F7", "One degree forward"),

@@ -110,6 +110,12 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
             window.exports.drawing,
             no_cam,
         ),
+        (
+            "&Inspection table...",
+            "Write the lift that a probe measures on the cam, with its tolerance band, as CSV",
+            window.exports.inspection,
+            no_cam,
+        ),
         ("&Report...", "Write the whole report as text", window.exports.report, ""),
         (
             "&Picture of the mechanism...",

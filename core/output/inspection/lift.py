@@ -7,12 +7,12 @@ the line measures the profile's support function. A profile that is off by ± t 
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from core.cam import INNER, OUTER, faces_of
+from core.design import Design
 from core.errors import KindynaError, NoCam, angle_ranges
 from core.findings import NOTE, Finding
 from core.frozen import frozen
@@ -23,7 +23,7 @@ from core.output.inspection.probe import PROBES, Kind, Readings, Stretches, read
 from core.output.inspection.request import LEAST_ANGLES, MOST_ANGLES, Request
 from core.output.profile.curve import Curve, Exact, side
 from core.output.profile.cutter import hollow
-from core.output.profile.made import exact_curve, touching
+from core.output.profile.made import exact_curve
 from core.output.profile.request import Request as Profile
 from core.study import Study
 
@@ -212,17 +212,16 @@ def probing(study: Study, request: Request) -> Probing:
     """
     flank = Profile("samples", request.samples, "polyline", request.flank)
     exact = exact_curve(study, flank)
-    # an outer flank with play is made for a larger roller than the one that is there
-    face = touching(study, replace(flank, flank=INNER) if request.flank == OUTER else flank)
-    name = request.probe or ("flat" if face.face == "flat" else "roller" if face.radius_mm > 0.0 else "point")
+    usual, own = own_probe(study.design, request.flank)
+    name = request.probe or usual
     if name not in PROBES:
         raise KindynaError(f"probe {name!r}: none of that name; allowed: {', '.join(PROBES)}")
     kind = PROBES[name]
     if not LEAST_ANGLES <= request.samples <= MOST_ANGLES:
         raise KindynaError(f"samples {request.samples}: cam angles of the table; allowed: {LEAST_ANGLES} ... {MOST_ANGLES}")
-    radius = _radius(request, kind, name, face.radius_mm)
+    radius = _radius(request, kind, own)
     on = side(study, study_flank(study, request.flank))
-    direction = np.deg2rad(_direction(study, request))
+    direction = np.deg2rad(own_direction(study.design) if request.direction_deg is None else request.direction_deg)
     z = Curve(exact, study.program.starts, study.program.ends)
     round_about = z.at(z.length * np.arange(720) / 720.0)
     area = float(cross(round_about, np.roll(round_about, -1)).sum())
@@ -232,18 +231,24 @@ def probing(study: Study, request: Request) -> Probing:
     return made
 
 
+def own_probe(design: Design, flank: str) -> tuple[str, float]:
+    """The row of ``PROBES`` that touches a flank as the cam's own follower does, and its radius [mm]; of an outer flank with play
+    the roller that is there, which is smaller than the one that the flank is made for."""
+    face = faces_of(design.drive.face, design.drive.cam)[INNER if flank == OUTER else flank]
+    return ("flat" if face.face == "flat" else "roller" if face.radius_mm > 0.0 else "point"), face.radius_mm
+
+
 def study_flank(study: Study, name: str) -> int:
     """Its place among the flanks of the cam."""
     return [each.name for each in study.at(Angles(np.zeros(1), np.zeros(1, dtype=int))).cam.flanks].index(name)
 
 
-def _direction(study: Study, request: Request) -> float:
-    if request.direction_deg is not None:
-        return request.direction_deg
-    return float(getattr(study.design.drive.mechanism, "direction_deg", USUAL_DEG))
+def own_direction(design: Design) -> float:
+    """Where the follower stands, seen from the cam centre [deg], where it has a direction; else 90."""
+    return float(getattr(design.drive.mechanism, "direction_deg", USUAL_DEG))
 
 
-def _radius(request: Request, kind: Kind, name: str, own: float) -> float:
+def _radius(request: Request, kind: Kind, own: float) -> float:
     given = request.radius_mm
     if not kind.radius:
         if given:
@@ -288,4 +293,4 @@ def inspection(study: Study, request: Request) -> Inspection:
     return Inspection(made, made.table(360.0 * np.arange(request.samples) / request.samples))
 
 
-__all__ = ["Inspection", "Probing", "Table", "inspection", "probing"]
+__all__ = ["Inspection", "Probing", "Table", "inspection", "own_direction", "own_probe", "probing"]

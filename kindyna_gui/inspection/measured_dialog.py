@@ -1,0 +1,228 @@
+"""A measured cam: its table on the profile, deviations magnified, the verdict in words, the worst rows."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from PySide6.QtCore import QModelIndex, QSize, Qt, QTimer
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QDialog,
+    QDialogButtonBox,
+    QFileDialog,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import Design
+from core.errors import KindynaError
+from core.findings import ERROR
+from core.output.inspection import ANGLES, Comparison, Request, compare, measured_lift, probing
+from core.project.files import read_bytes
+from core.study import Study
+from kindyna_gui import dialogs
+from kindyna_gui.background import Background
+from kindyna_gui.forms.amount import Amount
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.inspection.form import ProbeForm
+from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import GOOD, QUIET, WRONG, coloured, sign
+from kindyna_gui.settings import Settings
+
+PAUSE_MS = 150  # after the last change before rows are compared
+LEFT_WIDTH, USUAL, LEAST = 340, QSize(1080, 700), QSize(880, 540)
+MOST_ROWS = 100  # of the worst
+TABLES = "Tables (*.csv *.txt *.dat *.tsv *.asc)"
+HEADINGS = (
+    Heading("Line", number=True), Heading("Cam angle, °", number=True), Heading("Normal, µm", number=True),
+    Heading("In lift, µm", number=True),
+)  # fmt: skip
+
+
+class MeasuredCamDialog(QDialog):
+    """``result`` is the last comparison, None while there is none; what was shown stays while a file cannot be read."""
+
+    def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
+        super().__init__(parent)
+        self.setWindowTitle("Inspect a measured cam")
+        self.result: Comparison | None = None
+        self._design, self._path, self._data, self._work = design, path, data, Background(self)
+        self._order: np.ndarray = np.zeros(0, dtype=int)
+        self.form, self.factor, self.fit = ProbeForm(design), Amount(), QCheckBox("Fit the zero marks of angle and lift")
+        self.fit.setToolTip("By least squares, where the table counts its angles or its lift from another place")
+        self.factor.setDecimals(0)
+        self.factor.setRange(1.0, 1e5)
+        self.factor.setPrefix("× ")
+        self.factor.setValue(100.0)
+        self.form.form.addRow("Drawn", self.factor)
+        self.form.form.addRow("", self.fit)
+        self.verdict, self.notes = QLabel(wordWrap=True), QLabel(wordWrap=True)
+        for label in (self.verdict, self.notes):
+            label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        font = self.verdict.font()
+        font.setBold(True)
+        self.verdict.setFont(font)
+        coloured(self.notes, QUIET)
+        self.picture, self.rows = DeviationPicture(), RowsTable(HEADINGS)
+        self._lay_out()
+        self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
+        self._pause.timeout.connect(self._compute)
+        self._work.result.connect(self._take)
+        self.form.changed.connect(self._changed)
+        self.fit.toggled.connect(self._changed)
+        self.factor.valueChanged.connect(self.picture.magnify)
+        self.again.clicked.connect(self._read_again)
+        self.rows.clicked.connect(self._point_out)
+        self.rows.activated.connect(self._point_out)
+        self.finished.connect(self._work.close)
+        self._changed()
+
+    def _lay_out(self) -> None:
+        self.again = QPushButton("&Read again")
+        self.again.setToolTip("After the file was mended, or measured anew")
+        self.again.setAutoDefault(False)
+        name = QLabel(self._path.name)
+        name.setToolTip(str(self._path))
+        head = QHBoxLayout()
+        head.addWidget(name, 1)
+        head.addWidget(self.again)
+        left = QVBoxLayout()
+        left.setContentsMargins(0, 0, 0, 0)
+        left.addLayout(head)
+        left.addWidget(self.form)
+        left.addSpacing(6)
+        left.addWidget(self.verdict)
+        left.addWidget(self.notes)
+        left.addWidget(self.rows, 1)
+        side = QWidget()
+        side.setLayout(left)
+        side.setFixedWidth(LEFT_WIDTH)
+        middle = QHBoxLayout()
+        middle.setSpacing(12)
+        middle.addWidget(side)
+        middle.addWidget(self.picture, 1)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.rejected.connect(self.reject)
+        column = QVBoxLayout(self)
+        column.addLayout(middle, 1)
+        column.addWidget(buttons)
+        self.setMinimumSize(LEAST)
+        self.resize(USUAL.boundedTo(self.screen().availableGeometry().size() - QSize(40, 60)))
+
+    # -- what comes of it ----------------------------------------------------------------------------------------
+
+    def _changed(self) -> None:
+        self.picture.wait()
+        self._tell("computing ...", QUIET)
+        self._pause.start()
+
+    def _compute(self) -> None:
+        job = partial(_compared, self._design, self.form.request(ANGLES), self._data, self._path.name, self.fit.isChecked())
+        self._work.start([("", job)])
+
+    def _read_again(self) -> None:
+        try:
+            self._data = read_bytes(self._path)
+        except KindynaError as error:  # what is shown stays
+            self._tell(str(error).splitlines()[0], WRONG)
+        else:
+            self._changed()
+
+    def _take(self, _: object, result: Shown | KindynaError) -> None:
+        if self._pause.isActive():  # it has been changed since
+            return
+        if isinstance(result, Shown):
+            self._show(result)
+            return
+        self.result = None
+        lines = str(result).splitlines()
+        self._tell(lines[0], WRONG)
+        self.notes.setText("\n".join(lines[1:6]) + (f"\nand {len(lines) - 6} more" if len(lines) > 6 else ""))
+        self.rows.show_rows([])
+        self.picture.show_comparison(None, "Nothing can be drawn before the table can be read and measured")
+
+    def _show(self, made: Shown) -> None:
+        self.result = result = made.comparison
+        self.picture.show_comparison(made)
+        self._tell(verdict(result), GOOD if result.in_tolerance else WRONG)
+        self.notes.setText("\n".join(notes(result)))
+        self._order = np.argsort(-np.abs(result.normal), kind="stable")[:MOST_ROWS]
+        self.rows.show_rows(
+            [
+                Row(
+                    (
+                        str(result.lines[i]), f"{result.table.degrees[i]:.6g}", f"{1e3 * result.normal[i]:+.3f}",
+                        f"{1e3 * result.deviation[i]:+.3f}",
+                    ),
+                    sign(ERROR) if result.out[i] else None,
+                    "Click to see it in the picture",
+                )
+                for i in self._order.tolist()
+            ]
+        )  # fmt: skip
+
+    def _point_out(self, index: QModelIndex) -> None:
+        self.picture.point_out(int(self._order[index.row()]))
+
+    def _tell(self, text: str, colour: str) -> None:
+        self.verdict.setText(text)
+        coloured(self.verdict, colour)
+
+
+def _compared(design: Design, request: Request, data: bytes, name: str, fit: bool) -> Shown:
+    measured = measured_lift(data, name)
+    return shown(compare(probing(Study(design), request), measured, fit))
+
+
+def verdict(result: Comparison) -> str:
+    """In words."""
+    row, band = result.worst, 1e3 * result.probing.request.tolerance_mm
+    where = f"{1e3 * result.normal[row]:+.4g} µm normal to the profile at {result.table.degrees[row]:.5g}°, line {result.lines[row]}"
+    if result.in_tolerance:
+        return f"In tolerance, ± {band:g} µm: the largest deviation is {where}."
+    count = int(result.out.sum())
+    return f"Out of tolerance, ± {band:g} µm, in {count} of {result.lines.size} rows: the largest deviation is {where}."
+
+
+def notes(result: Comparison) -> list[str]:
+    """What was fitted, how the table was read, what was not measured."""
+    lines = []
+    if result.fitted:
+        lines.append(f"Fitted: cam angle = angle {result.angle_offset:+.6g}°, lift = measured {-result.lift_offset:+.6g} mm.")
+    lines += [f"{sentence(found.message)}." for found in result.findings if found.severity != ERROR]
+    return lines + [f"{sentence(note)}." for note in result.notes]
+
+
+# -- the question, as a function that tests can answer ------------------------------------------------------------
+
+
+def cam_table_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """The table that was measured, None where the user cancels."""
+    name, _ = QFileDialog.getOpenFileName(parent, "Inspect a measured cam", str(folder), f"{TABLES};;All files (*)")
+    return Path(name) if name else None
+
+
+def inspect_measured(parent: QWidget, design: Design) -> MeasuredCamDialog | None:
+    """Ask for a table and open the dialog over a window; it is deleted once closed."""
+    path = cam_table_to_open(parent, Settings().folder)
+    if path is None:
+        return None
+    try:
+        data = read_bytes(path)
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return None
+    Settings().folder = path.parent
+    dialog = MeasuredCamDialog(parent, design, path, data)
+    dialog.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+    dialog.open()
+    return dialog
+
+
+__all__ = ["MeasuredCamDialog", "cam_table_to_open", "inspect_measured"]
