@@ -79,13 +79,12 @@ class Panel(QWidget):
 
     @property
     def lacks_extremes(self) -> bool:
-        """Whether curves are drawn upwards, and others than those whose extremes were shown last."""
-        return isinstance(self.plot, LivePlot) and self.plot.lacks_extremes
+        """Whether other curves are drawn than those whose extremes were shown last."""
+        return self.plot.lacks_extremes
 
     def show_extremes(self, found: Mapping[str, Range] | None) -> None:
-        """Mark them where curves are drawn upwards."""
-        if isinstance(self.plot, LivePlot):
-            self.plot.show_extremes(found)
+        """Mark them."""
+        self.plot.show_extremes(found)
 
     def set_active(self, on: bool) -> None:
         self.active = on

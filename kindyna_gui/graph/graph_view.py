@@ -185,8 +185,9 @@ class GraphView(MarkedView):
             action = QAction(text, plot)
             action.triggered.connect(slot)
             plot.addAction(action)
+        plot.addAction(self.marks)
         if isinstance(plot, LivePlot):
-            plot.addActions([self.marks, plot.whole_action])
+            plot.addAction(plot.whole_action)
         return panel
 
     def _lay(self) -> None:
@@ -277,7 +278,8 @@ class GraphView(MarkedView):
         self.pull()
         rows = [[self._rows[n] for n in names if n not in self._reasons] for names in self.choice.plots]
         shown = [row for row in rows if row]
-        return FORMS[self.form].file(self.session.study, shown, ending) if shown else super().picture(ending)
+        marks = self.marks.isChecked()
+        return FORMS[self.form].file(self.session.study, shown, ending, marks) if shown else super().picture(ending)
 
     def export_picture(self) -> None:
         save_picture(self, "graph")

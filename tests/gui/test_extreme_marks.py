@@ -11,15 +11,22 @@ import pytest
 from plot_reading import box_of, curves, is_limit, marks, tags
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
-from window_user import Open, User, settle, wait_for
+from PySide6.QtWidgets import QApplication
+from window_user import Alone, Open, User, settle, wait_for
 
+from core.design import edited
 from core.motion.extremes import Range
-from core.output.channels import Channel
+from core.output.channels import Channel, channels
+from core.project import load
 from core.study import Study
+from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.graph_view import GraphView
+from kindyna_gui.graph.live_plot import LivePlot, LivePolar
 from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.plots.curves import extremes_of
 from kindyna_gui.pictures.plots.ranges import readable_range, usual_range
 from kindyna_gui.places import example
+from kindyna_gui.window.player import Player
 
 LIFT = example("transfer_lift")
 MASS = """
@@ -214,3 +221,77 @@ def test_a_picture_of_a_plot_has_the_marks_that_the_screen_has(open_user: Open) 
     (action,) = (a for a in view.plot.actions() if a.text() == "Mark extremes")
     action.trigger()
     assert "302.72°" not in view.picture(".svg").decode()
+
+
+def test_a_curvature_is_infinite_at_its_cusp_whatever_the_samples_there_are(app: QApplication) -> None:
+    """Until its extremes are refined an arrow without a number says that a peak is cut off; then it is infinite, right where
+    the pitch curve's radius is the roller's."""
+    study = Study(edited(load(LIFT), "cam.base_radius_mm", 86.0), 1800)
+    rows = {row.quantity: row for row in channels(study.design)}
+    row, roller = rows["profile_curvature"], study.design.drive.face.radius_mm * 1e-3
+    plot = LivePlot()
+    plot.resize(420, 300)
+    plot.set_curves(study, [row])
+    assert np.isfinite(row.values(study)).all()
+    assert len(plot.marked()) == 2
+    assert marks(plot) == [], "no figure of a sample"
+    plot.show_extremes(extremes_of(study, [row]))
+    low, high = plot.marked()
+    assert (low.value, high.value) == (-inf, inf)
+    assert {tag.text for tag in marks(plot)} == {f"\u2212\u221e at {low.angle:.2f}°", f"\u221e at {high.angle:.2f}°"}
+    for mark in (low, high):
+        there = study.at_theta(np.array([radians(mark.angle)])).cam.flank.pitch_curvature[0]
+        assert abs(there) * roller == pytest.approx(1.0, abs=1e-4)
+    polar = LivePolar()
+    polar.resize(420, 420)
+    polar.set_curves(study, [row])
+    polar.show_extremes(extremes_of(study, [row]))
+    assert {mark.text for mark in polar.marks} == {tag.text for tag in marks(plot)}
+    plot.deleteLater()
+    polar.deleteLater()
+
+
+@pytest.fixture
+def polar(alone: Alone) -> GraphView:
+    """The lift's first graph, in polar form."""
+    graph: GraphView = alone(GraphView(Session(load(LIFT)), Player()), 900, 620)
+    graph.set_form("polar")
+    wait_for(lambda: graph.up_to_date and not graph.busy)
+    return graph
+
+
+def polar_plots(graph: GraphView) -> list[LivePolar]:
+    return [panel.plot for panel in graph.panels if isinstance(panel.plot, LivePolar)]
+
+
+def test_polar_plots_mark_what_straight_ones_do(polar: GraphView) -> None:
+    found = [plot.marked() for plot in polar_plots(polar)]
+    assert all(len(marked) >= 2 for marked in found)
+    (switch,) = (a for a in polar_plots(polar)[0].actions() if a.text() == "Mark extremes")
+    picture = polar.picture(".svg").decode()
+    assert all(mark.text in picture for plot in polar_plots(polar) for mark in plot.marks if not mark.box.isEmpty())
+    switch.trigger()
+    settle()
+    assert not any(plot.marked() or plot.marks for plot in polar_plots(polar))
+    assert " at " not in polar.picture(".svg").decode()
+    switch.trigger()
+    wait_for(lambda: not polar.busy)
+    assert [plot.marked() for plot in polar_plots(polar)] == found
+    polar.set_form("straight")
+    wait_for(lambda: not polar.busy)
+    assert [panel.plot.marked() for panel in polar.panels] == found
+
+
+def test_the_texts_of_polar_marks_stand_beside_their_places_and_cover_nothing(polar: GraphView) -> None:
+    laid = 0
+    for plot in polar_plots(polar):
+        plot.set_angle(radians(plot.marked()[0].angle))
+        boxes = [mark.box for mark in plot.marks if not mark.box.isEmpty()]
+        others = [box for _, box in plot.letters()] + [box for _, box in plot.readouts()]
+        assert not any(one.intersects(other) for one, other in combinations(boxes, 2))
+        assert not any(box.intersects(other) for box in boxes for other in others)
+        for mark, extreme in zip(plot.marks, plot.marked(), strict=True):
+            assert mark.at == plot.place(extreme.angle, plot.distance(extreme.value))
+            assert not any(mark.box.contains(path.pointAtPercent(i / 3000.0)) for path in plot.paths for i in range(3001))
+        laid += len(boxes)
+    assert laid >= 3

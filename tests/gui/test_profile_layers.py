@@ -1,5 +1,6 @@
 """The profile in colours, its values under the mouse, and dimensions: layers of the drawing that cost nothing until they are shown."""
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,13 @@ def test_curvature_tells_concave_from_convex_by_its_radius() -> None:
     assert float(high.removeprefix("convex R ")) == pytest.approx(radius, rel=0.1)
     hollow = scene_of(edited(beginning("translating"), "motion.stroke", 60.0), "curvature_colours")
     assert hollow.overlay is not None
-    assert hollow.overlay.colours["curvature_colours"].texts[1].startswith("concave R ")
+    bar = hollow.overlay.colours["curvature_colours"]
+    assert bar.texts[1].startswith("concave R ")
+    name, *ticks = (item.pixel_box().translated(item.pos()) for item in bar.childItems() if isinstance(item, Tag))
+    for one, other in pairwise(sorted(ticks, key=QRectF.left)):
+        assert one.right() < other.left(), "their texts stand clear of each other"
+    assert ticks[0].left() == pytest.approx(-bar.width)
+    assert ticks[-1].right() == pytest.approx(0.0)
 
 
 def test_layers_that_are_not_shown_are_not_made() -> None:

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from core.frozen import frozen
 from kindyna_gui.pictures.drawing.items import Outline, Tag, wrapped
-from kindyna_gui.pictures.drawing.profile_colours import ColourScale, colour_bar
+from kindyna_gui.pictures.drawing.profile_colours import ColourScale, bar_width, colour_bar
 from kindyna_gui.pictures.style import OUTLINE, SMALL, TEXT, THIN, Theme, brush
 from kindyna_gui.pictures.units import nice_below, readable, short, with_unit
 
@@ -20,7 +20,7 @@ TOP_STRIP, BOTTOM_STRIP = 30.0, 44.0  # of a picture, kept free of the mechanism
 BAR_PIXELS, BAR_PART = 190.0, 0.35  # longest scale bar: pixels, part of the picture's width
 ARROW_PIXELS = 90.0  # longest arrow of a legend
 THICK = 5.0
-COLOUR_BAR, COLOUR_HIGH, COLOUR_TICKS, COLOUR_ROW = 190.0, 7.0, 22.0, 46.0  # of a scale of colours, pixels
+COLOUR_BAR, COLOUR_HIGH, COLOUR_TICKS, COLOUR_ROW = 190.0, 7.0, 22.0, 46.0  # of a scale of colours, at least, pixels
 Z_OVERLAY = 20.0
 
 
@@ -123,14 +123,15 @@ class ColourBar(_Corner):
 
     def __init__(self, scale: ColourScale, theme: Theme) -> None:
         super().__init__()
+        self.width = width = max(COLOUR_BAR, bar_width(scale))
         path = QPainterPath()
-        path.addRect(QRectF(0.0, 0.0, COLOUR_BAR, COLOUR_HIGH))
-        self._bar = Outline(path, theme.pen(theme.ink, THIN), QBrush(scale.gradient(COLOUR_BAR)))
+        path.addRect(QRectF(0.0, 0.0, width, COLOUR_HIGH))
+        self._bar = Outline(path, theme.pen(theme.ink, THIN), QBrush(scale.gradient(width)))
         self._bar.setParentItem(self)
-        self._bar.setPos(-COLOUR_BAR, -COLOUR_HIGH)
-        self._tags = [self._tag(scale.title, theme, -COLOUR_BAR, -COLOUR_HIGH - 2.0, (0.0, 1.0))]
-        for x, text in colour_bar(scale, COLOUR_BAR):
-            self._tags.append(self._tag(text, theme, x - COLOUR_BAR, 2.0, (x / COLOUR_BAR, 0.0)))
+        self._bar.setPos(-width, -COLOUR_HIGH)
+        self._tags = [self._tag(scale.title, theme, -width, -COLOUR_HIGH - 2.0, (0.0, 1.0))]
+        for x, text in colour_bar(scale, width):
+            self._tags.append(self._tag(text, theme, x - width, 2.0, (x / width, 0.0)))
 
     def _tag(self, text: str, theme: Theme, x: float, y: float, lean: tuple[float, float]) -> Tag:
         tag = Tag(text, theme.ink, theme, SMALL, lean)
@@ -217,10 +218,10 @@ class Overlay:
         if self.bar.isVisible():
             boxes.append(QRectF(left, low - BOTTOM_STRIP, self.bar.length_mm * scale + 4.0 * MARGIN, BOTTOM_STRIP))
         shown = sum(arrow.isVisible() for arrow in self.vectors.values())
-        bars = sum(bar.isVisible() for bar in self.colours.values())
+        bars = [bar.width + MARGIN for bar in self.colours.values() if bar.isVisible()]
         if shown or bars:
-            high = (1.0 + 1.5 * shown) * MARGIN + bars * COLOUR_ROW
-            boxes.append(QRectF(right - 2.5 * ARROW_PIXELS, low - high, 2.5 * ARROW_PIXELS, high))
+            high, wide = (1.0 + 1.5 * shown) * MARGIN + len(bars) * COLOUR_ROW, max(2.5 * ARROW_PIXELS, *bars, 0.0)
+            boxes.append(QRectF(right - wide, low - high, wide, high))
         return boxes
 
     def lay(self, visible: QRectF, scale: float) -> None:

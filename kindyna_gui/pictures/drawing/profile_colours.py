@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -14,7 +15,7 @@ from core.cam import PRESSURE_LIMITS, Flank
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
-from kindyna_gui.pictures.drawing.items import Part, turning
+from kindyna_gui.pictures.drawing.items import Part, text_size, turning
 from kindyna_gui.pictures.drawing.shapes import outline
 from kindyna_gui.pictures.style import BLUE, ORANGE, SKY, VERMILION, YELLOW, Theme, no_pen
 from kindyna_gui.pictures.units import short
@@ -25,6 +26,7 @@ MOST = 720  # pieces of a coloured line
 DIGITS = 2  # of the radius at the end of a scale
 USUAL_PART = 98.0  # per cent of the profile whose curvature lies on the scale; a tip has the colour of its end
 NEUTRAL = "#B4BCC3"
+APART = 8.0  # between the texts of a scale, pixels
 Z_COLOURS = 2.7
 
 
@@ -186,3 +188,9 @@ def colour_bar(scale: ColourScale, width: float) -> Iterator[tuple[float, str]]:
         yield width * (value - scale.low) / (scale.high - scale.low), text
 
 
+def bar_width(scale: ColourScale) -> float:
+    """The least width of a bar [pixels] on which the texts of the ticks, each within its ends, stand clear of each other."""
+    ticks = [(part, text_size(text)[0]) for part, text in colour_bar(scale, 1.0)]
+    return max(
+        ((APART + one + part * other - at * one) / (part - at) for (at, one), (part, other) in pairwise(ticks)), default=0.0
+    )

@@ -12,6 +12,7 @@ from PySide6.QtGui import QPainterPath, QPolygonF
 
 from core.frozen import frozen
 from kindyna_gui.pictures.drawing.items import Outline, Tag
+from kindyna_gui.pictures.plots.curves import Curve
 from kindyna_gui.pictures.plots.frame import Z_CURVE, Frame
 from kindyna_gui.pictures.plots.lines import CurveLine
 from kindyna_gui.pictures.style import SMALL, Theme, brush
@@ -29,21 +30,36 @@ upper left, right, left, below ..."""
 
 @frozen
 class Extreme:
-    """An extreme of a curve: its cam angle [deg], its value in the unit of the axis, whether it is the highest."""
+    """An extreme of a curve: its cam angle [deg], its value in the unit of the axis, whether it is the highest.
+
+    refined   False: the largest sample of a peak beyond the axis, which may be infinite: it has no text
+    """
 
     angle: float
     value: float
     highest: bool
     colour: str
+    refined: bool = True
 
-    def text(self, frame: Frame) -> str:
-        """Its value, with as many digits as can be read in the frame, at its angle."""
+    def text(self, low: float, high: float) -> str:
+        """Its value, with as many digits as can be read between the ends of the axis, at its angle."""
+        if not self.refined:
+            return ""
         value = digits(self.value, DIGITS)
         if isfinite(self.value):
-            least = floor(log10(max(abs(frame.low), abs(frame.high), 2.0 * abs(self.value)) / 2.0))
+            least = floor(log10(max(abs(low), abs(high), 2.0 * abs(self.value)) / 2.0))
             value = min(value, number(self.value, DIGITS - 1 - least), key=len)
             value = value if value.strip("0.") else "0"
         return f"{value} at {short(round(self.angle, 2), 5)}°"
+
+
+def both_ends(curve: Curve, ends: Sequence[tuple[float, float]], size: float, refined: bool = True) -> list[Extreme]:
+    """Lowest and highest value of a curve, (angle [deg], value) each, on an axis whose unit is ``size`` of the curve's; none
+    where it is level."""
+    if ends[1][1] - ends[0][1] <= curve.floor:
+        return []
+    values = [0.0 if abs(value) <= curve.floor else value / size for _, value in ends]
+    return [Extreme(ends[i][0], values[i], bool(i), curve.colour, refined) for i in (0, 1)]
 
 
 class MarkText(Tag):
@@ -86,13 +102,16 @@ class ExtremeMark:
         self._sign.redraw(path)
         self._sign.setBrush(brush(extreme.colour if self.outside else self._theme.paper))
         self._sign.setPen(self._theme.pen(extreme.colour))
-        self.tag.set_text(extreme.text(frame))
+        self.tag.set_text(extreme.text(frame.low, frame.high))
 
     def lay(self, frame: Frame, taken: Sequence[QRectF], curves: Sequence[CurveLine]) -> QRectF:
         """Put the text where it covers neither a curve nor what is taken, or leave it out; the box it takes [pixels from the
         frame's lower left corner, y upwards]."""
         room = QRectF(0.0, -LEADING, frame.width, frame.height + 2.0 * LEADING)
         own = self.sign_box(frame)
+        if not self.tag.text:
+            self.tag.setVisible(False)
+            return own
         for clear, (x, y) in product((True, False), self._leans()):
             self.tag.set_lean(x, y)
             away = GAP + (2.0 * ARROW if self.outside else 0.0)
@@ -142,4 +161,4 @@ def lay_marks(marks: Sequence[ExtremeMark], frame: Frame, taken: Sequence[QRectF
     return laid
 
 
-__all__ = ["TEXT_ROOM", "Extreme", "ExtremeMark", "MarkText", "lay_marks"]
+__all__ = ["ARROW", "DOT", "TEXT_ROOM", "Extreme", "ExtremeMark", "MarkText", "both_ends", "lay_marks"]

@@ -27,7 +27,7 @@ from kindyna_gui.pictures.plots.background import (
     value_ticks,
 )
 from kindyna_gui.pictures.plots.curves import Curve, drawn_alike, limits_of, moving, read_curves
-from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, lay_marks
+from kindyna_gui.pictures.plots.extreme_marks import Extreme, ExtremeMark, both_ends, lay_marks
 from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.legend import Entry
@@ -201,12 +201,8 @@ class CurvePlot(FixedPlot):
                 continue
             refined = (self._ranges or {}).get(curve.channel.quantity)
             ends = self._sampled(curve) if refined is None else curve.ends(refined)
-            if ends[1][1] - ends[0][1] <= curve.floor:
-                continue
-            for highest, (angle, value) in enumerate(ends):
-                value = 0.0 if abs(value) <= curve.floor else value / size
-                if refined is not None or not low <= value <= high:
-                    rows.append(Extreme(angle, value, bool(highest), curve.colour))
+            found = both_ends(curve, ends, size, refined is not None)
+            rows += [extreme for extreme in found if extreme.refined or not low <= extreme.value <= high]
         self._extremes = rows
 
     def _sampled(self, curve: Curve) -> list[tuple[float, float]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt, Signal
@@ -20,16 +20,19 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import QWidget
 
 from core.design import motion_of
+from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.drawing.items import text_size
 from kindyna_gui.pictures.drawing.shapes import outline
 from kindyna_gui.pictures.plots.background import Span, spans
+from kindyna_gui.pictures.plots.curves import Curve, read_curves
 from kindyna_gui.pictures.plots.detail import needed
+from kindyna_gui.pictures.plots.extreme_marks import Extreme, both_ends
+from kindyna_gui.pictures.plots.polar_marks import PolarMark, lay_polar_marks
 from kindyna_gui.pictures.plots.polar_texts import near, paint_title
 from kindyna_gui.pictures.plots.ranges import peak, usual_range
-from kindyna_gui.pictures.sizes import floor_of, without_noise
-from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font, shade
+from kindyna_gui.pictures.style import LIGHT, SMALL, TEXT, THIN, Theme, brush, font
 from kindyna_gui.pictures.turn import nearest
 from kindyna_gui.pictures.units import Rung, decimals_of, measure, nice_step, number, readable
 
@@ -61,7 +64,9 @@ class PolarPlot(QWidget):
         self.message = ""
         self._angle = 0.0
         self._values: list[float] = []
-        self._floors: list[float] = []
+        self._curves: list[Curve] = []
+        self._ranges: Mapping[str, Range] | None = None
+        self._marks: list[PolarMark] | None = None
         self._with_cursor = True
         self.rung = Rung("", 1.0, 0.0)
         self._range = (0.0, 1.0)
@@ -74,30 +79,42 @@ class PolarPlot(QWidget):
 
     def set_curves(self, study: Study, channels: Sequence[Channel]) -> None:
         """Draw these channels of the study. Raises NoAnswer where one has none."""
-        self._floors = [floor_of(study, row) for row in channels]
-        values = [without_noise(row.values(study), floor) for row, floor in zip(channels, self._floors, strict=True)]
-        seen: dict[str, int] = {}
-        colours = []
-        for row in channels:
-            nth = seen[row.family] = seen.get(row.family, -1) + 1
-            colours.append(shade(self._theme.family(row.family), nth))
+        self._curves = read_curves(study, channels, self._theme)
+        values = [curve.values for curve in self._curves]
         self.rung = readable(channels[0].unit.symbol, peak(values))
         shown = [v / self.rung.size for v in values]
         sides = [usual_range(v) for v in shown]
         self._range = (min(0.0, *(side[0] for side in sides)), max(0.0, *(side[1] for side in sides)))
         self._scale()
         self._theta, self._whole = study.theta, study.theta.size == study.samples
+        colours = [self._theme.quiet if curve.channel.beside else curve.colour for curve in self._curves]
         self._rows = list(zip(channels, shown, colours, strict=True))
         self._spans, self.message, self._paths = spans(motion_of(study.design)), "", None
-        self._kept = None
+        self._ranges = self._marks = self._kept = None
         self._read()
         self.update()
 
     def show_message(self, text: str) -> None:
         """Nothing but a line of text: what would fill this plot."""
-        self._rows, self._spans, self._values, self.message = [], [], [], text
-        self._paths = self._kept = None
+        self._rows, self._curves, self._spans, self._values, self.message = [], [], [], [], text
+        self._ranges = self._marks = self._paths = self._kept = None
         self.update()
+
+    def show_extremes(self, found: Mapping[str, Range] | None) -> None:
+        """Mark the highest and lowest value of each curve; found: by quantity, in SI. None: mark none."""
+        self._ranges = found
+        self._marks = self._kept = None
+        self.update()
+
+    @property
+    def lacks_extremes(self) -> bool:
+        """Whether other curves are drawn than those whose extremes were shown last."""
+        return bool(self._rows) and self._ranges is None
+
+    def marked(self) -> list[Extreme]:
+        """The extremes that are marked, each at its angle, in the unit of the circles."""
+        known = [(curve, (self._ranges or {}).get(curve.channel.quantity)) for curve in self._curves if not curve.channel.beside]
+        return [each for curve, ends in known if ends for each in both_ends(curve, curve.ends(ends), self.rung.size)]
 
     def _scale(self) -> None:
         """Round values for the circles; where none is negative the centre is 0, so that shapes are true."""
@@ -137,8 +154,8 @@ class PolarPlot(QWidget):
             for row, values, _ in self._rows
         ]
         self._values = [
-            0.0 if abs(value) * self.rung.size <= floor else value
-            for value, floor in zip(known, self._floors, strict=True)
+            0.0 if abs(value) * self.rung.size <= curve.floor else value
+            for value, curve in zip(known, self._curves, strict=True)
         ]
 
     # -- geometry -----------------------------------------------------------------------------------------
@@ -173,7 +190,7 @@ class PolarPlot(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:
         super().resizeEvent(event)
         self._scale()
-        self._paths = self._kept = None
+        self._paths = self._marks = self._kept = None
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
@@ -199,6 +216,8 @@ class PolarPlot(QWidget):
         if self._rows:
             self._paint_paper(painter)
             self._paint_curves(painter)
+            for mark in self.marks:
+                mark.paint(painter, self._theme)
             names = [(row.label, self._theme.letters(colour)) for row, _, colour in self._rows]
             paint_title(painter, names, self.rung.symbol, self._theme.ink, self.width())
         else:
@@ -253,17 +272,32 @@ class PolarPlot(QWidget):
             self._paths = [self._curve(values) for _, values, _ in self._rows]
         return self._paths
 
+    @property
+    def marks(self) -> list[PolarMark]:
+        """The marks of extremes as they are laid."""
+        if self._marks is None:
+            curves = [self._places(values) for _, values, _ in self._rows]
+            self._marks = lay_polar_marks(
+                self.marked(), lambda each: self.place(each.angle, self.distance(each.value)), (self._low, self._high),
+                curves, [box for _, box in self.letters()], QRectF(self.rect()).adjusted(0.0, TITLE, 0.0, 0.0),
+            )  # fmt: skip
+        return self._marks
+
     def _paint_curves(self, painter: QPainter) -> None:
         for path, (_, _, colour) in zip(self.paths, self._rows, strict=True):
             painter.setPen(self._theme.pen(colour, THIN))
             painter.drawPath(path)
 
-    def _curve(self, values: np.ndarray) -> QPainterPath:
-        """One closed line, broken where a value is infinite."""
+    def _places(self, values: np.ndarray) -> np.ndarray:
+        """Where values (n,) at the study's angles stand, x + iy [pixels]."""
         hole = HOLE if self._low < 0.0 else 0.0
         part = (np.clip(values, self._low, self._high) - self._low) / (self._high - self._low)
         away = self.radius * (hole + (1.0 - hole) * part)
-        place = away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y())
+        return np.asarray(away * np.exp(-1j * self._theta) + complex(self.centre.x(), self.centre.y()))
+
+    def _curve(self, values: np.ndarray) -> QPainterPath:
+        """One closed line, broken where a value is infinite."""
+        place = self._places(values)
         finite = np.isfinite(values)
         if finite.all() and self._whole:
             round_about = np.append(place, place[:1])
@@ -275,9 +309,10 @@ class PolarPlot(QWidget):
         return path
 
     def readouts(self) -> list[tuple[str, QRectF]]:
-        """The values at the cursor, and where they stand [pixels]: inwards, where there is room, clear of each other and of
-        the letters."""
+        """The values at the cursor, and where they stand [pixels]: inwards, where there is room, clear of each other, of
+        the letters and of the marks."""
         left, taken, room = math.cos(self._angle) > 0.0, [box for _, box in self.letters()], QRectF(self.rect())
+        taken += [mark.box for mark in self.marks]
         made = []
         for value, text in zip(self._values, self.readings(), strict=True):
             width, height = text_size(text)

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.pictures.files import MARGIN, RATIO, PaperSheet, png, svg
+from kindyna_gui.pictures.plots.curves import extremes_of
 from kindyna_gui.pictures.plots.detail import UNSEEN
 from kindyna_gui.pictures.plots.polar import PolarPlot
 from kindyna_gui.pictures.plots.xy import XYPlot
@@ -27,9 +28,12 @@ def columns_for(count: int, width: float, height: float) -> int:
 
 
 class PolarSheet(PaperSheet):
-    """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point."""
+    """Polar plots side by side, for files; unseen: pixels by which curves may be off; 0 draws every point; marks: whether
+    extremes are marked."""
 
-    def __init__(self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0) -> None:
+    def __init__(
+        self, study: Study, rows: Sequence[Sequence[Channel]], theme: Theme, unseen: float = 0.0, marks: bool = True
+    ) -> None:
         super().__init__(theme)
         grid = QGridLayout(self)
         grid.setContentsMargins(MARGIN, MARGIN, MARGIN, MARGIN)
@@ -38,16 +42,17 @@ class PolarSheet(PaperSheet):
             plot = PolarPlot(self, theme)
             plot.unseen = unseen
             plot.set_curves(study, row)
+            plot.show_extremes(extremes_of(study, row) if marks else None)
             plot.show_cursor(False)
             grid.addWidget(plot, place // columns, place % columns)
         self.resize(CELL[0] * columns, CELL[1] * math.ceil(len(rows) / columns))
 
 
-def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str) -> bytes:
-    """Polar plots as a file, ``.png`` or ``.svg``. Raises NoAnswer where one has no values."""
+def polar_file(study: Study, rows: Sequence[Sequence[Channel]], ending: str, marks: bool = True) -> bytes:
+    """Polar plots as a file, ``.png`` or ``.svg``, their extremes marked. Raises NoAnswer where one has no values."""
     if ending == ".svg":
-        return svg(PolarSheet(study, rows, LIGHT), study.design.name)
-    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO))
+        return svg(PolarSheet(study, rows, LIGHT, marks=marks), study.design.name)
+    return png(PolarSheet(study, rows, replace(LIGHT, ratio=RATIO), UNSEEN / RATIO, marks))
 
 
 if TYPE_CHECKING:
