@@ -108,7 +108,8 @@ class Layouts(QObject):
         """Every dock at its place, the first of each group in front."""
         row = TASKS[self.current]
         for dock in self._docks.values():
-            dock.setFloating(False)
+            if dock.isFloating():
+                dock.setFloating(False)
             self._window.removeDockWidget(dock)
             dock.resize(SMALL)
         for group, names in row.places:

@@ -44,19 +44,27 @@ def lift(tmp_path: Path) -> Path:
 # -- without a display ------------------------------------------------------------------------------------
 
 
-def test_without_a_display_the_main_job_is_done(tmp_path: Path) -> None:
-    done = run(folder=tmp_path)
+@pytest.fixture(scope="module")
+def started(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, subprocess.CompletedProcess[str]]:
+    """The program without a word and without a display, and the folder where it was started."""
+    folder = tmp_path_factory.mktemp("started")
+    homes = {name: str(tmp_path_factory.mktemp("home")) for name in ("HOME", "XDG_CONFIG_HOME", "XDG_STATE_HOME")}
+    return folder, run(folder=folder, **homes)
+
+
+def test_without_a_display_the_main_job_is_done(started: tuple[Path, subprocess.CompletedProcess[str]]) -> None:
+    folder, done = started
     first, rest = done.stdout.split("\n", 1)
     assert "no display" in first
     assert "out/" in first
     assert rest.startswith("Transfer unit, lift drive\n====")
     assert done.stderr == ""
     assert done.returncode == 0
-    made = {path.name for path in (tmp_path / "out").iterdir()}
+    made = {path.name for path in (folder / "out").iterdir()}
     assert made == PICTURES | TABLES | {"report.txt"}
-    assert (tmp_path / "out" / "report.txt").read_text(encoding="utf-8") == rest
-    assert json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["kind"] == "cam"
-    assert len((tmp_path / "out" / "profile.csv").read_text().splitlines()) == 3601
+    assert (folder / "out" / "report.txt").read_text(encoding="utf-8") == rest
+    assert json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["kind"] == "cam"
+    assert len((folder / "out" / "profile.csv").read_text().splitlines()) == 3601
 
 
 def test_a_design_with_an_error_is_written_whole_and_answers_1(tmp_path: Path) -> None:
@@ -116,15 +124,16 @@ def test_a_reader_that_goes_away_is_no_fault(lift: Path, tmp_path: Path) -> None
 # -- headless ---------------------------------------------------------------------------------------------
 
 
-def test_headless_report_paints_pictures_which_are_the_same_with_and_without_a_display(lift: Path, tmp_path: Path) -> None:
-    for name, more in (("one", {}), ("two", {"DISPLAY": ":9731"})):
-        words = ("--headless", "report", str(lift), "--out", name, "--samples", "360")
-        done = run(*words, folder=tmp_path, **more)
-        assert (done.returncode, done.stderr) == (0, "")
-    assert {path.name for path in (tmp_path / "one").iterdir()} == PICTURES | {"report.txt", "summary.json"}
-    assert (tmp_path / "one" / "mechanism.png").read_bytes().startswith(b"\x89PNG")
+def test_headless_report_paints_pictures_which_are_the_same_with_and_without_a_display(
+    started: tuple[Path, subprocess.CompletedProcess[str]], tmp_path: Path
+) -> None:
+    done = run("--headless", "report", str(default_design()), "--out", "two", folder=tmp_path, DISPLAY=":9731")
+    assert (done.returncode, done.stderr) == (0, "")
+    one, two = started[0] / "out", tmp_path / "two"
+    assert {path.name for path in two.iterdir()} == PICTURES | {"report.txt", "summary.json"}
+    assert (two / "mechanism.png").read_bytes().startswith(b"\x89PNG")
     for picture in PICTURES:
-        assert (tmp_path / "one" / picture).read_bytes() == (tmp_path / "two" / picture).read_bytes()
+        assert (one / picture).read_bytes() == (two / picture).read_bytes()
 
 
 WITHOUT_PICTURES = """

@@ -337,7 +337,14 @@ class Labels:
         p, r = p[:, None, near], r[near]
         x = np.maximum(np.abs(centre.real[:, :, None] - p.real) - half.real, 0.0)
         y = np.maximum(np.abs(centre.imag[:, :, None] - p.imag) - half.imag, 0.0)
-        covered = np.clip(1.0 - (np.sqrt(x * x + y * y) - r) / pad, 0.0, 1.0)
+        x *= x  # in place: these are the largest arrays of the drawing
+        y *= y
+        x += y
+        covered = np.sqrt(x, out=x)
+        covered -= r
+        covered /= -pad
+        covered += 1.0
+        np.clip(covered, 0.0, 1.0, out=covered)
         return np.asarray((covered @ ink.weight[near]).mean(axis=0))
 
 
