@@ -41,7 +41,7 @@ def parser(program: str, rows: Mapping[str, Command] = COMMANDS) -> argparse.Arg
     """All commands; each with its options once it is chosen."""
     made = _Parser(prog=program, description="Cam and mechanism design without a window.", allow_abbrev=False)
     made.add_argument("--version", action="version", version=f"kindyna {__version__}")
-    commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command")
+    commands = made.add_subparsers(metavar="COMMAND", required=True, dest="command", prog=program)
     for name, row in rows.items():
         commands.add_parser(name, help=row.help, description=row.help, allow_abbrev=False).add_options = row.options
     return made

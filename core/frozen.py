@@ -1,5 +1,5 @@
 """Frozen dataclasses that import quickly. ``dataclasses.dataclass(frozen=True)`` compiles up to six methods for each class, half
-of what an import cost; here all classes share them, and only ``__init__`` is compiled for each."""
+of what an import cost; here all classes share them, and only ``__init__`` is compiled for each, when its first instance is made."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def frozen(kind: Any = None, *, eq: bool = True, kw_only: bool = False) -> Any:
     if kind is None:
         return lambda kind: frozen(kind, eq=eq, kw_only=kw_only)
     made: Any = dataclass(init=False, repr=False, eq=False, kw_only=kw_only)(kind)
-    made.__init__, made.__repr__, made.__setattr__, made.__delattr__ = _init(made), _repr, _refuse, _refuse
+    made.__init__, made.__repr__, made.__setattr__, made.__delattr__ = _Init(made), _repr, _refuse, _refuse
     if eq:
         values = _values([each.name for each in fields(made) if each.compare])
         made.__eq__ = lambda self, other: values(self) == values(other) if type(self) is type(other) else NotImplemented
@@ -45,6 +45,18 @@ def _set_state(self: Any, state: dict[str, Any]) -> None:
 
 def _values(names: list[str]) -> Callable[[Any], tuple[Any, ...]]:
     return attrgetter(*names) if len(names) > 1 else lambda self: tuple(getattr(self, name) for name in names)
+
+
+class _Init:
+    """The ``__init__`` of a class until it is first asked for, which few classes are in one run: then it is compiled, and stands
+    in the class itself."""
+
+    def __init__(self, kind: Any) -> None:
+        self._kind = kind
+
+    def __get__(self, part: Any, owner: Any) -> Any:
+        self._kind.__init__ = made = _init(self._kind)
+        return made.__get__(part, owner)
 
 
 def _init(kind: Any) -> Any:

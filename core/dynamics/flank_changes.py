@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.polynomial import chebyshev
 
 from core.dynamics.elements import Loading
 from core.dynamics.forces import Forces
@@ -90,6 +89,8 @@ def _impacts(
     at: At, program: Program, loading: Loading, play: float, changes: list[tuple[float, int]]
 ) -> list[float | None]:
     """The speed at each change [m/s], from the relative acceleration on panels that begin where the contact is lost."""
+    from numpy.polynomial import chebyshev
+
     edges = []
     for a, b in zip(program.starts, program.ends, strict=True):
         even = np.linspace(a, b, max(2, math.ceil((b - a) / PANEL)) + 1)
@@ -114,6 +115,8 @@ def _impacts(
 def _landing(rows: np.ndarray, half: np.ndarray, first: int, play: float) -> float | None:
     """d gap/dθ [m] where the gap that opens at panel ``first`` has grown to the play; rows (m, NODES): Chebyshev coefficients of
     gap'', half (m,): half widths [rad]."""
+    from numpy.polynomial import chebyshev
+
     gap, rate, gone = 0.0, 0.0, 0.0
     for k in range(first, first + half.size):
         i = k % half.size

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyval
 
 from core.frozen import frozen
 from core.mechanism.kinematics import Pose
@@ -70,6 +69,8 @@ class Bridge:
 
     def _row(self, q: Derivatives, there: np.ndarray, order: int) -> np.ndarray:
         """Derivative of this order of the six (6, m), by what q's are by, of the m positions on the bridge (chain rule)."""
+        from numpy.polynomial.polynomial import polyder, polyval
+
         u = (q[0][there] - self.at) / self.half
         x = [polyval(u, polyder(self.power, k)) / self.half**k for k in range(order + 1)]
         if order == 0:
@@ -114,6 +115,8 @@ def bridge(at: float, half: float, links: tuple[int, int], states: np.ndarray) -
 @lru_cache(maxsize=1)
 def _at_ends() -> np.ndarray:
     """(8, 8): the powers of -1 and 1 with three derivatives."""
+    from numpy.polynomial.polynomial import polyder, polyval
+
     return np.array([polyval(u, polyder(np.eye(8), order)) for u in (-1.0, 1.0) for order in range(4)])
 
 

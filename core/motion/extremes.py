@@ -18,7 +18,8 @@ LEAST, MOST = 17, 721  # points of a piece, and besides these
 # some that close in on its ends: in a short piece all that happens may happen there
 ENDS = np.concatenate((10.0 ** np.arange(-6.0, -1.0), 1.0 - 10.0 ** np.arange(-6.0, -1.0)))
 CANDIDATES = 64  # local extremes per quantity and side that are refined
-INNER = 7  # points a bracket is cut by
+LEAST_PARTS = 8  # that a bracket is cut into
+AT_ONCE = 128  # points of one pass for a quantity and side with few brackets: as many cost hardly more than one
 PASSES = 24
 FINEST = 1e-4  # of the piece, and at most FINEST_RAD: half width at which a parabola takes over where it is smooth ...
 FINEST_RAD = 2e-5
@@ -95,17 +96,17 @@ def _refined(
         for name, values in sampled.items()
         for sign in signs
     ]
-    count = INNER + 2
     for _ in range(PASSES):
         brackets = [(search, bracket) for search in searches for bracket in search.brackets]
         if not brackets:
             break
         checkpoint()
-        theta = np.concatenate([np.linspace(b.left, b.right, count) for _, b in brackets])
-        values = quantities(Angles(theta, np.repeat([b.piece for _, b in brackets], count)))
-        for i, (search, bracket) in enumerate(brackets):
-            part = slice(i * count, (i + 1) * count)
-            bracket.narrow(theta[part], search.sign * np.asarray(values[search.name])[part])
+        parts = [bracket.sampled(AT_ONCE // len(search.brackets)) for search, bracket in brackets]
+        counts = [part.size for part in parts]
+        values = quantities(Angles(np.concatenate(parts), np.repeat([b.piece for _, b in brackets], counts)))
+        ends = np.cumsum(counts).tolist()
+        for (search, bracket), theta, end in zip(brackets, parts, ends, strict=True):
+            bracket.narrow(theta, search.sign * np.asarray(values[search.name])[end - theta.size : end])
         for search in searches:
             search.drop_hopeless()
     return {(s.name, s.sign): s.best() for s in searches}
@@ -122,6 +123,12 @@ class _Bracket:
 
     def wide(self) -> bool:
         return self.right - self.left > 2.0 * self.finest
+
+    def sampled(self, most: int) -> np.ndarray:
+        """Cam angles that cut the bracket into equal parts, down to a quarter of the half width that it shall have: an even
+        number of them, so that its middle, where the highest of the samples before stands, is among them."""
+        pairs = 1 + int(min(2.0 * (self.right - self.left) / self.finest, 0.5 * most - 1.5))
+        return np.linspace(self.left, self.right, 1 + max(LEAST_PARTS, 2 * pairs))
 
     def narrow(self, theta: np.ndarray, value: np.ndarray) -> None:
         value = np.where(np.isnan(value), -np.inf, value)

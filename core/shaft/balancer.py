@@ -11,7 +11,6 @@ The torque of this follower is (F0 + Kx)x' = -(T - T̄). It balances one speed.
 from __future__ import annotations
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.design import Balancer, Computed, Drive, Motion, RollerCam, Segment, Translating, TranslatingLoads, si
 from core.errors import NoAnswer
@@ -94,6 +93,8 @@ def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
 
 def _swing(load: LoadCurve) -> float:
     """How far the torque goes from its mean [N m]; at least what rounding makes of it."""
+    from numpy.polynomial.polynomial import polyval
+
     x, _ = nodes()
     values = polyval(x, unbalanced(load))
     return float(max(np.abs(values).max(), LEAST_SWING * np.abs(load.mean)))
@@ -145,6 +146,8 @@ def _integrated(
 
 def _motion(energy: _Energy, balancer: Balancer, panel: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, ...]:
     """x [m], x', x'' and the spring's force [N] (n,) at places r of the load's panels."""
+    from numpy.polynomial.polynomial import polyval
+
     s = si(balancer)
     stored = np.maximum(polyval(r, energy.energy[:, panel], tensor=False), 0.0)
     torque, slope = (polyval(r, row[:, panel], tensor=False) for row in (energy.torque, energy.slope))

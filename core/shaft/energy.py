@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.polynomial.polynomial import polyval
 
 from core.shaft.curve import NODES, LoadCurve
 from core.shaft.linear import filtered
@@ -18,6 +17,8 @@ def unbalanced(curve: LoadCurve) -> np.ndarray:
 
 def roots_of(power: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Where polynomials (k, m) of r = 0 ... 1 change their sign: panel and r (n,), to the square of a sample's error."""
+    from numpy.polynomial.polynomial import polyval
+
     r = np.linspace(0.0, 1.0, 4 * NODES + 1)
     values = polyval(r, power)  # (m, points)
     panel, cell = np.nonzero(values[:, :-1] * values[:, 1:] < 0.0)

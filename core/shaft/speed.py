@@ -19,7 +19,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial import chebyshev, legendre
 
 from core.frozen import frozen
 from core.shaft.curve import LoadCurve, by_blocks, placed, powers, to_powers
@@ -83,6 +82,8 @@ class _Panels:
 def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Radau's nodes x of 0...1, the last of them 1; from values at them (NODES,): their integrals from 0 to each node,
     their Chebyshev coefficients, and the power coefficients (NODES + 1,) of the integral."""
+    from numpy.polynomial import chebyshev, legendre
+
     x = np.sort(legendre.legroots(np.concatenate((np.zeros(NODES - 1), (-1.0, 1.0)))))
     x[-1] = 1.0
     to_chebyshev = np.linalg.inv(chebyshev.chebvander(x, NODES - 1))
