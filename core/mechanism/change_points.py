@@ -32,8 +32,11 @@ class Track:
         return float(self.at[-1])
 
     def start(self, q: np.ndarray) -> np.ndarray:
-        """Coordinates near those at q (3k, n), by Taylor from the nearest node."""
-        nearest = np.searchsorted(0.5 * (self.at[1:] + self.at[:-1]), q)
+        """Coordinates near those at q (3k, n), by Taylor from the nearest node, distances measured by how close the nodes stand:
+        beside a dead centre they close in on it, and their Taylor series reach no farther than that."""
+        gaps = np.diff(self.at)
+        reach = np.minimum(np.append(np.inf, gaps), np.append(gaps, np.inf))
+        nearest = np.searchsorted(self.at[:-1] + gaps * reach[:-1] / (reach[:-1] + reach[1:]), q)
         step = q - self.at[nearest]
         x, v, a, j = (self.states[nearest, k].T for k in range(4))
         return np.asarray(x + step * (v + step * (a / 2.0 + step * j / 6.0)))

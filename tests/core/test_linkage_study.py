@@ -261,6 +261,14 @@ def test_a_group_is_shown_with_its_residual() -> None:
     assert study.dynamics.torque.shape == study.theta.shape
 
 
+def test_a_group_is_found_at_every_position_up_to_its_dead_centres() -> None:
+    study = study_of(INSIDE_OUT, 90)
+    (open_range,) = study.course.ranges
+    near = np.geomspace(1e-8, 1e-1, 3000)
+    there = study.at_theta(np.concatenate((open_range.low + near, open_range.high - near)))
+    assert there.linkage.residual.max() < 1e-12
+
+
 # -- the cam that a linkage asks for ----------------------------------------------------------------------
 
 
