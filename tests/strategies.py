@@ -30,6 +30,7 @@ from core.design import (
     Segment,
     Shaft,
     Spline,
+    Table,
     Translating,
     entries,
     info_of,
@@ -90,7 +91,7 @@ def optional(low: float, high: float) -> st.SearchStrategy[float | None]:
 @st.composite
 def curves(draw: st.DrawFn, span: float) -> Curve:
     """A curve of any kind that may rise as well as return."""
-    kind = draw(st.sampled_from((Named, Scca, Polynomial, Spline)))
+    kind = draw(st.sampled_from((Named, Scca, Polynomial, Spline, Table)))
     if kind is Named:
         law = LAWS[draw(st.sampled_from(EITHER_WAY))]
         return Named(law.slug, draw(values(info_of(CROSSOVER))) if law.symmetric else 0.5)
@@ -101,6 +102,9 @@ def curves(draw: st.DrawFn, span: float) -> Curve:
         ends = st.builds(End, st.floats(-1e6, 1e6), st.floats(-1e6, 1e6), optional(-1e6, 1e6))
         return Polynomial(draw(ends), draw(ends))
     places = draw(st.lists(st.floats(0.0, span), max_size=5, unique=True))
+    if kind is Table:
+        rows = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=3)
+        return Table(tuple(Point(at, *draw(rows)) for at in places))
     wanted = st.tuples(*(optional(-1e6, 1e6) for _ in range(3))).filter(lambda w: any(v is not None for v in w))
     return Spline(tuple(Point(at, *draw(wanted)) for at in places))
 

@@ -161,7 +161,7 @@ def scaled(curve: Curve, span: float, level: Scale) -> Curve:
     if isinstance(curve, Polynomial):
         return Polynomial(_end(curve.start, span, level), _end(curve.end, span, level))
     if isinstance(curve, Spline):
-        return Spline(tuple(_point(point, span, level) for point in curve.points))
+        return replace(curve, points=tuple(_point(point, span, level) for point in curve.points))
     return curve
 
 

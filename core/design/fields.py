@@ -143,6 +143,7 @@ class Placing:
     choose   class of the part by the table of the whole, which holds the part's keys too; None where it has none of them
     single   one part, no list of them
     key      rows are named by this field of theirs, as ``points.A``, and are one value or pair each; else numbered
+    rows     of a list, each is a list of its numbers, in their order; those at its end that are not known are left out
     whole    may be assumed as a whole
     brief    the part's entries that are as they would be anyway are left out
     word     key of the word in the same table that chooses the part; words: that word -> class; label, help: of the choice
@@ -154,6 +155,7 @@ class Placing:
     choose: Callable[[Mapping[str, Any]], Any] | None = None
     single: bool = False
     key: str = ""
+    rows: bool = False
     whole: bool = False
     brief: bool = False
     missing: str = ""

@@ -52,7 +52,7 @@ def _mirrored_curve(segment: Segment) -> Curve:
             )
             for p in reversed(curve.points)
         ]
-        return Spline(tuple(points))
+        return replace(curve, points=tuple(points))
     return curve  # sine, constant and cosine acceleration are symmetric
 
 

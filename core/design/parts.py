@@ -94,6 +94,16 @@ class Spline:
     points: tuple[Point, ...] = placed(Placing(Point, whole=True), ())
 
 
+@frozen
+class Table(Spline):
+    """The same curve through rows of a table: cam angle and value, and velocity and acceleration where they are known, which
+    the file holds as lists of numbers."""
+
+    law: ClassVar[str] = "table"
+    label: ClassVar[str] = "Table"
+    points: tuple[Point, ...] = placed(Placing(Point, whole=True, rows=True), ())
+
+
 @frozen(eq=False)
 class Computed:
     """A curve that nobody types, for it follows from other parts: its pieces over the span, 0 ... 1, in the motion's unit, from the
@@ -104,9 +114,9 @@ class Computed:
     pieces: tuple[Piece, ...] = placed(Placing(in_file=False))
 
 
-Curve = Named | Scca | Polynomial | Spline | Computed
+Curve = Named | Scca | Polynomial | Spline | Table | Computed
 CURVES: Mapping[str, type[Scca | Polynomial | Spline]] = MappingProxyType(
-    {c.law: c for c in (Scca, Polynomial, Spline)}
+    {c.law: c for c in (Scca, Polynomial, Spline, Table)}
 )
 """Laws with keys of their own; every other one is Named."""
 

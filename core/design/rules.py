@@ -13,7 +13,7 @@ from core.design.fields import slots
 from core.design.forms import FORM, Blank, Conjugate, Open
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
-from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline
+from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline, Table
 from core.design.paths import entries_of
 from core.design.whole import Design
 from core.errors import MISSING, Fault
@@ -115,8 +115,19 @@ def _points_are_in_the_span(curve: Spline, segment: Segment, path: str) -> Itera
                 seen.add((point.at_deg, order))
 
 
+def _rows_are_whole(curve: Table, segment: Segment, path: str) -> Iterator[Fault]:
+    """A row holds its numbers in order: none without the one before it."""
+    yield from _points_are_in_the_span(curve, segment, path)
+    for i, point in enumerate(curve.points):
+        at = f"{path}.points[{i}]"
+        if point.value is None and (point.velocity, point.acceleration) != (None, None):
+            yield Fault(f"{at}.value", MISSING, "a row of a table has a value", "any number")
+        elif point.velocity is None and point.acceleration is not None:
+            yield Fault(f"{at}.velocity", MISSING, "a row with an acceleration has a velocity too", "any number")
+
+
 CURVE_RULES: Mapping[type, Callable[[Any, Segment, str], Iterator[Fault]]] = MappingProxyType(
-    {Named: _halves_can_be_stretched, Scca: _ramps_fit, Spline: _points_are_in_the_span}
+    {Named: _halves_can_be_stretched, Scca: _ramps_fit, Spline: _points_are_in_the_span, Table: _rows_are_whole}
 )
 
 

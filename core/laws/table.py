@@ -194,7 +194,7 @@ SHORT: Mapping[str, str] = MappingProxyType(
         "cycloidal": "CYC", "modified-sine": "MS", "modified-trapezoid": "MT", "mcv20": "MCV20", "mcv33": "MCV33",
         "mcv50": "MCV50", "mcv66": "MCV66", "2-3": "23", "3-4-5": "345", "4-5-6-7": "4567",
         "5-6-7-8-9": "56789", "freudenstein-1-3": "F1-3", "freudenstein-1-3-5": "F1-5", "gutman-1-3": "G1-3",
-        "scca": "SCCA", "polynomial": "P", "spline": "SP",
+        "scca": "SCCA", "polynomial": "P", "spline": "SP", "table": "TAB",
     }
 )  # fmt: skip
 """Slug -> the handbooks' abbreviation, for where there is little room; Yang's curves go by their slugs."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from core.design import Computed, Named, Polynomial, Scca, Segment, Spline
+from core.design import Computed, Named, Polynomial, Scca, Segment, Spline, Table
 from core.errors import DesignError, Fault
 from core.frozen import frozen
 from core.laws import Piece, PieceTable, asymmetric, find_law, hermite, least_jerk, moved, scca
@@ -113,7 +113,7 @@ def _both_signs(polynomials: np.ndarray) -> np.ndarray:
 
 
 SHAPES: Mapping[type, Callable[[Any, Segment, bool, str], Shape]] = MappingProxyType(
-    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline, Computed: _computed}
+    {Named: _named, Scca: _scca, Polynomial: _polynomial, Spline: _spline, Table: _spline, Computed: _computed}
 )
 
 

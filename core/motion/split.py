@@ -20,6 +20,7 @@ from core.design import (
     Polynomial,
     Segment,
     Spline,
+    Table,
     join_angles,
     require_motion,
     stretched,
@@ -103,7 +104,7 @@ def add_point(design: Design, index: int, angle: float | None = None) -> Design:
         begin, end = max(pairwise(taken), key=lambda gap: gap[1] - gap[0])
         at = balance(begin, (-(end - begin) / 2.0,))
     point = Point(at, balance(float(_state(motion, index, at)[0]), ()))
-    curve = Spline(tuple(sorted((*points, point), key=lambda p: p.at_deg)))
+    curve = replace(segment.curve, points=tuple(sorted((*points, point), key=lambda p: p.at_deg)))
     segments = (*motion.segments[:index], replace(segment, curve=curve), *motion.segments[index + 1 :])
     return with_motion(design, replace(motion, segments=segments))
 
@@ -126,7 +127,7 @@ def _ending(curve: Curve, meant: float, span: float) -> Curve:
     """The points on the end of a spline put where the end comes to lie by rounding."""
     if not isinstance(curve, Spline):
         return curve
-    return Spline(tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points))
+    return replace(curve, points=tuple(replace(p, at_deg=span) if abs(p.at_deg - meant) <= _SAME else p for p in curve.points))
 
 
 def _state(motion: Motion, index: int, at_deg: float) -> np.ndarray:
@@ -162,7 +163,9 @@ def _cut_curves(segment: Segment, at: float, rise: float, state: np.ndarray) -> 
             Point(balance(p.at_deg, (at,)), None if p.value is None else p.value - rise, p.velocity, p.acceleration)
             for p in after
         ]
-        return Spline((*before, Point(at, None, v, a))), Spline((Point(0.0, None, v, a), *moved))
+        is_table = isinstance(curve, Table)  # whose rows have values
+        ends = Point(at, rise if is_table else None, v, a), Point(0.0, 0.0 if is_table else None, v, a)
+        return replace(curve, points=(*before, ends[0])), replace(curve, points=(ends[1], *moved))
     return curve, curve
 
 
@@ -172,9 +175,10 @@ def _as_part_of_a_turn(segment: Segment, state: np.ndarray) -> Segment:
     assert isinstance(segment.curve, Spline)
     s, v, a, _ = map(float, state)
     inner = tuple(p for p in segment.curve.points if _SAME < p.at_deg < segment.span_deg - _SAME)
-    value = s or None  # at its start it stands at its start, where nothing else is stated
+    # at its start it stands at its start, where nothing else is stated
+    value = s if isinstance(segment.curve, Table) else s or None
     ends = (Point(0.0, value, v, a), Point(segment.span_deg, value, v, a))
-    return replace(segment, curve=Spline((ends[0], *inner, ends[1])))
+    return replace(segment, curve=replace(segment.curve, points=(ends[0], *inner, ends[1])))
 
 
 __all__ = ["add_point", "copy_segment", "cut_at", "split_segment", "with_segment_copied", "with_segment_split"]

@@ -227,7 +227,17 @@ class Reader:
         if not isinstance(value, list | tuple):
             self.faults.append(Fault(at, value, "must be a list of tables", f"[[{at}]]"))
             value = ()
+        if placing.rows:
+            value = [self._row(placing.kind, row, f"{at}[{i}]") for i, row in enumerate(value)]
         return (tuple(self.part(placing.kind, row, f"{at}[{i}]") for i, row in enumerate(value)),)
+
+    def _row(self, kind: Any, value: Any, at: str) -> Any:
+        """A list of the numbers of a part as its table."""
+        keys = [slot.key for slot in slots(kind)]
+        if isinstance(value, list | tuple) and 2 <= len(value) <= len(keys):
+            return dict(zip(keys, value, strict=False))
+        self.faults.append(Fault(at, value, "must be a row of numbers", f"[{', '.join(keys)}], the last ones where they are known"))
+        return MISSING
 
     def _named_rows(self, kind: type, value: Any, at: str) -> Iterator[Any]:
         """Rows that are one value or pair each, by their names."""

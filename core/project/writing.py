@@ -4,8 +4,8 @@ on one line each."""
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Hashable, Mapping, Sequence
+from typing import Any, cast
 
 import tomli_w
 
@@ -16,6 +16,7 @@ from core.design.paths import in_order
 
 FORMAT = 1
 _SILENT = (repr(LinkageLoads()), repr(NO_LIMITS))  # tables that say nothing; as text, which tells 0.0 from -0.0
+_NUMBERS = r"\[\n\s*((?:[-+\w.]+,\s*)+)\]"
 _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segment its own [[motion.segments]]
 
 
@@ -68,12 +69,22 @@ def _entry(part: Any, slot: Slot, unit: str) -> Any:
     if placing.key:
         name, only = slots(placing.kind)
         return {getattr(row, name.key): _entry(row, only, unit) for row in value}
+    if placing.rows:
+        return [_row(row) for row in value]
     if isinstance(value, tuple):
         return [_table(row, unit) for row in value]
     if placing.kind is not None:
         return _table(value, unit)
     is_real = slot.info is not None and not slot.info.choices and not slot.info.whole
     return float(value) if is_real else value
+
+
+def _row(part: Any) -> list[float]:
+    """The numbers of a part in their order, up to the last one that is known."""
+    values = [getattr(part, slot.names[0]) for slot in slots(cast(Hashable, type(part)))]
+    while values and values[-1] is None:
+        values.pop()
+    return [float(value) for value in values]
 
 
 # -- as text ----------------------------------------------------------------------------------------------
@@ -88,6 +99,7 @@ def dumps(design: Design) -> str:
         lambda indent: " " * (4 * len(indent[0]) // _WIDE),
         tomli_w.dumps(head, indent=_WIDE),
     )
+    text = re.sub(_NUMBERS, lambda row: f"[{', '.join(row[1].replace(',', ' ').split())}]", text)  # a row of a table
     return text + "".join(_section(name, part) for name, part in table.items() if name not in head)
 
 

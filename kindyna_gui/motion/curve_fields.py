@@ -8,7 +8,7 @@ from types import MappingProxyType
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from core.design import Design, Motion, Named, Polynomial, Scca, Spline, entries, require_motion
+from core.design import Design, Motion, Named, Polynomial, Scca, Spline, Table, entries, require_motion
 from core.laws import find_law, peaks
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import Field, Spec
@@ -151,7 +151,7 @@ class CurveForm(QWidget):
 
 
 FORMS: Mapping[type, Callable[[CurveForm, Design, int], None]] = MappingProxyType(
-    {Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points}
+    {Named: CurveForm._rows, Scca: CurveForm._rows, Polynomial: CurveForm._ends, Spline: CurveForm._points, Table: CurveForm._points}
 )
 """Kind of curve -> what lays out its form."""
 

@@ -30,7 +30,7 @@ _GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "Harmonic series": ("freudenstein-1-3", "freudenstein-1-3-5", "gutman-1-3"),
         "Elementary curves for blending: rise": ("c1", "c2", "c5", "h1", "h2", "h5", "p1", "cv1"),
         "Elementary curves for blending: return": ("c3", "c4", "c6", "h3", "h4", "h6", "p2", "cv2"),
-        "Through points": ("spline",),
+        "Through points": ("spline", "table"),
     }
 )
 
@@ -39,6 +39,7 @@ OWN: Mapping[str, str] = MappingProxyType(
         "scca": "own widths",
         "polynomial": "own ends",
         "spline": "own points",
+        "table": "own rows",
     }
 )
 """What a law with parameters of its own has in place of peaks."""
@@ -48,6 +49,7 @@ _SOURCES: Mapping[str, str] = MappingProxyType(
         "scca": "sine, constant and cosine acceleration with widths to choose, and constant velocity in the middle",
         "polynomial": "velocity, acceleration and jerk at both ends to choose",
         "spline": "least jerk through points to choose; periodic where it takes the whole turn",
+        "table": "least jerk through rows of a table: measured, or rolled off a drawing",
     }
 )
 

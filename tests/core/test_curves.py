@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.design import Curve, End, Motion, Named, Point, Polynomial, Scca, Segment, Spline, part_faults
+from core.design import Curve, End, Motion, Named, Point, Polynomial, Scca, Segment, Spline, Table, part_faults
 from core.laws import LAWS
 from core.motion import Angles, Program, program
 
@@ -306,3 +306,19 @@ def test_all_kinds_of_curve_are_told_apart() -> None:
         motion = replace(base, segments=(Segment(180.0, 10.0, curve), base.segments[1]))
         seen.add(float(program(motion).state(program(motion).angles(theta)).y[0, 0]))
     assert len(seen) == len(curves)
+
+
+# -- tables -----------------------------------------------------------------------------------------------
+
+
+def test_a_table_with_whole_states_is_the_quintic_between_its_rows() -> None:
+    """Rows of (30 + x)^5: the curve between two of them is that polynomial itself."""
+    def row(x: float) -> Point:
+        return Point(x, (30 + x) ** 5 - 30**5, 5 * (30 + x) ** 4, 20 * (30 + x) ** 3)
+
+    rows = tuple(row(x) for x in (0.0, 13.0, 50.0, 80.0))
+    got = states(Table(rows), np.array([0.1, 0.5, 0.9]), rise=110.0**5 - 30**5)
+    x = 30 + 80.0 * np.array([0.1, 0.5, 0.9])
+    assert got[0] == pytest.approx(x**5 - 30**5, rel=1e-12)
+    assert got[1] / 80.0 == pytest.approx(5 * x**4, rel=1e-12)
+    assert got[2] / 80.0**2 == pytest.approx(20 * x**3, rel=1e-11)

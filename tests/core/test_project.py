@@ -688,3 +688,19 @@ def test_numbers_of_numpy_are_written_as_numbers() -> None:
     for each in (segments, bent):
         design = with_motion(lift, replace(motion, start=np.float64(motion.start), segments=each))
         assert project.loads(project.dumps(design)) == design
+
+
+def test_a_table_is_kept_as_rows_of_numbers() -> None:
+    rows = (Point(0.0, 0.0), Point(20.0, -60.0, -3.5), Point(41.5, -150.0, 0.0, 0.25))
+    design = put(put(project.load(LIFT), "motion.segments[1].law", "table"), "motion.segments[1].points", rows)
+    text = project.dumps(design)
+    assert "    [0.0, 0.0],\n    [20.0, -60.0, -3.5],\n    [41.5, -150.0, 0.0, 0.25],\n" in text
+    assert project.loads(text) == design
+    check(
+        {"motion.segments[1].law": "table", "motion.segments[1].points": [[0.0], [20.0, "a"], [41.5, -150.0, 0.0, 0.0, 0.0]]},
+        {
+            "motion.segments[1].points[0]": "must be a row of numbers",
+            "motion.segments[1].points[1].value": "must be a number",
+            "motion.segments[1].points[2]": "must be a row of numbers",
+        },
+    )

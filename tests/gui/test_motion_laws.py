@@ -411,4 +411,4 @@ def test_every_parameter_has_a_name(user: User) -> None:
         ("spline", "motion.segments[1].points[0]", "Segment 2, point 1"),
     ):
         assert name_of(edited(LIFT, "motion.segments[1].law", slug), path) == name
-    assert [law_label(slug) for slug in CURVES] == ["SCCA", "Polynomial", "Spline"]
+    assert [law_label(slug) for slug in CURVES] == ["SCCA", "Polynomial", "Spline", "Table"]

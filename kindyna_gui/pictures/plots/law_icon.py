@@ -10,7 +10,7 @@ import numpy as np
 from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QPainter, QPolygonF
 
-from core.design import Curve, End, Point, Polynomial, Segment, Spline, curve_of
+from core.design import Curve, End, Point, Polynomial, Segment, Spline, Table, curve_of
 from core.laws import PieceTable, find_law
 from core.motion.curves import shape_of
 from kindyna_gui.pictures.style import THIN, Theme
@@ -20,6 +20,7 @@ SPAN = 90.0  # of the segment that is drawn, degrees
 _EXAMPLES: Mapping[str, Curve] = MappingProxyType(
     {
         "polynomial": Polynomial(End(), End(velocity=0.02)),
+        "table": Table(tuple(Point(SPAN * u, u * u * (3.0 - 2.0 * u)) for u in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0))),
         "spline": Spline((Point(22.0, 0.55), Point(48.0, 0.3), Point(70.0, 0.8))),
     }
 )
