@@ -1,0 +1,225 @@
+"""The motion of a follower that is rolled over a curve, as segments: dwells where it stands, else tables that hold the closed
+form within a tolerance; and the cam angles where velocity or acceleration jumps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from core.contour.drawing import Contour, DrawingError
+from core.contour.elements import Element
+from core.contour.points import fitted, is_digitised
+from core.contour.rolling import Part, Rolled, roll
+from core.design import Design, Motion, Named, Point, Segment, Table, put, require_motion, with_motion
+from core.design.motions import without_marks
+from core.errors import MISSING, DesignError, Fault
+from core.followers import built
+from core.followers.touching import touching
+from core.frozen import frozen
+from core.laws.polynomial import quintics
+from core.measured import Fit
+
+TOLERANCE_MM = 2e-10
+"""How far the tables may be from the closed form."""
+ALIKE = 1e-8  # relative: accelerations that differ by less go on
+SHORTEST = 2e-6  # degrees: a shorter stretch belongs to its neighbours
+_CLOSE = 1e-9  # degrees: a join this close to 0 is there
+_MOST_HALVINGS = 12
+_AT_CORNERS = 0.02
+_INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, where it is compared with the closed form
+
+
+@frozen
+class Jump:
+    """Where the velocity (order 1) or the acceleration (2) jumps: cam angle [deg], values before and after, in the motion's unit
+    per deg^order."""
+
+    angle: float
+    order: int
+    before: float
+    after: float
+
+
+@frozen(eq=False)
+class Traced:
+    """The design with the motion and the base radius of a curve.
+
+    jumps  by cam angle; those of the acceleration only where the velocity goes on
+    path   of a round's centre at cam angle 0 [mm], or the curve itself under a flat face
+    fit    of the lifts that a digitised curve was turned into; None where the motion is exact
+    """
+
+    design: Design
+    contour: Contour
+    jumps: tuple[Jump, ...]
+    path: tuple[Element, ...]
+    fit: Fit | None = None
+
+    @property
+    def base_radius_mm(self) -> float:
+        radius: float = self.design.drive.cam.base_radius_mm
+        return radius
+
+
+def trace(design: Design, contour: Contour) -> Traced:
+    """The motion that a curve gives to the follower of a design, with the base radius that belongs to it.
+
+    Lines and arcs are followed exactly; a curve of many short lines with small corners counts as points that were measured on a
+    smooth one. Raises DrawingError where the follower cannot follow the curve, DesignError where the design has no follower on a
+    cam with a motion.
+    """
+    motion = require_motion(design)
+    if design.drive.cam is None or not hasattr(design.drive.cam, "base_radius_mm"):
+        raise DesignError([Fault("cam", MISSING, "a curve gives its motion to a follower on a disk cam", "a design with [follower]")])
+    if is_digitised(contour.elements):
+        measured = fitted(contour, design)
+        return Traced(measured.design, contour, (), contour.elements, measured.fit)
+    rolled = roll(contour, design)
+    changed = _with_base(design, rolled.reach)
+    position = _position(changed, motion.unit)
+    lever = touching(changed.drive.mechanism).lever_mm
+    tolerance = TOLERANCE_MM * min(1.0, lever) if motion.unit == "mm" else math.degrees(TOLERANCE_MM / lever)
+    segments, start, jumps = _segments(rolled, position, tolerance)
+    made = without_marks(with_motion(changed, Motion(start, segments, motion.unit)))
+    return Traced(made, contour, jumps, rolled.path)
+
+
+def _with_base(design: Design, reach: float) -> Design:
+    """The base radius from the nearest place of the face's reference."""
+    radius = reach - design.drive.face.radius_mm
+    if radius <= 0.0:
+        raise DrawingError(f"the cam centre lies {-radius:.6g} mm outside the curve as the follower sees it; give another centre")
+    changed = put(design, "cam.base_radius_mm", radius)
+    return replace(changed, assumed=tuple(path for path in changed.assumed if path != "cam.base_radius_mm"))
+
+
+def _position(design: Design, unit: str) -> Callable[[Part, np.ndarray], np.ndarray]:
+    """Part, cam angles (n,) [deg] -> the motion with two derivatives by degrees (3, n), in its unit."""
+    drive = design.drive
+    mechanism, turns = built(drive.mechanism, drive.cam), unit == "deg"
+    scale = 180.0 / math.pi if turns else 1.0
+    base = mechanism.start if turns else 1e3 * mechanism.start
+
+    def states(part: Part, angles: np.ndarray) -> np.ndarray:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            rows = part.driver(np.deg2rad(angles)).derivatives.real.copy()
+        rows[0] -= base
+        if turns:
+            rows[0] = np.remainder(rows[0] + math.pi, 2.0 * math.pi) - math.pi
+        return np.asarray(mechanism.sense * scale * rows * np.deg2rad(1.0) ** np.arange(3)[:, None])
+
+    return states
+
+
+# -- segments ---------------------------------------------------------------------------------------------
+
+
+@frozen(eq=False)
+class _Stretch:
+    """A part between two cam angles [deg], low < high; breaks: the velocity may jump where it begins."""
+
+    part: Part
+    low: float
+    high: float
+    breaks: bool
+
+
+def _stretches(parts: Sequence[Part]) -> list[_Stretch]:
+    """The parts cut at cam angle 0, from there on; those too short are left to their neighbours."""
+    whole = [_Stretch(p, math.degrees(p.low), math.degrees(p.high), p.breaks) for p in parts]
+    kept: list[_Stretch] = []
+    for each in whole:
+        if each.high - each.low >= SHORTEST:
+            low = kept[-1].high if kept else each.low
+            kept.append(_Stretch(each.part, low, each.high, each.breaks))
+        elif kept:
+            kept[-1] = _Stretch(kept[-1].part, kept[-1].low, each.high, kept[-1].breaks)
+    shift = 360.0 * math.floor((kept[0].low + _CLOSE) / 360.0)
+    laid = [_Stretch(s.part, s.low - shift, s.high - shift, s.breaks) for s in kept]
+    before, after = [], []
+    for s in laid:  # from low in 0 ... 360 on
+        if s.low >= 360.0 - _CLOSE:
+            before.append(_Stretch(s.part, s.low - 360.0, s.high - 360.0, s.breaks))
+        elif s.high > 360.0 + _CLOSE:
+            after.append(_Stretch(s.part, s.low, 360.0, s.breaks))
+            before.append(_Stretch(s.part, 0.0, s.high - 360.0, False))  # the curve goes on there
+        else:
+            after.append(s)
+    rows = [*before, *after]
+    joints = [0.0, *(s.low for s in rows[1:]), 360.0]
+    return [_Stretch(s.part, low, high, s.breaks) for s, (low, high) in zip(rows, pairwise(joints), strict=True)]
+
+
+States = Callable[[Part, np.ndarray], np.ndarray]
+
+
+def _segments(rolled: Rolled, position: States, tolerance: float) -> tuple[tuple[Segment, ...], float, tuple[Jump, ...]]:
+    stretches = _stretches(rolled.parts)
+    rows = [_rows(s, position, tolerance) for s in stretches]
+    for (angles, states), s in zip(rows, stretches, strict=True):
+        if not np.isfinite(states).all():
+            place = float(angles[np.flatnonzero(~np.isfinite(states).all(axis=0))[0]])
+            raise DrawingError(f"the follower cannot follow the curve at cam angle {place:.6g} deg ({s.low:.6g} ... {s.high:.6g} deg)")
+    still = [float(np.ptp(states[0])) <= tolerance for _, states in rows]
+    for (_, states), dwells in zip(rows, still, strict=True):
+        if dwells:
+            level = float(np.mean(states[0]))
+            states[0], states[1:] = (0.0 if abs(level) < tolerance else level), 0.0
+    jumps = _settle(rows, stretches, still)
+    segments: list[Segment] = []
+    for (angles, states), s, dwells in zip(rows, stretches, still, strict=True):
+        span, rise = s.high - s.low, float(states[0, -1] - states[0, 0])
+        if dwells and rise == 0.0:
+            if segments and segments[-1].curve == Named("dwell"):
+                segments[-1] = Segment(segments[-1].span_deg + span, 0.0)
+            else:
+                segments.append(Segment(span, 0.0))
+            continue
+        at = np.append(angles[:-1] - s.low, span)
+        points = (Point(*map(float, row)) for row in zip(at, states[0] - states[0, 0], states[1], states[2], strict=True))
+        segments.append(Segment(span, rise, Table(tuple(points))))
+    return tuple(segments), float(rows[0][1][0, 0]), jumps
+
+
+def _rows(s: _Stretch, position: States, tolerance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Angles (m,) [deg] and states (3, m) between which quintics keep to the closed form."""
+    # a profile that is a corner shows the slope's error too
+    tolerance *= _AT_CORNERS if s.part.corner else 1.0
+    angles = np.linspace(s.low, s.high, 2 + int((s.high - s.low) / 30.0))
+    for _ in range(_MOST_HALVINGS):
+        h, states = np.diff(angles), position(s.part, angles)
+        x = _INSIDE[:, None] * h
+        c = quintics(h, states.T[:-1, :, None], states.T[1:, :, None])[:, :, 0]
+        curve = sum(c[:, k] * x**k for k in range(6))
+        exact = position(s.part, (angles[:-1] + x).ravel())[0].reshape(x.shape)
+        off = np.flatnonzero(np.abs(curve - exact).max(axis=0) > tolerance)
+        if not off.size or not np.isfinite(states).all():
+            break
+        angles = np.insert(angles, off + 1, 0.5 * (angles[off] + angles[off + 1]))
+    return angles, position(s.part, angles)
+
+
+def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], still: Sequence[bool]) -> tuple[Jump, ...]:
+    """Both sides of every join given the same values, as far as nothing jumps there; what does."""
+    jumps = []
+    largest = max(float(np.abs(states[2]).max()) for _, states in rows)
+    for i, s in enumerate(stretches):
+        left, right = rows[i - 1][1], rows[i][1]
+        level = left[0, -1] if still[i - 1] else right[0, 0] if still[i] else 0.5 * (left[0, -1] + right[0, 0])
+        left[0, -1] = right[0, 0] = level
+        if s.breaks:
+            jumps.append(Jump(s.low, 1, float(left[1, -1]), float(right[1, 0])))
+            continue
+        left[1, -1] = right[1, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[1, -1] + right[1, 0])
+        if abs(left[2, -1] - right[2, 0]) > ALIKE * largest:
+            jumps.append(Jump(s.low, 2, float(left[2, -1]), float(right[2, 0])))
+        else:
+            left[2, -1] = right[2, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[2, -1] + right[2, 0])
+    return tuple(jumps)
+
+
+__all__ = ["TOLERANCE_MM", "Jump", "Traced", "trace"]

@@ -1,0 +1,228 @@
+"""A follower rolled round a closed curve: which line or arc it is on at which cam angles, and where it stands there, in closed
+form."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from core.contour.drawing import JOIN_MM, Contour, DrawingError, at_text
+from core.contour.elements import Element
+from core.contour.offset import BREAK, hollow, nearest, path_beside
+from core.design import Design, Flat
+from core.errors import angle_list
+from core.followers.touching import Touching, touching
+from core.frozen import frozen
+from core.numerics.taylor import Taylor
+
+TURN = 2.0 * math.pi
+SAMPLES = 24  # of each line or arc, and so many more for each turn, at which it is seen to be followed
+ROUND_OFF = 1e-12  # [rad]: an angle may go back by so much
+
+
+@frozen(eq=False)
+class Part:
+    """A stretch of the turn on one line or arc.
+
+    low, high  cam angles [rad], low < high; the whole turn where it is a circle
+    driver     cam angles (n,) [rad] -> the driver's position, in mm or radians, with two derivatives
+    breaks     the tangent of the face's path breaks where it begins, so that the velocity jumps there
+    corner     a round turns about a corner of the curve
+    """
+
+    low: float
+    high: float
+    driver: Callable[[np.ndarray], Taylor]
+    breaks: bool
+    corner: bool = False
+
+
+@frozen(eq=False)
+class Rolled:
+    """parts in the order of the cam angle, over one turn; reach [mm]: the face's reference at its nearest to the cam centre;
+    path: of a round's centre, or the curve itself, as drawn at cam angle 0."""
+
+    parts: tuple[Part, ...]
+    reach: float
+    path: tuple[Element, ...]
+
+
+@frozen(eq=False)
+class _Piece:
+    """A line or arc that the face follows, counter-clockwise round the cam: angle: parts (n,) of it -> how far the cam is turned;
+    driver: as in ``Part``; breaks: where it begins; begin: where that is, as ``angle`` has it."""
+
+    angle: Callable[[np.ndarray], np.ndarray]
+    place: Callable[[np.ndarray], np.ndarray]
+    driver: Callable[[np.ndarray], Taylor]
+    breaks: bool
+    begin: float
+    samples: int
+    corner: bool = False
+
+
+def roll(contour: Contour, design: Design) -> Rolled:
+    """The follower of a design on a curve. Raises DrawingError where it cannot follow it, and where a flat face meets a hollow;
+    DesignError where the design has no follower on a cam."""
+    follower: Any = design.drive.mechanism
+    face, sense = design.drive.face, design.sense
+    row = touching(follower)
+    if isinstance(face, Flat):
+        pieces, reach = list(_flat_pieces(contour, row, sense)), _least_support(contour)
+        path = contour.elements
+    else:
+        beside = path_beside(contour.elements, face.radius_mm)
+        path, reach = beside.elements, nearest(beside.elements)
+        pieces = [
+            _round_piece(each, joint.place, joint.turn != 0.0, row, sense, face.radius_mm)
+            for each, joint in zip(beside.elements, beside.joints, strict=True)
+        ]
+    return Rolled(tuple(_ordered(pieces, contour, face.noun, sense)), reach, tuple(path))
+
+
+def _round_piece(each: Element, begin: complex, breaks: bool, row: Touching, sense: float, radius: float) -> _Piece:
+    middle, normal, curvature = complex(each.at(0.5)), complex(each.normal(0.5)), each.curvature
+
+    def driver(theta: np.ndarray) -> Taylor:
+        turn = Taylor.turning(theta, sense)
+        return row.position(turn * middle, turn * normal, curvature)
+
+    def angle(part: np.ndarray) -> np.ndarray:
+        return row.angle(each.at(part))
+
+    corner = each.sweep > 0.0 and abs(each.radius - radius) <= 1e-9 * radius
+
+    return _Piece(angle, each.at, driver, breaks, float(row.angle(np.array([begin]))[0]), _samples(each.sweep), corner)
+
+
+def _samples(sweep: float) -> int:
+    return SAMPLES + math.ceil(SAMPLES * abs(sweep))
+
+
+# -- a flat face ------------------------------------------------------------------------------------------
+
+
+@frozen
+class _Support:
+    """An arc, or a corner of radius 0, that a flat face turns about: from a unit normal over an angle [rad]."""
+
+    centre: complex
+    radius: float
+    normal: complex
+    sweep: float
+
+    def normals(self, part: np.ndarray) -> np.ndarray:
+        return np.asarray(self.normal * np.exp(1j * self.sweep * np.asarray(part)))
+
+    def contact(self, part: np.ndarray) -> np.ndarray:
+        return self.centre + self.radius * self.normals(part)
+
+
+def _supports(elements: Sequence[Element]) -> list[_Support]:
+    """What a flat face turns about, in order round a convex curve."""
+    made = []
+    for a, b in zip(elements, [*elements[1:], elements[0]], strict=True):
+        if not a.is_line:
+            made.append(_Support(a.centre, a.radius, complex(a.normal(0.0)), a.sweep))
+        turn = 0.0 if len(elements) == 1 else cmath.phase(complex(b.tangent(0.0)) / complex(a.tangent(1.0)))
+        if turn > BREAK:
+            made.append(_Support(a.end, 0.0, complex(a.normal(1.0)), turn))
+    return made
+
+
+def _flat_pieces(contour: Contour, row: Touching, sense: float) -> Iterator[_Piece]:
+    where = hollow(contour.elements)
+    if where is not None:
+        raise DrawingError(
+            f"{contour.name}: the curve is hollow at {at_text(where)} from the cam centre, where a flat face "
+            "does not reach it; choose a roller, or a convex curve"
+        )
+    supports = _supports(contour.elements)
+    for before, each in zip([supports[-1], *supports[:-1]], supports, strict=True):
+        n = 0.5 * (complex(before.normals(np.array(1.0))) + each.normal)
+        last, first = complex(before.contact(np.array(1.0))), complex(each.contact(np.array(0.0)))
+        breaks = abs(first - last) > JOIN_MM
+        begin = float(row.angle(np.array([0.5 * (first + last)]), np.array([n / abs(n)]))[0])
+        yield _support_piece(each, breaks, begin, row, sense)
+
+
+def _support_piece(each: _Support, breaks: bool, begin: float, row: Touching, sense: float) -> _Piece:
+    return _Piece(
+        lambda part: row.angle(each.contact(part), each.normals(part)),
+        each.contact,
+        lambda theta: row.position(Taylor.turning(theta, sense) * each.centre, each.radius),
+        breaks, begin, _samples(each.sweep),
+    )  # fmt: skip
+
+
+def _least_support(contour: Contour) -> float:
+    """Least distance of a flat face from the cam centre [mm]: on a line it lies on both ends, on an arc it is ρ + c·n."""
+    chords = [each for each in contour.elements if each.is_line]
+    least = [((each.start * complex(each.normal(0.0)).conjugate()).real) for each in chords]
+    for support in _supports(contour.elements):
+        c = support.centre
+        ends = [support.normal, complex(support.normals(np.array(1.0)))]
+        if abs(c) > 0.0:
+            turn = cmath.phase(-c / support.normal) % TURN
+            if turn < support.sweep:
+                ends.append(-c / abs(c))
+        least += [support.radius + (c * n.conjugate()).real for n in ends]
+    return min(least)
+
+
+# -- in the order of the cam angle ------------------------------------------------------------------------
+
+
+def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) -> list[Part]:
+    """The pieces by cam angle θ, sense θ being how far the cam is turned: it goes back along the curve."""
+    for each in pieces:
+        _require_followed(each, contour, noun, sense)
+    if len(pieces) == 1:
+        return [Part(0.0, TURN, pieces[0].driver, False)]
+    ends = [*pieces[1:], pieces[0]]
+    rows = [(a, b) for a, b in zip(pieces, ends, strict=True)]
+    if sense > 0.0:  # the piece is left where it begins
+        rows = [(piece, after) for piece, after in reversed(rows)]
+    parts, at = [], None
+    for piece, after in rows:
+        low, high = (after.begin, piece.begin) if sense > 0.0 else (piece.begin, after.begin)
+        breaks = (after if sense > 0.0 else piece).breaks
+        start = sense * low if at is None else at
+        span = (sense * (high - low)) % TURN
+        if span > TURN - 1e-9:  # of no length
+            span = 0.0
+        parts.append(Part(start, start + span, piece.driver, breaks, piece.corner))
+        at = start + span
+    total = parts[-1].high - parts[0].low
+    if abs(total - TURN) > 1e-6:
+        raise DrawingError(f"{contour.name}: the {noun} goes {total / TURN:.4g} times round the curve in one turn; it must be once")
+    return parts
+
+
+def _require_followed(piece: _Piece, contour: Contour, noun: str, sense: float) -> None:
+    """Raises DrawingError where the face does not reach a piece, or the cam would have to turn back."""
+    part = np.linspace(0.0, 1.0, piece.samples)
+    angle = piece.angle(part)
+    lost = np.isnan(angle)
+    if lost.any():
+        z = complex(piece.place(part)[np.flatnonzero(lost)[0]])
+        raise DrawingError(
+            f"{contour.name}: the {noun} cannot reach the curve: its reference would have to come to {at_text(z)} from "
+            "the cam centre; change the follower's lengths"
+        )
+    along = np.unwrap(angle)
+    back = np.diff(along) >= ROUND_OFF
+    if back.any():
+        first, last = np.flatnonzero(back)[[0, -1]]
+        ends = sorted(math.degrees(sense * along[i]) % 360.0 for i in (first, last + 1))
+        raise DrawingError(
+            f"{contour.name}: the {noun} cannot follow the curve about cam angle {angle_list([(ends[0], ends[1])])}: the pressure "
+            "angle passes 90 deg; choose another follower or centre"
+        )
+
+
+__all__ = ["Part", "Rolled", "roll"]
