@@ -60,6 +60,6 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "blend": _row("a motion blended from elementary curves", "blend"),
         "stability": _row("chart and forbidden speeds of a flexible camshaft", "stability"),
         "measured": _row("a motion from a measured table", "measured"),
-        "motion-from": _row("a motion from a drawing: the follower rolled over a closed curve of lines and arcs", "motion_from"),
+        "motion-from": _row("a motion from a DXF curve: the follower rolled over closed lines and arcs", "motion_from"),
     }
 )
