@@ -11,7 +11,8 @@ from core.cam import flat_flank, row_of
 from core.design import Design, get
 from core.errors import KindynaError
 from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
-from core.find.trial import NEEDED, Outcome, Trials, usual_pressure
+from core.find.offer import limits_without
+from core.find.trial import NEEDED, Outcome, Trials
 from core.find.wanted import LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
@@ -26,7 +27,12 @@ EXCLUDED = 1e3  # [deg] more than any pressure angle: of what does not keep its 
 SAME = 1e-9  # [deg] pressure angles that do not differ
 ALIKE = 1e-5  # the same, of samples
 ENDS = ("_min", "_max")
+ROOT_DIGITS, OPTIMUM_DIGITS = 9, 6  # the place of a flat minimum has half the digits of what is least there
+CLOSE = 17  # values of the curve beside the answer
+BEYOND, LEAST_BEYOND = 0.5, 0.3  # how far it goes on: of the distance to the present value, of the answer at least
+OPEN_PRESSURE = 90.0  # [deg] no limit
 
+Bounds = dict[str, tuple[float | None, float | None]]
 At = Callable[[float], Outcome]
 """A value -> what it reaches."""
 
@@ -40,8 +46,12 @@ class Solution:
     reached   limit -> value there, in its unit; infinite where there is no such figure
     limits    limit -> what it must keep
     curve     value of the first field, what is reached with it: of ``curve_of``
+    near      the values of the first field around the answer and the present one, in which the curve is close
+    present   path -> value in the design before; None where it has none
+    before    limit, of all that there are -> value reached there; empty where there is no cam with the present values
     against   what stands against it; empty where the answer serves
     end       bound that the answer stands at, where no limit holds it; empty else
+    digits    significant digits of the answer that are certain
     """
 
     wanted: str
@@ -51,44 +61,51 @@ class Solution:
     limits: Mapping[str, float]
     curve: tuple[tuple[float, float], ...]
     curve_of: str
+    near: tuple[float, float]
+    present: Mapping[str, float | None]
+    before: Mapping[str, float]
     against: tuple[str, ...] = ()
     end: str = ""
+    digits: int = ROOT_DIGITS
 
     @property
     def serves(self) -> bool:
         return not self.against
 
 
-def find(design: Design, what: str, stated: Mapping[str, float]) -> Solution:
+def find(
+    design: Design, what: str, stated: Mapping[str, float], *, place: str = "", alone: bool = False,
+    tell: Callable[[int], object] = lambda count: None,
+) -> Solution:  # fmt: skip
     """The value of a row of ``WANTED`` under the limits stated and the design's own, which those replace; where there are none, under
     the usual ones. The cam is not undercut in any case. Where no value serves: the best that there is, and what stands against it.
 
-    stated: key of a limit, or path of a field with _min or _max -> value. Raises KindynaError where there is no such thing to
-    seek, no such limit, or no value at all with which there is a cam.
+    stated: key of a limit, or path of a field with _min or _max -> value; alone: no others hold. place: of the fields of which one is
+    varied. tell: called with how many designs were evaluated, after each. Raises KindynaError where there is no such thing to seek,
+    no such limit, or no value at all with which there is a cam.
     """
     if what not in WANTED:
         raise KindynaError(f"find {what!r}: unknown; allowed: {' | '.join(WANTED)}")
     row = WANTED[what]
     limits, box = _sorted_out(what, row, stated)
+    if place:
+        box.setdefault(place, (None, None))
     paths = row.fields(design, box)
     _require(design, what, paths, box)
     if row.wanted == NARROWEST:
         return _narrowest_face(design, paths, box)
-    own = vars(design.drive.limits)
-    limits = {key: own[key] for key in row.limits if own.get(key) is not None} | limits
-    if not limits and row.wanted != LEAST_PRESSURE:
-        limits[ANY_PRESSURE] = usual_pressure(design)
+    limits = limits if alone else {**limits_without(design, what, limits), **limits}
     limits.setdefault(CONVEX, 0.0)
-    return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits), box)
+    return _SOLVERS[len(paths), row.wanted](row, Trials(design, paths, limits, tell), box)
 
 
 # -- what is asked -----------------------------------------------------------------------------------------
 
 
-def _sorted_out(what: str, row: Row, stated: Mapping[str, float]) -> tuple[dict[str, float], Box]:
+def _sorted_out(what: str, row: Row, stated: Mapping[str, float]) -> tuple[dict[str, float], Bounds]:
     """Limits of the cam, and bounds of fields."""
     limits: dict[str, float] = {}
-    box: dict[str, tuple[float | None, float | None]] = {}
+    box: Bounds = {}
     for key, value in stated.items():
         path, end = key[:-4], key[-4:]
         if key in row.limits:
@@ -372,10 +389,12 @@ def _narrowest_face(design: Design, paths: tuple[str, ...], box: Box) -> Solutio
         against = (f"the contact runs from {span[0]:.6g} to {span[1]:.6g} mm: half a width of {half:.9g} mm, limit {half_high:g} mm",)
     values = dict(zip(paths, (half, centre), strict=True))
     centres = np.linspace(span[0], span[1], 49).tolist()
+    present = {path: get(design, path) for path in paths}
+    widest = max(needed(centres[0]), half, present[paths[0]] or 0.0)
     return Solution(
         NARROWEST, Trials(design, paths, {}).with_values((half, centre)), values,
         {"contact_on_face_min_mm": span[0], "contact_on_face_max_mm": span[1]}, {},
-        tuple((needed(at), at) for at in centres), paths[1], against,
+        tuple((needed(at), at) for at in centres), paths[1], (0.0, widest), present, {}, against,
     )  # fmt: skip
 
 
@@ -389,15 +408,32 @@ def _solved(row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarr
     if row.wanted == LEAST_PRESSURE or tightest in NEEDED:
         reached.setdefault(ANY_PRESSURE, outcome.pressures[-1])
     shown = ANY_PRESSURE if row.wanted == LEAST_PRESSURE else tightest
+    present = {path: get(trials.design, path) for path in trials.paths}
+    near = _near(found[0], present[trials.paths[0]], values)
     curve = []
-    for x in sorted({*values.tolist(), found[0]}):
+    for x in sorted({*values.tolist(), *np.linspace(*near, CLOSE).tolist(), found[0]}):
         there = trials.at(x, *found[1:], refined=x == found[0])
         if there.readings:
             curve.append((x, _shown(there, shown)))
     return Solution(
         row.wanted, trials.with_values(found), dict(zip(trials.paths, found, strict=True)), reached, trials.limits, tuple(curve),
-        shown, tuple(reading.text for reading in outcome.readings if not reading.kept), end,
+        shown, near, present, _reached_before(trials), tuple(reading.text for reading in outcome.readings if not reading.kept), end,
+        OPTIMUM_DIGITS if row.wanted == LEAST_PRESSURE else ROOT_DIGITS,
     )  # fmt: skip
+
+
+def _near(found: float, present: float, values: np.ndarray) -> tuple[float, float]:
+    """The answer and the present value, and something on both sides, as far as values were tried."""
+    beyond = max(BEYOND * abs(found - present), min(LEAST_BEYOND * abs(found), LEAST_BEYOND * float(np.ptp(values))))
+    low, high = max(min(found, present) - beyond, float(values[0])), min(max(found, present) + beyond, float(values[-1]))
+    return min(low, found), max(high, found)
+
+
+def _reached_before(trials: Trials) -> Mapping[str, float]:
+    """What the design at hand reaches of every limit."""
+    open_limits = {key: OPEN_PRESSURE if row.most else 0.0 for key, row in LIMITS.items()}
+    outcome = Trials(trials.design, (), open_limits | trials.limits).at()
+    return {reading.key: reading.reached for reading in outcome.readings}
 
 
 def _shown(outcome: Outcome, key: str) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ from core.find.limits import LIMITS, Curve, Reading
 from core.mechanism.kinematics import REVOLUTE
 from core.motion import Angles
 from core.motion.extremes import Extreme, find_highest, piecewise_angles
+from core.numerics.cancellation import checkpoint
 from core.study import Study
 
 
@@ -42,10 +43,13 @@ class Trials:
     """Designs that differ in the values of some fields, judged by limits: key -> value in its unit.
 
     Evaluated by samples of every segment, or refined to the true extremes, which takes some times as long.
+    tell: called with how many were evaluated, after each.
     """
 
-    def __init__(self, design: Design, paths: Sequence[str], limits: Mapping[str, float]) -> None:
-        self.design, self.paths, self.limits = design, tuple(paths), dict(limits)
+    def __init__(
+        self, design: Design, paths: Sequence[str], limits: Mapping[str, float], tell: Callable[[int], object] = lambda count: None
+    ) -> None:
+        self.design, self.paths, self.limits, self._tell = design, tuple(paths), dict(limits), tell
         self._kept: dict[tuple[tuple[float, ...], bool], Outcome] = {}
 
     def with_values(self, values: Sequence[float]) -> Design:
@@ -62,7 +66,9 @@ class Trials:
         """What the design with these values reaches."""
         key = (values, refined)
         if key not in self._kept:
+            checkpoint()
             self._kept[key] = self._evaluated(values, refined)
+            self._tell(len(self._kept))
         return self._kept[key]
 
     def _evaluated(self, values: Sequence[float], refined: bool) -> Outcome:

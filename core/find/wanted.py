@@ -20,18 +20,26 @@ NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: where values near the pre
 FAR = np.linspace(-4.6, 4.6, 36)
 
 
+def _no_choice(design: Design) -> tuple[str, ...]:
+    return ()
+
+
 class Row(NamedTuple):
-    """fields   design, the paths that the user bounds -> the fields that are varied
+    """title    as a heading
+    fields   design, the paths that the user bounds -> the fields that are varied
     wanted   which of the values that keep the limits
     values   design, path -> the values tried first, rising: those between which there may be an answer
     limits   keys that apply
+    places   design -> the fields of which one is varied, where the user may choose
     """
 
+    title: str
     fields: Callable[[Design, Box], tuple[str, ...]]
     wanted: str
     values: Callable[[Design, str], np.ndarray]
     limits: tuple[str, ...] = tuple(LIMITS)
     help: str = ""
+    places: Callable[[Design], tuple[str, ...]] = _no_choice
 
 
 def _always(*paths: str) -> Callable[[Design, Box], tuple[str, ...]]:
@@ -69,12 +77,16 @@ def segment_of(path: str) -> int:
     return int(path.partition("[")[2].partition("]")[0])
 
 
-def _rise(design: Design, box: Box) -> tuple[str, ...]:
-    """The span of the segment that the user bounds, else of the first that rises."""
+def _rises(design: Design) -> tuple[str, ...]:
+    """The spans of the segments that rise."""
     segments = design.drive.motion.segments if design.drive.motion else ()
-    named = next((path for path in box if path.startswith("motion.segments[")), None)
-    rising = next((i for i, segment in enumerate(segments) if segment.rise > 0.0), 0)
-    return (named or f"motion.segments[{rising}].span_deg",)
+    return tuple(f"motion.segments[{i}].span_deg" for i, segment in enumerate(segments) if segment.rise > 0.0)
+
+
+def _rise(design: Design, box: Box) -> tuple[str, ...]:
+    """The span of the segment that the user names or bounds, else of the first that rises."""
+    named = (path for path in box if path.startswith("motion.segments["))
+    return ((*named, *_rises(design), "motion.segments[0].span_deg")[0],)
 
 
 def _beside(design: Design, path: str) -> np.ndarray:
@@ -103,19 +115,30 @@ def has(design: Design, path: str) -> bool:
 
 WANTED: Mapping[str, Row] = MappingProxyType(
     {
-        "base-radius": Row(_always("cam.base_radius_mm"), SMALLEST, _around, help="the smallest base radius"),
-        "offset": Row(_always("follower.offset_mm"), LEAST_PRESSURE, _within_reach, help="the offset of least pressure angle"),
-        "roller-radius": Row(_always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
-        "span": Row(_rise, SMALLEST, _spans, help="the shortest span of a rise, the first or the one that is bounded"),
+        "base-radius": Row(
+            "Smallest base radius", _always("cam.base_radius_mm"), SMALLEST, _around, help="the smallest base radius",
+        ),
+        "offset": Row(
+            "Offset of least pressure angle", _always("follower.offset_mm"), LEAST_PRESSURE, _within_reach,
+            help="the offset of least pressure angle",
+        ),
+        "roller-radius": Row("Largest roller", _always("cam.roller_radius_mm"), LARGEST, _up_to_base, help="the largest roller"),
+        "span": Row(
+            "Shortest span of a rise", _rise, SMALLEST, _spans, help="the shortest span of a rise, the first or the one that is bounded",
+            places=_rises,
+        ),
         "face-width": Row(
-            _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST, lambda design, path: np.zeros(0), (),
-            "the narrowest flat face, and its centre",
+            "Narrowest flat face", _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST,
+            lambda design, path: np.zeros(0), (), "the narrowest flat face, and its centre",
         ),
         "pivot": Row(
-            _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
+            "Pivot of least pressure angle", _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
             help="the pivot of least pressure angle in a box",
         ),
-        "arm": Row(_arm, LEAST_PRESSURE, _half_to_double, help="the arm length of least pressure angle in a box"),
+        "arm": Row(
+            "Arm of least pressure angle", _arm, LEAST_PRESSURE, _half_to_double,
+            help="the arm length of least pressure angle in a box",
+        ),
     }
 )  # fmt: skip
 

@@ -21,6 +21,7 @@ CAM_CURVES = ("pressure_angle", "curvature")
 FORCES = ("torque", "camshaft_speed", "contact_force")
 CHECKS = ("findings", "certificate")
 FORMS = ("parameters", "motion")
+ON_THE_LEFT = (*FORMS, "find")
 
 
 @frozen
@@ -90,7 +91,7 @@ class Task:
 
 
 _CLEAR = (
-    Group(LEFT, more=FORMS),
+    Group(LEFT, more=ON_THE_LEFT),
     Group(RIGHT, more=MOTION_CURVES),
     Group(RIGHT, more=CAM_CURVES),
     Group(RIGHT, more=FORCES),
@@ -104,7 +105,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "&Make",
             "Lay out the motion: the motion editor, with the mechanism beside it",
             "motion",
-            (Group(LEFT, ("motion",)), Group(BOTTOM, more=("parameters",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
+            (Group(LEFT, ("motion",), ("find",)), Group(BOTTOM, more=("parameters",)), Group(BOTTOM, (*CHECKS, "pressure_angle"))),
             MappingProxyType({**USUAL, LEFT: Side(0.6875)}),
         ),
         "compo": Task(
@@ -112,7 +113,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Compose the mechanism: its drawing, with lengths, centres and pressure angle beside it",
             "mechanism",
             (
-                Group(LEFT, ("parameters",), ("motion",), 0.6),
+                Group(LEFT, ("parameters",), ("motion", "find"), 0.6),
                 Group(LEFT, ("pressure_angle",), part=0.4),
             ),
             of_links=("centres", "circle"),
@@ -122,7 +123,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "See it move: the mechanism, with displacement, pressure angle and limits beside it",
             "mechanism",
             (
-                Group(LEFT, more=FORMS),
+                Group(LEFT, more=ON_THE_LEFT),
                 Group(RIGHT, MOTION_CURVES),
                 Group(RIGHT, CAM_CURVES),
                 Group(RIGHT, CHECKS, part=0.7),
@@ -133,7 +134,7 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "Read forces: the mechanism, with torque, contact force, loads and flywheel beside it",
             "mechanism",
             (
-                Group(LEFT, more=("motion",)),
+                Group(LEFT, more=("motion", "find")),
                 Group(RIGHT, ("torque",), ("camshaft_speed",), 1.15),
                 Group(RIGHT, ("contact_force",)),
                 Group(RIGHT, ("parameters", "flywheel", "findings"), part=1.15),

@@ -134,7 +134,7 @@ def opened_alone(user: User, name: str, design: Design) -> View:
     if name == "graph" and not lists_links(design):
         assert isinstance(view, GraphView)
         tick(view, "phi")
-    wait_for(lambda: view.up_to_date)
+    wait_for(lambda: view.up_to_date and not view.busy)
     user.window.player.step(1.0)
     settle()
     assert view.on_screen()

@@ -1,0 +1,288 @@
+"""A dimension found rather than tried: what is wanted, its limits, what it is traded for, the answer, and *Take over*."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QHideEvent, QResizeEvent
+from PySide6.QtWidgets import (
+    QBoxLayout,
+    QHBoxLayout,
+    QLabel,
+    QProgressBar,
+    QPushButton,
+    QStackedWidget,
+    QVBoxLayout,
+    QWidget,
+)
+
+from core.design import Design, get
+from core.errors import KindynaError
+from core.find import WANTED, Solution, find, limits_without, offered, varied
+from core.numerics.cancellation import Cancelled
+from core.study import Study
+from kindyna_gui.background import Background
+from kindyna_gui.documents.session import Session
+from kindyna_gui.find.limit_rows import LimitRows
+from kindyna_gui.find.texts import answer_html, keys_of, start_value, step_name
+from kindyna_gui.find.trade_plot import TradePlot
+from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.labels import name_of, reason
+from kindyna_gui.look import WRONG
+from kindyna_gui.requirements import NotHere
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+
+NO_CAM = (
+    "Find sizes a cam and its follower under limits; this design has no cam. File > New begins one with a cam; "
+    "Compo > Cam roller gives one to a linkage that follows a motion."
+)
+PATIENCE_MS = 300  # before progress is shown
+TICK_MS = 100  # between two counts
+WIDE = 720  # pixels, from which the curve stands beside the limits
+FORM_WIDTH, QWIDGETSIZE_MAX = 330, 16777215
+ANSWER_LINES = 4  # kept free for the answer, so that nothing below it moves
+SAME = 1e-9  # part of a value to which it is in place already
+
+
+class Count:
+    """How many designs were evaluated; the other thread writes it."""
+
+    def __init__(self) -> None:
+        self.number = 0
+
+    def tell(self, number: int) -> None:
+        self.number = number
+
+
+class FindView(View):
+    """Seeks beside the window, when the design or a limit changes while it can be seen."""
+
+    stages = STAGES_OF_VIEWS["find"]
+    pause_ms = 200
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.solution: Solution | None = None
+        self.searches = 0
+        self._count = Count()
+        self._typed: dict[str, float | None] = {}  # limits as the user wants them; None: taken away
+        self.what, self.place, self.limits, self.plot = WordBox(), WordBox(), LimitRows(), TradePlot()
+        self.what.setAccessibleName("What is wanted")
+        self.place.setAccessibleName("Which of them")
+        self.answer = QLabel(wordWrap=True, textFormat=Qt.TextFormat.RichText, alignment=Qt.AlignmentFlag.AlignTop)
+        self.answer.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self.answer.setMinimumHeight(ANSWER_LINES * self.fontMetrics().lineSpacing() + 4)
+        self.take, self.cancel, self.again = QPushButton("Take over"), QPushButton("Cancel"), QPushButton("Search again")
+        self.take.setToolTip("Put the answer into the design; Undo takes it back")
+        self.bar = QProgressBar(minimum=0, maximum=0, textVisible=False)
+        self.bar.setFixedHeight(10)
+        self.counted = QLabel()
+        self._lay_out()
+        self._work = Background(self)
+        self._work.result.connect(self._answered)
+        self._patience = QTimer(self, singleShot=True, interval=PATIENCE_MS)
+        self._patience.timeout.connect(self._show_progress)
+        self._tick = QTimer(self, interval=TICK_MS)
+        self._tick.timeout.connect(self._show_count)
+        self.what.activated.connect(self._choose)
+        self.place.activated.connect(self._choose)
+        self.limits.changed.connect(self._limit_typed)
+        self.limits.wanted.connect(self._limit_wanted)
+        self.take.clicked.connect(self._take_over)
+        self.cancel.clicked.connect(self._work.cancel)
+        self.again.clicked.connect(self._search)
+        session.started.connect(self._typed.clear)
+
+    def _lay_out(self) -> None:
+        self._foot = QStackedWidget()
+        for parts in ((self.take,), (self.bar, self.counted, self.cancel), (self.again,)):
+            page = QWidget()
+            row = QHBoxLayout(page)
+            row.setContentsMargins(0, 0, 0, 0)
+            for part in parts:
+                row.addWidget(part, 1 if part is self.bar else 0)
+            if self.bar not in parts:
+                row.addStretch(1)
+            self._foot.addWidget(page)
+        self._foot.setFixedHeight(self.take.sizeHint().height() + 2)
+        self._form = QWidget()
+        form = QVBoxLayout(self._form)
+        form.setContentsMargins(0, 0, 0, 0)
+        form.setSpacing(4)
+        for part in (self.what, self.place, self.limits):
+            form.addWidget(part)
+        form.addStretch(1)
+        result = QVBoxLayout()
+        result.setContentsMargins(0, 0, 0, 0)
+        result.setSpacing(4)
+        result.addWidget(self.plot, 1)
+        result.addWidget(self.answer)
+        result.addWidget(self._foot)
+        self._sides = QBoxLayout(QBoxLayout.Direction.TopToBottom)
+        self._sides.setContentsMargins(8, 6, 8, 6)
+        self._sides.setSpacing(6)
+        self._sides.addWidget(self._form)
+        self._sides.addLayout(result, 1)
+        self.set_content_layout(self._sides)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """The curve stands beside the limits where there is room, else below them."""
+        super().resizeEvent(event)
+        wide = self.width() >= WIDE
+        self._sides.setDirection(QBoxLayout.Direction.LeftToRight if wide else QBoxLayout.Direction.TopToBottom)
+        self._form.setMinimumWidth(FORM_WIDTH if wide else 0)
+        self._form.setMaximumWidth(FORM_WIDTH if wide else QWIDGETSIZE_MAX)
+
+    # -- what is sought -------------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        rows = offered(study.design)
+        if not rows:
+            raise NotHere(NO_CAM)
+        _fill(self.what, {what: WANTED[what].title for what in rows})
+        self._search()
+
+    @property
+    def _wanted(self) -> str:
+        return str(self.what.currentData())
+
+    def _limits(self, design: Design) -> Mapping[str, float]:
+        """Those that hold: the design's own or the usual ones, as far as the user has not typed others or taken them away."""
+        keys = keys_of(self._wanted, varied(design, self._wanted, self.place.currentData() or ""))
+        typed = {key: value for key, value in self._typed.items() if key in keys}
+        held = {**limits_without(design, self._wanted, {}), **typed}
+        return {key: held[key] for key in keys if held.get(key) is not None}  # type: ignore[misc]
+
+    def _choose(self, _: int) -> None:
+        self._search()
+
+    def _limit_typed(self, key: str, value: float | None) -> None:
+        self._typed[key] = value
+        self._search()
+
+    def _limit_wanted(self, key: str) -> None:
+        self._typed[key] = start_value(key, self.solution)
+        self._search()
+        self.limits.focus(key)
+
+    # -- the search -----------------------------------------------------------------------------------------
+
+    def _search(self) -> None:
+        """Seek under the limits at hand; what was sought before is given up."""
+        design = self.session.design
+        if self.not_here or not offered(design):
+            return
+        places = WANTED[self._wanted].places(design)
+        _fill(self.place, {path: name_of(design, path) for path in places})
+        self.place.setVisible(len(places) > 1)
+        limits = self._limits(design)
+        place = self.place.currentData() or ""
+        self.limits.show_limits(design, limits, keys_of(self._wanted, varied(design, self._wanted, place)))
+        self._rest()
+        self.searches += 1
+        self._count = Count()
+        job = partial(find, design, self._wanted, dict(limits), place=place, alone=True, tell=self._count.tell)
+        self._patience.start()
+        self._work.start([(design, job)])
+
+    def _rest(self) -> None:
+        """Nothing is sought, and there is no answer to the design at hand."""
+        self._work.stop()
+        self._quiet()
+        self.take.setEnabled(False)
+        self.solution = None
+
+    def _quiet(self) -> None:
+        self._patience.stop()
+        self._tick.stop()
+        self._foot.setCurrentIndex(0)
+
+    def _show_progress(self) -> None:
+        self._show_count()
+        self._foot.setCurrentIndex(1)
+        self._tick.start()
+
+    def _show_count(self) -> None:
+        self.counted.setText(f"{self._count.number} designs tried")
+
+    def _answered(self, design: Design, result: Solution | KindynaError | Cancelled) -> None:
+        self._quiet()
+        if isinstance(result, Solution):
+            self.solution = result
+            self.plot.show_solution(design, result)
+            self.answer.setText(answer_html(design, result))
+            self._offer_take_over()
+            return
+        if isinstance(result, Cancelled):
+            self._foot.setCurrentIndex(2)
+            self.plot.show_message("The search was cancelled.")
+            self.answer.setText("")
+            return
+        self.plot.show_message("No curve: there is no answer.")
+        self.answer.setText(f"<span style='color:{WRONG}'>{reason(design, result)}</span>")
+
+    def _offer_take_over(self) -> None:
+        found, design = self.solution, self.session.design
+        if found is None:
+            return
+        apart = any(_differ(get(design, path), value) for path, value in found.answer.items())
+        self.take.setEnabled(found.serves and apart)
+        self.take.setText("Take over" if apart or not found.serves else "Taken over")
+
+    def _take_over(self) -> None:
+        """The answer into the design, as one step."""
+        if self.solution is None:
+            return
+        found, design = self.solution, self.session.design
+        self.session.put(found.design, step_name(design, found), next(iter(found.answer)))
+        self.session.end_gesture()
+
+    # -- when -----------------------------------------------------------------------------------------------
+
+    def invalidate(self) -> None:
+        """Another design is in place: what is sought for the one before is void."""
+        self._rest()
+        super().invalidate()
+
+    def show_reason(self, error: KindynaError) -> None:
+        self._rest()
+        super().show_reason(error)
+
+    @property
+    def busy(self) -> bool:
+        return self._pause.isActive() or self._work.busy
+
+    def settle(self) -> None:
+        super().settle()
+        if self._pause.isActive():
+            self._pause.stop()
+            self.pull()
+
+    def leave(self) -> None:
+        self._work.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._work.busy:
+            self._rest()
+            self._stale = True
+
+
+def _fill(box: WordBox, rows: Mapping[str, str]) -> None:
+    """Offer these; what was chosen stays so where it is still there."""
+    if [box.itemData(i) for i in range(box.count())] == list(rows) and [box.itemText(i) for i in range(box.count())] == [*rows.values()]:
+        return
+    before: Any = box.currentData()
+    box.clear()
+    for key, text in rows.items():
+        box.addItem(text, key)
+    box.setCurrentIndex(max(0, box.findData(before)))
+
+
+def _differ(present: float | None, found: float) -> bool:
+    return present is None or abs(present - found) > SAME * max(abs(present), abs(found))

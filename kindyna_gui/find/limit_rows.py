@@ -1,0 +1,122 @@
+"""The limits of a search as rows: name, value, unit, and a button that takes the limit away; below them a list that adds one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
+
+from core.design import Design
+from kindyna_gui.find.texts import Figure, figure_of
+from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.labels import no_number
+from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.rebuilt import Rebuilt
+
+BOX_WIDTH = 96  # pixels
+
+
+class LimitRows(QWidget):
+    """Rows for the limits that hold.
+
+    changed (key, value or None): a limit was typed, or taken away
+    wanted  (key): another limit is to be added
+    """
+
+    changed = Signal(str, object)
+    wanted = Signal(str)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.boxes: dict[str, NumberBox] = {}
+        self.removers: dict[str, QToolButton] = {}
+        self._names: tuple[str, ...] = ()
+        self._rows = Rebuilt()
+        self.add = WordBox()
+        self.add.setPlaceholderText("Add a limit …")
+        self.add.setAccessibleName("Add a limit")
+        self.add.activated.connect(self._add)
+        self.message = QLabel(wordWrap=True)
+        coloured(self.message, WRONG)
+        self.message.hide()
+        column = QVBoxLayout(self)
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(2)
+        for part in (self._rows, self.message, self.add):
+            column.addWidget(part)
+
+    def show_limits(self, design: Design, limits: Mapping[str, float], others: Sequence[str]) -> None:
+        """These limits hold; others may be added."""
+        figures = {key: figure_of(design, key) for key in limits}
+        names = tuple(f"{key} {figure.name}" for key, figure in figures.items())
+        if names != self._names or self._rows.content is None:
+            self._names = names
+            self._rows.replace(self._made(figures))
+            self._tell("")
+        for key, value in limits.items():
+            if not self.boxes[key].pending:
+                self.boxes[key].show_value(value)
+        left = [key for key in others if key not in limits]
+        if left != [self.add.itemData(i) for i in range(self.add.count())]:
+            self.add.clear()
+            for key in left:
+                self.add.addItem(figure_of(design, key).name, key)
+        self.add.setCurrentIndex(-1)
+
+    def _made(self, figures: Mapping[str, Figure]) -> QWidget:
+        content = QWidget()
+        grid = QGridLayout(content)
+        grid.setContentsMargins(0, 0, 0, 0)
+        grid.setSpacing(2)
+        grid.setColumnStretch(0, 1)
+        self.boxes, self.removers = {}, {}
+        for row, (key, figure) in enumerate(figures.items()):
+            label, box, unit, remover = QLabel(figure.name), NumberBox(figure.info, figure.unit), QLabel(figure.unit.symbol), QToolButton()
+            coloured(unit, QUIET)
+            label.setBuddy(box)
+            box.setAccessibleName(figure.name)
+            box.setFixedWidth(BOX_WIDTH)
+            box.setToolTip(figure.info.help.partition(";")[0])
+            box.entered.connect(partial(self._enter, key, figure))
+            box.unreadable.connect(partial(self._unreadable, key, figure))
+            box.withdrawn.connect(partial(self._tell, ""))
+            remover.setIcon(icon("close"))
+            remover.setAutoRaise(True)
+            remover.setToolTip("Take this limit away")
+            remover.setAccessibleName(f"Take away {figure.label}")
+            remover.clicked.connect(partial(self._remove, key))
+            for column, part in enumerate((label, box, unit, remover)):
+                grid.addWidget(part, row, column, Qt.AlignmentFlag.AlignVCenter)
+            self.boxes[key], self.removers[key] = box, remover
+        return content
+
+    def focus(self, key: str) -> None:
+        """Let a limit be typed."""
+        self.boxes[key].setFocus(Qt.FocusReason.OtherFocusReason)
+        self.boxes[key].selectAll()
+
+    def _enter(self, key: str, figure: Figure, value: float | None) -> None:
+        if not figure.info.admits(value):
+            self.boxes[key].set_refused(True)
+            self._tell(f"{figure.label}: outside its range; allowed: {figure.info.allowed(figure.unit)}")
+            return
+        self._tell("")
+        if value is not None:
+            self.boxes[key].show_value(value)
+        self.changed.emit(key, value)
+
+    def _unreadable(self, key: str, figure: Figure) -> None:
+        self.boxes[key].set_refused(True)
+        self._tell(f"{figure.label}: {no_number(self.boxes[key].text())}")
+
+    def _remove(self, key: str, _: bool = False) -> None:
+        self.changed.emit(key, None)
+
+    def _add(self, index: int) -> None:
+        self.wanted.emit(self.add.itemData(index))
+
+    def _tell(self, text: str) -> None:
+        self.message.setText(text)
+        self.message.setVisible(bool(text))

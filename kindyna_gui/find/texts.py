@@ -1,0 +1,145 @@
+"""Names, units and ranges of what limits a search, and its answer in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from html import escape
+from math import isfinite
+from types import MappingProxyType
+
+from core.design import Design, Info, Limits, Unit, entries, info_of, split_unit
+from core.find import LIMITS, WANTED, Solution
+from core.frozen import frozen
+from kindyna_gui.labels import name_of, sentence
+from kindyna_gui.look import QUIET, WRONG
+from kindyna_gui.pictures.units import MINUS, measure, number, short, with_unit
+
+_OWN: Mapping[str, Info | None] = MappingProxyType({each.name: info_of(each) for each in fields(Limits)})
+_BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
+DECIMALS = 4  # of what is reached
+START = MappingProxyType({True: 30.0, False: 1.0})  # of an upper limit, of a lower one, where the design has nothing to go by
+START_DIGITS = 2
+
+
+@frozen
+class Figure:
+    """What can be limited: its name, the sign between name and limit, range and unit of the limit."""
+
+    label: str
+    sign: str
+    info: Info
+    unit: Unit
+
+    @property
+    def name(self) -> str:
+        return f"{self.label} {self.sign}"
+
+
+def _entry(design: Design, path: str) -> tuple[Info, Unit]:
+    """Range and unit of a field of the design."""
+    return next(
+        ((each.info, each.unit) for each in entries(design, path.partition(".")[0]) if each.path == path),
+        (Info(path), split_unit(path)[1]),
+    )
+
+
+def figure_of(design: Design, key: str) -> Figure:
+    """Of the key of a limit, or the path of a field with _min or _max."""
+    if key in LIMITS:
+        row, unit = LIMITS[key], split_unit(key)[1]
+        info = _OWN.get(key) or Info("Pressure angle", "greatest over the whole turn", 0.0, 90.0, open_low=True, step=1.0, optional=True)
+        return Figure(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
+    path, end = key[:-4], key[-4:]
+    info, unit = _entry(design, path)
+    return Figure(name_of(design, path), _BOUNDS[end], replace(info, optional=True), unit)
+
+
+def keys_of(what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
+    """Everything that may be limited when these fields are varied."""
+    return (*WANTED[what].limits, *(f"{path}{end}" for path in paths for end in _BOUNDS))
+
+
+def start_value(key: str, solution: Solution | None) -> float:
+    """With which a limit begins: what the design at hand has, rounded."""
+    known: float | None = None
+    if solution is not None:
+        known = solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4])
+    if known is None or not isfinite(known) or (key in LIMITS and known <= 0.0):
+        return START[LIMITS[key].most] if key in LIMITS else 0.0
+    return float(f"{known:.{START_DIGITS}g}")
+
+
+def axis_title(design: Design, key: str) -> str:
+    """Of a limit, or of a field of the design."""
+    label, unit = _label_of(design, key)
+    return f"{label}, {unit.symbol}" if unit.symbol else label
+
+
+def _label_of(design: Design, key: str) -> tuple[str, Unit]:
+    if key in LIMITS:
+        figure = figure_of(design, key)
+        return figure.label, figure.unit
+    if "." in key:
+        return name_of(design, key), _entry(design, key)[1]
+    name, unit = split_unit(key)
+    return sentence(name.replace("_", " ")), unit
+
+
+def value_of(design: Design, path: str, value: float, most: int) -> str:
+    """``Base radius 62.884 mm``."""
+    label, unit = _label_of(design, path)
+    size = abs(value) if abs(value) > 1e-9 else 0.0  # what rounding leaves of a zero
+    return f"{label} {measure(value if size else 0.0, unit.symbol, most)}"
+
+
+def _reached(value: float, unit: Unit) -> str:
+    if not isfinite(value):
+        return "none"
+    text = number(value, DECIMALS)
+    return with_unit(text if text != f"{MINUS}{0.0:.{DECIMALS}f}" else f"{0.0:.{DECIMALS}f}", unit.symbol)
+
+
+def answer_html(design: Design, solution: Solution) -> str:
+    """The answer, what it reaches, and what stands against it or where it ends."""
+    lines = []
+    if not solution.serves:
+        lines.append(f"<span style='color:{WRONG}'>No value serves. The best that there is:</span>")
+    for path, value in solution.answer.items():
+        text = escape(value_of(design, path, value, solution.digits))
+        lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
+    lines += [_line(design, solution, key) for key in solution.reached if solution.limits.get(key) != 0.0 or key == solution.curve_of]
+    if solution.end:
+        lines.append("No limit holds it: it stands at the end of its range.")
+    if not solution.serves:
+        lines += [f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against]
+    return "<br>".join(lines)
+
+
+def _present(design: Design, path: str, value: float | None) -> str:
+    """What the design at hand has instead."""
+    return "none" if value is None else typed_text(value, _label_of(design, path)[1])
+
+
+def _now(text: str) -> str:
+    return f" <span style='color:{QUIET}'>now {escape(text)}</span>"
+
+
+def _line(design: Design, solution: Solution, key: str) -> str:
+    label, unit = _label_of(design, key)
+    text = f"{label} {_reached(solution.reached[key], unit)}"
+    limit = solution.limits.get(key)
+    if limit is not None:
+        text += f", limit {typed_text(limit, unit)}" if limit else ": beyond it the cam is undercut"
+    return escape(text) + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
+
+
+def typed_text(value: float, unit: Unit) -> str:
+    """A number as it was typed."""
+    return with_unit(short(value, 9), unit.symbol)
+
+
+def step_name(design: Design, solution: Solution) -> str:
+    """Of the step of the undo stack."""
+    values = ", ".join(value_of(design, path, value, 6) for path, value in solution.answer.items())
+    return f"Take over {values[:1].lower()}{values[1:]}"
