@@ -50,17 +50,19 @@ class Worker(Thread):
 class Background(QObject):
     """Jobs beside the window, of which only the last that were started count.
 
+    poll_ms: how often results are fetched; each time the worker is held up for a moment.
+
     result   (key of the job; its result, the KindynaError it raised, or Cancelled after ``cancel``)
     """
 
     result = Signal(object, object)
 
-    def __init__(self, parent: QObject | None = None) -> None:
+    def __init__(self, parent: QObject | None = None, poll_ms: int = POLL_MS) -> None:
         super().__init__(parent)
         self._worker: Worker | None = None
         self._running: list[Worker] = []  # with those that are about to end
         self._open = 0
-        self._poll = QTimer(self, interval=POLL_MS)
+        self._poll = QTimer(self, interval=poll_ms)
         self._poll.timeout.connect(self._fetch)
 
     @property

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from core.output.summary import to_json
 from core.project import load, save
 from core.study import Study
 
+PATIENCE = 2.0  # seconds between two lines that say how far it is
 
 def _limit(text: str) -> tuple[str, float]:
     key, equals, value = text.partition("=")
@@ -42,7 +44,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The answer, or the best that there is and what stands against it."""
-    solution = find(load(arguments.design), arguments.what, _limits(arguments.limit))
+    solution = find(load(arguments.design), arguments.what, _limits(arguments.limit), tell=_Progress().tell)
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.serves:
         print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
@@ -54,6 +56,19 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         if finding.severity == ERROR:
             print(finding_line(finding, study.angle_name), file=sys.stderr)
     return verdict(study, ("cam",))
+
+
+class _Progress:
+    """Says now and then how many designs were tried, to a reader at a terminal."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def tell(self, count: int) -> None:
+        now = time.monotonic()
+        if now - self._last > PATIENCE and sys.stderr.isatty():
+            self._last = now
+            print(f"{count} designs tried ...", file=sys.stderr)
 
 
 def _limits(given: Sequence[tuple[str, float]]) -> Mapping[str, float]:

@@ -6,25 +6,12 @@ from functools import partial
 
 from PySide6.QtCore import QSize
 from PySide6.QtGui import QPainter, QPaintEvent
-from PySide6.QtWidgets import (
-    QComboBox,
-    QDialog,
-    QDialogButtonBox,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QComboBox, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
-from core.cam import form_row
 from core.design import Design
-from core.errors import KindynaError
 from core.output.drawing import PAPERS, Sheet, drawing
 from core.study import Study
-from kindyna_gui.background import Background
-from kindyna_gui.look import INK, QUIET, WRONG, coloured
+from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.pictures.sheet_file import paint_sheet
 
 
@@ -59,67 +46,48 @@ class SheetPicture(QWidget):
         painter.end()
 
 
-class DrawingDialog(QDialog):
+class DrawingDialog(ComputedDialog):
     """``sheet`` is what was computed for the choices, None while there is none."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Export drawing")
-        self.sheet: Sheet | None = None
-        self._design, self._work = design, Background(self)
-        self.paper, self.flank = QComboBox(self), QComboBox(self)
+        super().__init__(parent, design, "drawing")
+        self._design = design
+        self.paper, self.picture = QComboBox(self), SheetPicture()
         self.paper.addItems(list(PAPERS))
-        assert design.drive.cam is not None, "a design without cam has no drawing"
-        for name in form_row(design.drive.cam.form).flanks:
-            self.flank.addItem(name.capitalize(), name)
-        self.picture, self.result = SheetPicture(), QLabel()
-        self.result.setWordWrap(True)
         self._lay_out()
-        self._work.result.connect(self._take)
         for box in (self.paper, self.flank):
             box.currentIndexChanged.connect(self._compute)
-        self.finished.connect(self._work.close)
         self._compute()
+
+    @property
+    def sheet(self) -> Sheet | None:
+        sheet: Sheet | None = self.made
+        return sheet
 
     def _lay_out(self) -> None:
         choices = QHBoxLayout()
         choices.addWidget(QLabel("Paper"))
         choices.addWidget(self.paper)
-        several, label = self.flank.count() > 1, QLabel("Flank", self)
+        label = QLabel("Flank", self)
         choices.addWidget(label)
         choices.addWidget(self.flank)
-        label.setVisible(several)
-        self.flank.setVisible(several)
+        label.setVisible(self.several_flanks)
         choices.addWidget(self.result, 1)
-        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.export: QPushButton = buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText("Choose file...")
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addLayout(choices)
         column.addWidget(self.picture, 1)
-        column.addWidget(buttons)
+        column.addWidget(self.buttons)
 
     def _compute(self) -> None:
-        self.sheet = None
-        self.export.setEnabled(False)
+        self.expect()
+        self.begin(partial(_computed, self._design, self.flank.currentData(), self.paper.currentText()))
+
+    def show_waiting(self) -> None:
         self.picture.wait()
-        self._tell("computing ...", QUIET)
-        self._work.start([("", partial(_computed, self._design, self.flank.currentData(), self.paper.currentText()))])
 
-    def _take(self, _: object, result: Sheet | KindynaError) -> None:
-        if isinstance(result, Sheet):
-            self.sheet = result
-            self._tell(result.about, INK)
-        else:
-            self._tell(str(result), WRONG)
-        self.picture.show_sheet(self.sheet)
-        self.export.setEnabled(self.sheet is not None)
-
-    def _tell(self, text: str, colour: str) -> None:
-        self.result.setText(text)
-        coloured(self.result, colour)
+    def show_made(self, made: Sheet | None) -> str:
+        self.picture.show_sheet(made)
+        return "" if made is None else made.about
 
 
 def _computed(design: Design, flank: str, paper: str) -> Sheet:
@@ -128,8 +96,5 @@ def _computed(design: Design, flank: str, paper: str) -> Sheet:
 
 def drawing_wanted(parent: QWidget, design: Design) -> Sheet | None:
     """Ask what a drawing shall be like; the sheet, None where the user cancels."""
-    dialog = DrawingDialog(parent, design)
-    accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    sheet = dialog.sheet if accepted else None
-    dialog.deleteLater()
+    sheet: Sheet | None = accepted(DrawingDialog(parent, design))
     return sheet

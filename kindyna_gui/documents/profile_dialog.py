@@ -9,29 +9,16 @@ from pathlib import Path
 from types import MappingProxyType
 
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import (
-    QComboBox,
-    QDialog,
-    QDialogButtonBox,
-    QFormLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PySide6.QtWidgets import QComboBox, QFormLayout, QHBoxLayout, QVBoxLayout, QWidget
 
-from core.cam import form_row
 from core.design import Design
-from core.errors import KindynaError
 from core.frozen import frozen
 from core.output.profile import FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Job, Request, job_of
 from core.output.profile.digits import rounded_up
 from core.study import Study
-from kindyna_gui.background import Background
+from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.documents.profile_preview import Preview, PreviewPicture, preview
 from kindyna_gui.forms.amount import Amount, fill_choices
-from kindyna_gui.look import INK, QUIET, WRONG, coloured
 
 PAUSE_MS = 150  # after the last change before a preview is computed
 FORM_WIDTH = 300  # pixels
@@ -58,42 +45,40 @@ ENTRIES: Mapping[str, Entry] = MappingProxyType(
 )
 
 
-class ProfileDialog(QDialog):
+class ProfileDialog(ComputedDialog):
     """What the file shall hold; ``job`` is what was computed for it, None while there is none."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Export profile")
-        self.job: Job | None = None
-        self._design, self._work = design, Background(self)
+        super().__init__(parent, design, "profile")
+        self._design = design
         self._values = {name: row.first for name, row in ENTRIES.items()}
-        self.format, self.points, self.fit, self.flank = (QComboBox(self) for _ in range(4))
+        self.format, self.points, self.fit = (QComboBox(self) for _ in range(3))
         self.value, self.cutter = Amount(), Amount()
         fill_choices(self.format, {ending: f"{row.label} ({ending})" for ending, row in FORMATS.items()})
         self.format.setCurrentIndex(self.format.findData(".dxf"))
         fill_choices(self.points, {name: row.text for name, row in ENTRIES.items()})
-        assert design.drive.cam is not None, "a design without cam has no profile"
-        fill_choices(self.flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
         self.cutter.setDecimals(4)
         self.cutter.setRange(0.0, 1e5)
         self.cutter.setSuffix(" mm")
         self.cutter.setSpecialValueText("none: the profile itself")
-        self.picture, self.result = PreviewPicture(), QLabel()
-        self.result.setWordWrap(True)
+        self.cutter.setValue(getattr(design.drive.cam, "cutter_radius_mm", None) or 0.0)
+        self.picture = PreviewPicture()
         self.result.setMinimumHeight(5 * self.fontMetrics().lineSpacing())
         self._lay_out()
         self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
         self._pause.timeout.connect(self._compute)
-        self._work.result.connect(self._take)
         self.format.currentIndexChanged.connect(self._offer_fits)
         self.points.currentIndexChanged.connect(self._offer_value)
         for box in (self.fit, self.flank):
             box.currentIndexChanged.connect(self._changed)
         for amount in (self.value, self.cutter):
             amount.valueChanged.connect(self._changed)
-        self.finished.connect(self._work.close)
         self._offer_value()
         self._offer_fits()
+
+    @property
+    def job(self) -> Job | None:
+        return None if self.made is None else self.made.job
 
     def _lay_out(self) -> None:
         form = QFormLayout()
@@ -101,9 +86,8 @@ class ProfileDialog(QDialog):
         form.addRow("Points", self.points)
         form.addRow("", self.value)
         form.addRow("Between them", self.fit)
-        if self.flank.count() > 1:
+        if self.several_flanks:
             form.addRow("Flank", self.flank)
-        self.flank.setVisible(self.flank.count() > 1)
         form.addRow("Cutter radius", self.cutter)
         left = QVBoxLayout()
         left.addLayout(form)
@@ -113,14 +97,9 @@ class ProfileDialog(QDialog):
         sides = QHBoxLayout()
         sides.addLayout(left)
         sides.addWidget(self.picture, 1)
-        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.export: QPushButton = buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText("Choose file...")
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addLayout(sides)
-        column.addWidget(buttons)
+        column.addWidget(self.buttons)
 
     # -- what is wanted --------------------------------------------------------------------------------------
 
@@ -158,30 +137,19 @@ class ProfileDialog(QDialog):
         if self.fit.currentData() is None:  # while it is filled
             return
         self._values[self.points.currentData()] = self.value.value()
-        self.job = None
-        self.export.setEnabled(False)
-        self.picture.wait()
-        self._tell("computing ...", QUIET)
+        self.expect()
+        self._work.stop()
         self._pause.start()
 
     def _compute(self) -> None:
-        self._work.start([("", partial(_computed, self._design, self.ending, self.request))])
+        self.begin(partial(_computed, self._design, self.ending, self.request))
 
-    def _take(self, _: object, result: Preview | KindynaError) -> None:
-        if self._pause.isActive():  # it has been changed since
-            return
-        if isinstance(result, Preview):
-            self.job = result.job
-            self.picture.show_preview(result)
-            self._tell(_summary(result.job), INK)
-        else:
-            self.picture.show_preview(None)
-            self._tell(str(result), WRONG)
-        self.export.setEnabled(self.job is not None)
+    def show_waiting(self) -> None:
+        self.picture.wait()
 
-    def _tell(self, text: str, colour: str) -> None:
-        self.result.setText(text)
-        coloured(self.result, colour)
+    def show_made(self, made: Preview | None) -> str:
+        self.picture.show_preview(made)
+        return "" if made is None else _summary(made.job)
 
 
 def _computed(design: Design, ending: str, request: Request) -> Preview:
@@ -200,7 +168,5 @@ def _summary(job: Job) -> str:
 def profile_wanted(parent: QWidget, design: Design) -> tuple[Job, str] | None:
     """Ask what a profile file shall hold, computed, and the ending of its name; None where the user cancels."""
     dialog = ProfileDialog(parent, design)
-    accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    job, ending = dialog.job if accepted else None, dialog.ending
-    dialog.deleteLater()
-    return None if job is None else (job, ending)
+    made: Preview | None = accepted(dialog)
+    return None if made is None else (made.job, dialog.ending)

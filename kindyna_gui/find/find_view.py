@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QHideEvent, QResizeEvent
@@ -29,6 +28,7 @@ from kindyna_gui.documents.session import Session
 from kindyna_gui.find.limit_rows import LimitRows
 from kindyna_gui.find.texts import answer_html, keys_of, start_value, step_name
 from kindyna_gui.find.trade_plot import TradePlot
+from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import name_of, reason
 from kindyna_gui.look import WRONG
@@ -42,7 +42,8 @@ NO_CAM = (
     "Compo > Cam roller gives one to a linkage that follows a motion."
 )
 PATIENCE_MS = 300  # before progress is shown
-TICK_MS = 100  # between two counts
+TICK_MS = 200  # between two counts
+POLL_MS = 25  # a search may take a second, and is held up each time
 WIDE = 720  # pixels, from which the curve stands beside the limits
 FORM_WIDTH, QWIDGETSIZE_MAX = 330, 16777215
 ANSWER_LINES = 4  # kept free for the answer, so that nothing below it moves
@@ -83,7 +84,7 @@ class FindView(View):
         self.bar.setFixedHeight(10)
         self.counted = QLabel()
         self._lay_out()
-        self._work = Background(self)
+        self._work = Background(self, POLL_MS)
         self._work.result.connect(self._answered)
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE_MS)
         self._patience.timeout.connect(self._show_progress)
@@ -275,13 +276,8 @@ class FindView(View):
 
 def _fill(box: WordBox, rows: Mapping[str, str]) -> None:
     """Offer these; what was chosen stays so where it is still there."""
-    if [box.itemData(i) for i in range(box.count())] == list(rows) and [box.itemText(i) for i in range(box.count())] == [*rows.values()]:
-        return
-    before: Any = box.currentData()
-    box.clear()
-    for key, text in rows.items():
-        box.addItem(text, key)
-    box.setCurrentIndex(max(0, box.findData(before)))
+    if [(box.itemData(i), box.itemText(i)) for i in range(box.count())] != list(rows.items()):
+        fill_choices(box, rows)
 
 
 def _differ(present: float | None, found: float) -> bool:

@@ -1,4 +1,4 @@
-"""The limits of a search as rows: name, value, unit, and a button that takes the limit away; below them a list that adds one."""
+"""The limits of a search as rows: name, value, unit, and a button that takes the limit away; below them a menu that adds one."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QMenu, QPushButton, QToolButton, QVBoxLayout, QWidget
 
 from core.design import Design
 from kindyna_gui.find.texts import Figure, figure_of
-from kindyna_gui.forms.number_box import NumberBox, WordBox
+from kindyna_gui.forms.number_box import NumberBox
 from kindyna_gui.labels import no_number
 from kindyna_gui.look import QUIET, WRONG, coloured, icon
-from kindyna_gui.rebuilt import Rebuilt
+from kindyna_gui.rebuilt import Rebuilt, clear_menu
 
 BOX_WIDTH = 96  # pixels
 
@@ -34,18 +34,18 @@ class LimitRows(QWidget):
         self.removers: dict[str, QToolButton] = {}
         self._names: tuple[str, ...] = ()
         self._rows = Rebuilt()
-        self.add = WordBox()
-        self.add.setPlaceholderText("Add a limit …")
-        self.add.setAccessibleName("Add a limit")
-        self.add.activated.connect(self._add)
+        self.add, self.menu = QPushButton("Add a limit …"), QMenu(self)
+        self.add.setAutoDefault(False)
+        self.add.clicked.connect(self._offer)
         self.message = QLabel(wordWrap=True)
         coloured(self.message, WRONG)
         self.message.hide()
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
-        for part in (self._rows, self.message, self.add):
-            column.addWidget(part)
+        column.addWidget(self._rows)
+        column.addWidget(self.message)
+        column.addWidget(self.add, 0, Qt.AlignmentFlag.AlignLeft)
 
     def show_limits(self, design: Design, limits: Mapping[str, float], others: Sequence[str]) -> None:
         """These limits hold; others may be added."""
@@ -58,12 +58,13 @@ class LimitRows(QWidget):
         for key, value in limits.items():
             if not self.boxes[key].pending:
                 self.boxes[key].show_value(value)
-        left = [key for key in others if key not in limits]
-        if left != [self.add.itemData(i) for i in range(self.add.count())]:
-            self.add.clear()
-            for key in left:
-                self.add.addItem(figure_of(design, key).name, key)
-        self.add.setCurrentIndex(-1)
+        clear_menu(self.menu)
+        for key in others:
+            if key not in limits:
+                action = self.menu.addAction(figure_of(design, key).name)
+                action.setData(key)
+                action.triggered.connect(partial(self._add, key))
+        self.add.setEnabled(not self.menu.isEmpty())
 
     def _made(self, figures: Mapping[str, Figure]) -> QWidget:
         content = QWidget()
@@ -114,8 +115,11 @@ class LimitRows(QWidget):
     def _remove(self, key: str, _: bool = False) -> None:
         self.changed.emit(key, None)
 
-    def _add(self, index: int) -> None:
-        self.wanted.emit(self.add.itemData(index))
+    def _offer(self) -> None:
+        self.menu.popup(self.add.mapToGlobal(self.add.rect().bottomLeft()))
+
+    def _add(self, key: str, _: bool = False) -> None:
+        self.wanted.emit(key)
 
     def _tell(self, text: str) -> None:
         self.message.setText(text)

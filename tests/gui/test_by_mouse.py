@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import ezdxf
+import numpy as np
 import pytest
 from plot_reading import curves
 from PySide6.QtCore import QPoint, Qt, QTimer
@@ -16,9 +18,12 @@ from window_user import Open, User, plain, settle, wait_for
 
 from core.design import join_angles, join_levels
 from core.project import dumps, load, loads
+from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.blend.wizard import BlendDialog
-from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.documents.profile_dialog import ProfileDialog
+from kindyna_gui.find.find_view import FindView
+from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.motion.law_picker import LawBox
 from kindyna_gui.motion.segments_model import LAW
 from kindyna_gui.motion.segments_view import SegmentsView
@@ -265,3 +270,120 @@ def test_every_face_and_form_comes_to_its_profile_and_its_torque_by_mouse(group:
         assert not torque.in_trouble
         assert curves(torque.plot)  # type: ignore[attr-defined]
         assert user.faults == []
+
+
+# -- from an empty file to a cam of 30° and its DXF ---------------------------------------------------------
+
+
+class Actions(Mouse):
+    """A user who counts: a choice in a menu or a list, a field typed and entered, a button."""
+
+    count = 0
+
+    def choose(self, *way: str) -> None:
+        self.count += 1
+        self.menu(*way)
+
+    def press_button(self, button: QWidget) -> None:
+        self.count += 1
+        self.click(button)
+
+    def type_in(self, box: NumberBox, text: str) -> None:
+        self.count += 1
+        self.click(box, QPoint(10, box.height() // 2))
+        box.selectAll()
+        QTest.keyClicks(box, text)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+        settle()
+
+    def pick(self, box: WordBox, key: str) -> None:
+        """From a list, by the keys."""
+        self.count += 1
+        box.setFocus()
+        for _ in range(box.count()):
+            QTest.keyClick(box, Qt.Key.Key_Up)
+        first = box.currentIndex()
+        for _ in range(box.findData(key) - first):
+            QTest.keyClick(box, Qt.Key.Key_Down)
+        QTest.keyClick(box, Qt.Key.Key_Return)
+        settle()
+
+    def add_limit(self, view: FindView, key: str) -> None:
+        """By the button and its menu."""
+        self.count += 1
+        self.click(view.limits.add)
+        menu = view.limits.menu
+        wait_for(menu.isVisible)
+        action = next(each for each in menu.actions() if each.data() == key)
+        self.click(menu, menu.actionGeometry(action).center())
+
+    def export_dxf(self, path: Path) -> None:
+        """File > Export > Profile as it is offered, its button, and a name."""
+
+        def accept() -> None:
+            dialog = QApplication.activeModalWidget()
+            if not isinstance(dialog, ProfileDialog) or not dialog.export.isEnabled():
+                QTimer.singleShot(5, accept)
+                return
+            self.press_button(dialog.export)
+
+        self.user.picks("profile_to_save", path)
+        self.count += 1  # the name
+        QTimer.singleShot(0, accept)
+        self.choose("File", "Export", "Profile...")
+
+
+def rested(view: FindView) -> FindView:
+    """Once its answer stands there."""
+    wait_for(lambda: view.up_to_date and not view.busy)
+    return view
+
+
+def highest(design: Any, name: str) -> float:
+    """Of a quantity of the cam, over the turn."""
+    limits = Study(design).extremes("cam", (name,))
+    return float(limits[name].high.value)
+
+
+@pytest.mark.parametrize("kind", ["Translating follower", "Oscillating follower", "Flat face"])
+def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(kind: str, open_user: Open, tmp_path: Path) -> None:
+    """A stroke of 40 mm; a pressure angle of 30° under a roller, a least radius of 25 mm under a flat face."""
+    user = open_user(size=(1440, 900), whole=True)
+    actor, flat = Actions(user), kind == "Flat face"
+    if flat:
+        begin_by_picture(actor, "Translating follower", kind)
+        actor.count += 4  # the menu, the group, the picture, Begin
+    else:
+        actor.choose("File", "New", kind)
+    arm = getattr(user.design.drive.mechanism, "arm_mm", None)
+    assert user.design.drive.motion is not None
+    stroke = user.number(f"motion.stroke_{user.design.drive.motion.unit}")
+    actor.type_in(stroke, "40" if arm is None else f"40/{arm} rad")
+    actor.choose("Kine", "Find")
+
+    view = user.window.view("find")
+    assert isinstance(view, FindView)
+    rested(view)
+    if flat:
+        actor.add_limit(view, "convex_radius_mm")
+        actor.type_in(rested(view).limits.boxes["convex_radius_mm"], "25")
+    elif view.limits.boxes["pressure_angle_deg"].value != 30.0:
+        actor.type_in(view.limits.boxes["pressure_angle_deg"], "30")
+    if not rested(view).take.isEnabled():
+        assert "No value serves" in view.answer.text()
+        actor.pick(view.what, "pivot")
+        actor.press_button(rested(view).take)
+        rested(view)
+        actor.pick(view.what, "base-radius")
+    actor.press_button(rested(view).take)
+    actor.export_dxf(tmp_path / "cam.dxf")
+    assert actor.count <= 12
+    if flat:
+        radius = Study(user.design).extremes("cam", ("profile_curvature",))["profile_curvature"].high.value
+        assert 1.0 / radius == pytest.approx(0.025, rel=1e-12)
+    else:
+        assert np.rad2deg(highest(user.design, "pressure_angle")) == pytest.approx(30.0, abs=1e-10)
+    drawing = ezdxf.readfile(tmp_path / "cam.dxf")
+    assert not drawing.audit().has_errors
+    assert drawing.modelspace().query("*[layer=='PROFILE']")
+    assert user.faults == []

@@ -89,7 +89,11 @@ def test_a_profile_goes_from_the_dialog_into_a_file(user: User, tmp_path: Path) 
 
 
 def test_formats_points_and_cutters_are_chosen_and_refused(user: User, tmp_path: Path) -> None:
+    user.session.edit("cam.cutter_radius_mm", 12.5, "Cutter")
+
     def act(dialog: ProfileDialog) -> None:
+        assert dialog.cutter.value() == 12.5, "the design's own"
+        type_number(dialog.cutter, "0")
         pick(dialog.format, "CSV")
         assert [dialog.fit.itemText(i) for i in range(dialog.fit.count())] == ["Closed polyline"]
         pick(dialog.points, "At equal cam angles")

@@ -1,0 +1,170 @@
+"""Kine > Find: what is shown is what the core finds; it is taken over as one step; nothing is sought while nobody sees it."""
+
+import re
+
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QPushButton
+from window_user import Open, User, settle, wait_for
+
+from core.design import edited, get
+from core.find import WANTED, find
+from core.project import load
+from kindyna_gui.find.find_view import FindView
+from kindyna_gui.look import WRONG
+from kindyna_gui.places import example
+
+
+def see(user: User) -> FindView:
+    user.choose("Kine", "Find")
+    view = user.window.view("find")
+    assert isinstance(view, FindView)
+    return rested(view)
+
+
+def rested(view: FindView) -> FindView:
+    wait_for(lambda: view.up_to_date and not view.busy)
+    return view
+
+
+def seek(view: FindView, what: str) -> FindView:
+    """Choose what is wanted from the list."""
+    row = view.what.findData(what)
+    assert row >= 0, f"{what}: not among {[view.what.itemData(i) for i in range(view.what.count())]}"
+    view.what.setFocus()
+    QTest.keyClick(view.what, Qt.Key.Key_Home)
+    for _ in range(row):
+        QTest.keyClick(view.what, Qt.Key.Key_Down)
+    settle()
+    return rested(view)
+
+
+def press(button: QPushButton) -> None:
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    settle()
+
+
+def type_limit(view: FindView, key: str, text: str) -> None:
+    box = view.limits.boxes[key]
+    box.setFocus()
+    box.selectAll()
+    QTest.keyClicks(box, text)
+    QTest.keyClick(box, Qt.Key.Key_Return)
+    settle()
+
+
+def text_of(view: FindView) -> str:
+    return re.sub(r"<[^>]*>", "", view.answer.text().replace("<br>", "\n"))
+
+
+def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) -> None:
+    user = open_user(example("card_picker"))
+    view, before = see(user), user.design
+    titles = [view.what.itemText(i) for i in range(view.what.count())]
+    assert titles == [WANTED[what].title for what in ("base-radius", "offset", "roller-radius", "span")]
+    assert list(view.limits.boxes) == ["pressure_angle_deg"], "the usual one, since the design states none"
+    type_limit(view, "pressure_angle_deg", "2*11 + 3")
+    rested(view)
+    wanted = find(before, "base-radius", {"pressure_angle_deg": 25.0})
+    radius = wanted.answer["cam.base_radius_mm"]
+    lines = text_of(view).splitlines()
+    assert lines == [f"Base radius Br {radius:.7f} mm now 50 mm", "Pressure angle 25.0000°, limit 25° now 16.9141°"]
+    assert view.plot.limit == 25.0
+    assert view.plot.points["answer"] == pytest.approx((radius, 25.0), abs=1e-9)
+    assert view.plot.points["now"] == pytest.approx((50.0, 16.9141), abs=1e-4)
+    x, y = view.plot.lines[0]
+    assert x.min() < radius < 50.0 < x.max()
+    assert set(zip(x.tolist(), y.tolist(), strict=True)) <= set(wanted.curve)
+    press(view.take)
+    assert user.design == wanted.design
+    assert user.steps == [f"Take over base radius Br {radius:.4f} mm"]
+    rested(view)
+    assert (view.take.text(), view.take.isEnabled()) == ("Taken over", False)
+    user.session.stack.undo()
+    assert user.design == before
+    assert rested(view).take.isEnabled()
+    # the design's own limit comes in place of the usual one, but not of what was typed
+    user.session.put(edited(before, "limits.pressure_angle_rise_deg", 20.0), "Limit")
+    assert list(rested(view).limits.boxes) == ["pressure_angle_deg", "pressure_angle_rise_deg"]
+    press(view.limits.removers["pressure_angle_deg"])  # type: ignore[arg-type]
+    assert list(rested(view).limits.boxes) == ["pressure_angle_rise_deg"]
+    assert view.solution is not None
+    assert view.solution.answer == find(user.design, "base-radius", {}).answer
+    # what is no limit stays as typed, and says so
+    type_limit(view, "pressure_angle_rise_deg", "95")
+    assert view.limits.message.text() == "Pressure angle, rise: outside its range; allowed: above 0 ... 90 °"
+    assert view.limits.boxes["pressure_angle_rise_deg"].refused
+
+
+def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    view = see(user)
+    view.limits.wanted.emit("cam.base_radius_mm_max")
+    rested(view)
+    assert view.limits.boxes["cam.base_radius_mm_max"].value == get(user.design, "cam.base_radius_mm"), "begins with the present one"
+    assert view.limits.boxes["cam.base_radius_mm_max"].hasFocus()
+    type_limit(view, "cam.base_radius_mm_max", "20")
+    type_limit(rested(view), "pressure_angle_deg", "10")
+    rested(view)
+    solution = find(user.design, "base-radius", {"pressure_angle_deg": 10.0, "cam.base_radius_mm_max": 20.0})
+    assert not solution.serves
+    text = text_of(view)
+    assert text.startswith("No value serves. The best that there is:\nBase radius")
+    assert "Against it: Pressure angle" in text
+    assert WRONG in view.answer.text()
+    assert not view.take.isEnabled()
+    assert len(view.plot.lines[0][0]) > 10, "the curve all the same"
+    seek(view, "pivot")
+    assert "No value serves" in text_of(view), "what was typed holds for it too"
+    press(view.limits.removers["pressure_angle_deg"])  # type: ignore[arg-type]
+    assert "Pivot y 30.0000 mm now 30 mm" in text_of(rested(view))
+    assert view.solution is not None
+    wanted, before = view.solution.design, user.design
+    press(view.take)
+    assert user.design == wanted
+    assert len(user.steps) == 1
+    assert get(wanted, "follower.pivot_x_mm") != get(before, "follower.pivot_x_mm")
+
+
+def test_a_search_is_cancelled_and_begun_again(open_user: Open) -> None:
+    user = open_user(example("transfer_lift"))
+    view = see(user)
+    view.what.setCurrentIndex(view.what.findData("pivot"))
+    view.what.activated.emit(view.what.currentIndex())
+    wait_for(view.cancel.isVisible)
+    assert not view.take.isVisible()
+    assert re.fullmatch(r"\d+ designs tried", view.counted.text())
+    press(view.cancel)
+    wait_for(lambda: not view.busy)
+    assert view.plot.message == "The search was cancelled."
+    assert view.again.isVisible()
+    view.what.setCurrentIndex(view.what.findData("base-radius"))
+    press(view.again)
+    assert rested(view).take.isEnabled()
+
+
+def test_nothing_is_sought_while_it_is_hidden_or_the_design_has_no_cam(open_user: Open) -> None:
+    user = open_user(example("tappet_flat"))
+    view = see(user)
+    seek(view, "face-width")
+    assert list(view.limits.boxes) == []
+    assert "Face centre 0 mm" in text_of(view)
+    seek(view, "offset")
+    assert "does not depend on" in text_of(view)
+    before = view.searches
+    user.window.docks["find"].hide()
+    for radius in (23.0, 24.0):
+        user.session.edit("cam.base_radius_mm", radius, "Base radius")
+        user.session.end_gesture()
+    QTest.qWait(2 * view.pause_ms)
+    assert view.searches == before
+    assert not view.busy
+    see(user)
+    assert view.searches == before + 1, "once, for the design that is there"
+    user.session.put(load(example("four_bar")), "Take the four-bar")
+    wait_for(lambda: view.in_trouble)
+    assert view.not_here
+    assert not view.busy
+    user.session.stack.undo()
+    assert not rested(view).in_trouble
