@@ -156,7 +156,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Pressure angle", "pressure_angle", "Pressure angle over the cam angle"),
             _view("&Curvature", "curvature", "Curvature of pitch curve and profile"),
             _field("Li&mits", "limits", "Your own limits of pressure angle, radii of curvature and contact force"),
-            _view("F&ind", "find", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
+            _view("Fi&nd", "find", "The base radius, roller, offset, pivot or span that just keeps your limits, with what it is traded for",
                   "Ctrl+F"),
             Submenu("C&olour the profile", submenus.fill_colours, "colours"),
             Item("&Inspect a measured cam...", "designing.inspect_measured", None, None,
