@@ -244,7 +244,7 @@ def triangle(l1: float, l2: float, height: float, slider: float, sigma: float) -
     r2 = slider**2 + height**2
     area = 2.0 * l1 * l2 * float(got.singular["pin"][0])
     bound = 3.0 * EPS * (1.0 + (r2 + l1**2 + l2**2) / area) + EPS * 0.5 * math.pi
-    error = max(apart(got.coordinates[name][0, 0], angle) for name, angle in zip(("phi", "beta"), exact, strict=True))
+    error = max(apart(got.coordinates[name][0][0], angle) for name, angle in zip(("phi", "beta"), exact, strict=True))
     poses = zip((got.bodies["arm"], got.bodies["rod"]), exact, strict=True)
     vectors = max(off(complex(pose.unit[0]), MP.expj(angle)) for pose, angle in poses)
     printed = max(
@@ -264,7 +264,7 @@ def rates(l1: float, l2: float, height: float, slider: float, sigma: float) -> S
     pin_b = two_circles(Series([0, 0, 0, 0]), MP.mpf(l1), pin_a, MP.mpf(l2), int(sigma))
     exact = [direction(pin_b).derivatives, direction(pin_a - pin_b).derivatives]
     got = arm_and_rod(l1, l2, height, slider, sigma, float(exact[0][0]), float(exact[1][0]))
-    rows = zip((got.coordinates["phi"], got.coordinates["beta"]), exact, strict=True)
+    rows = zip((got.coordinates["phi"].all, got.coordinates["beta"].all), exact, strict=True)
     told = [(float(row[k, 0]), reference[k], k) for row, reference in rows for k in (1, 2, 3)]
     return worst([Sample(off(value, right) / float(abs(right)), (10 + 4 * (2 * k - 1)) * EPS) for value, right, k in told])
 

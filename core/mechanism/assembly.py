@@ -216,13 +216,12 @@ def _name(mechanism: Mechanism, link: int) -> str:
     return mechanism.bodies.get(link, FRAME)
 
 
-@np.errstate(divide="ignore", invalid="ignore", over="ignore")
-def _coordinate(solved: Solved, plan: Plan, what: int | str, n: int) -> np.ndarray:
-    """The angle of a link, or the slide of a sliding pair, in the own frame (4, n)."""
+def _coordinate(solved: Solved, plan: Plan, what: int | str, n: int) -> Derivatives:
+    """The angle of a link, or the slide of a sliding pair, in the own frame, of n values."""
     if isinstance(what, int):
-        return solved.poses[what].turn.spread(n).all
+        return solved.poses[what].turn.spread(n).without_warnings()
     joint = next(j for j in plan.joints if j.name == what)
-    return _slide(solved, joint).spread(n).all
+    return _slide(solved, joint).spread(n).without_warnings()
 
 
 def _slide(solved: Solved, joint: Joint) -> Derivatives:

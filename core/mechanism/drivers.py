@@ -129,8 +129,8 @@ def driver_place(linkage: Linkage, kinematics: Kinematics) -> float:
     """Where the driver stands [rad or m]."""
     name = body_name(linkage.driver.link)
     if _unit(linkage) == "mm":
-        return float(kinematics.coordinates[f"slide{linkage.driver.link}"][0, 0])
-    return float(kinematics.coordinates[name][0, 0]) if name in kinematics.coordinates else float(kinematics.bodies[name].angle[0, 0])
+        return float(kinematics.coordinates[f"slide{linkage.driver.link}"][0][0])
+    return float(kinematics.coordinates[name][0][0]) if name in kinematics.coordinates else float(kinematics.bodies[name].angle[0, 0])
 
 
 def _assembled(linkage: Linkage, kinematics: Kinematics, place: float, low: float, high: float) -> tuple[Linkage, Range]:

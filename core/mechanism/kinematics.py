@@ -127,7 +127,7 @@ class Kinematics:
     by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too
     travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
     singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
-    coordinates    the follower's own variables, (4, n), named as in tables (phi, beta, slider_position)
+    coordinates    the follower's own variables and their derivatives, named as in tables (phi, beta, slider_position)
     base           the base position: name -> (value in SI, unit)
     residual       (n,) loop closure relative to the size of the mechanism; ``condition`` (n,) bounds it times eps
     """
@@ -140,7 +140,7 @@ class Kinematics:
     follower_body: str
     ground: str
     travel: Lazy[np.ndarray] = Lazy()
-    coordinates: Lazy[Mapping[str, np.ndarray]] = Lazy()
+    coordinates: Lazy[Mapping[str, Derivatives]] = Lazy()
     base: Lazy[Mapping[str, tuple[float, str]]] = Lazy()
     residual: Lazy[np.ndarray] = Lazy()
     condition: Lazy[np.ndarray] = Lazy()

@@ -16,7 +16,7 @@ from mechanisms import LIFT, PUSHER
 from core.mechanism import at_driver, course_of
 from core.numerics.lazy import Lazy, locked
 from core.process import keep_freed_memory
-from core.study import Study
+from core.study import Study, quantity
 
 CASES = [case((kind,), 0) for kind in KINDS]
 
@@ -75,13 +75,19 @@ def test_what_is_made_late_cannot_be_spoilt_either(design: object) -> None:
     study = Study(design, 24)
     arrays = [
         study.angles.unit, study.linkage.follower.z, study.linkage.follower.angle, study.linkage.follower.unit,
-        study.linkage.travel, study.linkage.residual, study.linkage.condition, *study.linkage.coordinates.values(),
+        study.linkage.travel, study.linkage.residual, study.linkage.condition, *(each[0] for each in study.linkage.coordinates.values()),
         *study.linkage.singular.values(), study.cam.flank.pitch, study.cam.flank.pitch_curvature_slope, study.cam.centre.point,
         *(pose.z for pose in study.linkage.bodies.values()),
     ]  # fmt: skip
     for array in arrays:
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0.0
+
+
+def test_a_curve_of_a_link_makes_no_derivative_that_it_does_not_show() -> None:
+    study = Study(LIFT, 24)
+    _ = quantity("phi_velocity").value(study)
+    assert {name: each.made for name, each in study.linkage.coordinates.items() if each.made} == {"phi": (1,)}
 
 
 def test_a_profile_makes_no_curvature_and_a_linkage_no_pose() -> None:

@@ -165,7 +165,7 @@ def test_passing_cam_angles_are_not_kept() -> None:
 def test_nobody_can_spoil_what_others_share() -> None:
     study = Study(LIFT, 72)
     arrays = [
-        study.theta, study.motion.y, study.motion.velocity_sign, study.linkage.follower.z, study.linkage.coordinates["phi"],
+        study.theta, study.motion.y, study.motion.velocity_sign, study.linkage.follower.z, study.linkage.coordinates["phi"].all,
         study.linkage.singular["dead-centre"], study.cam.flank.profile, study.cam.centre.point, study.dynamics.contact,
         study.dynamics.pairs["pivot"], study.dynamics.guide.normal,
     ]  # fmt: skip

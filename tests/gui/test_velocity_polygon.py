@@ -81,7 +81,7 @@ def test_a_sliding_blocks_difference_lies_along_its_arm(open_user: Open) -> None
     vector = sheet.vectors()["V_A3A4"][1]
     arm = study.linkage.bodies["link4"].angle[0, 0]
     assert (vector * np.exp(-1j * arm)).imag == pytest.approx(0.0, abs=1e-15)
-    slide = study.linkage.coordinates["slide3"][1, 0] * study.omega
+    slide = study.linkage.coordinates["slide3"][1][0] * study.omega
     assert (vector * np.exp(-1j * arm)).real == pytest.approx(slide, rel=1e-12)
 
 
