@@ -93,7 +93,7 @@ class DeviationPicture(QWidget):
         measured = result.table.place + factor * outward * result.normal * result.table.normal
         largest = max(band, factor * float(np.abs(result.normal).max()))
         outer = made.profile + outward * largest * made.normal
-        mm = self._scale(np.concatenate((outer, made.profile)))
+        mm = self._scale(outer)
         painter.setPen(LIGHT.pen(LIGHT.cam_line, THIN))
         painter.setBrush(brush(LIGHT.cam) if outward > 0.0 else Qt.BrushStyle.NoBrush)
         painter.drawPath(mm.map(outline(made.profile)))
@@ -101,7 +101,7 @@ class DeviationPicture(QWidget):
         painter.setPen(LIGHT.pen(LIGHT.limit, THIN))
         for curve in sides:
             painter.drawPath(mm.map(outline(curve)))
-        self._name_angles(painter, result, mm, outer if outward > 0.0 else made.profile)
+        self._name_angles(painter, result, mm, outer)
         painter.setPen(LIGHT.pen(LIGHT.family("displacement"), OUTLINE))
         for stretch in _stretches(result.table.degrees):
             painter.drawPath(mm.map(polyline(measured[stretch].tolist())))

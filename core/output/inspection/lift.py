@@ -17,7 +17,7 @@ from core.errors import KindynaError, NoCam, angle_ranges
 from core.findings import NOTE, Finding
 from core.frozen import frozen
 from core.motion import Angles
-from core.motion.extremes import Extreme, find_extremes
+from core.motion.extremes import Extreme, find_extremes, piecewise_angles
 from core.numerics.vectors import cross, dot
 from core.output.inspection.probe import PROBES, Kind, Readings, Stretches, readings, stretches
 from core.output.inspection.request import LEAST_ANGLES, MOST_ANGLES, Request
@@ -154,8 +154,8 @@ class Probing:
         return tuple(each for each in found if each is not None)
 
     def _hollow(self) -> Finding | None:
-        """A round probe that is too large for a hollow; a point reaches everywhere."""
-        if not self.kind.radius:
+        """A round probe that is too large for a hollow; a point, and one no larger than the follower, reaches everywhere."""
+        if self.radius <= own_probe(self.study.design, self.request.flank)[1]:
             return None
         found = hollow(self.curve, self.exact, self.study.program, self.side, self.radius)
         if found is None:
@@ -222,9 +222,8 @@ def probing(study: Study, request: Request) -> Probing:
     radius = _radius(request, kind, own)
     on = side(study, study_flank(study, request.flank))
     direction = np.deg2rad(own_direction(study.design) if request.direction_deg is None else request.direction_deg)
-    z = Curve(exact, study.program.starts, study.program.ends)
-    round_about = z.at(z.length * np.arange(720) / 720.0)
-    area = float(cross(round_about, np.roll(round_about, -1)).sum())
+    z = exact(piecewise_angles(study.program)).z
+    area = float(cross(z, np.roll(z, -1)).sum())
     made = Probing(study, request, kind, radius, float(direction), exact, on, -float(np.sign(area)) * on)
     _require_room(made)
     _require_tolerance(made)

@@ -18,7 +18,9 @@ from core.output.profile.curve import Exact, Samples
 
 AT_ONCE = 32_768  # directions that are measured together
 PASSES = 70  # of the search for a contact: halving alone comes to the last bit in fewer
-HALVINGS = 52
+HALVINGS = 30  # of a stretch's end: the direction stands still there, an error counts by its square
+SMALL = 1e-7  # [rad], steps that may be rounding
+NEAR = 1e-9  # [rad], beyond a bracket: its end is meant
 SLACK = 1e-12  # [rad], by which the directions of a stretch are widened: none falls between two
 STILL = 1e-12  # of the fastest turning: slower is none
 
@@ -239,7 +241,7 @@ def _contacts(guide: Guide, parts: Stretches, line: np.ndarray, direction: np.nd
     ahead = np.remainder(direction - begin + pi, TURN) - pi
     share = np.clip(ahead / np.where(end == begin, 1.0, end - begin), 0.0, 1.0)
     theta = low + share * (high - low)
-    open_rows = np.arange(theta.size)
+    open_rows, last = np.arange(theta.size), np.full(theta.size, np.inf)
     for _ in range(PASSES):
         if not open_rows.size:
             break
@@ -252,9 +254,12 @@ def _contacts(guide: Guide, parts: Stretches, line: np.ndarray, direction: np.nd
         a, b = low[open_rows], high[open_rows]
         with np.errstate(divide="ignore", invalid="ignore"):
             new = here - off / slope
-        new = np.where((new >= a) & (new <= b), new, 0.5 * (a + b))
+        new = np.where((new >= a - NEAR) & (new <= b + NEAR), np.clip(new, a, b), 0.5 * (a + b))  # at an end: it may lie there
         theta[open_rows] = new
-        open_rows = open_rows[np.abs(new - here) > 2.0 * EPS * np.maximum(np.abs(here), 1.0)]
+        step = np.abs(new - here)
+        rounding = (step < SMALL) & (step > 0.75 * last[open_rows])  # where the path all but stands still, no step gets nearer
+        last[open_rows] = step
+        open_rows = open_rows[(step > 2.0 * EPS * np.maximum(np.abs(here), 1.0)) & ~rounding]
     return theta
 
 
