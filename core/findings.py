@@ -145,6 +145,11 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "jumps",
         "out-of-tolerance": "the measured lift is {deviation_mm} mm off{at}, {normal_mm} mm normal to the profile; tolerance {limit_mm} mm",
         "not-measured": "no measured rows from {from_deg:.6g} to {to_deg:.6g} deg: nothing is said of the cam there",
+        "no-drive": "no answer, and the other drives go on without it: {why}{at}; {hint}",
+        "timing-broken": "{second} comes {after_deg} deg after {first}, at machine angle {second_deg:.6g} deg; it must come "
+        "{least_deg} deg after it at least: turn one of the two drives, or change its motion",
+        "timing-contradicts": "no phases keep {rows} together: they ask for {excess_deg:.5g} deg more than there is; lessen one of their "
+        "distances, or lengthen a dwell between their events",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )
@@ -173,6 +178,7 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "jamming": (4, ("factor", "limit")),
         "contact-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),
+        "timing-broken": (5, ("after_deg", "least_deg")),
         "unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
         "near-unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),
         "above-all-speeds": (6, ("rpm", "top_rpm")),

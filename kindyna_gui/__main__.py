@@ -95,12 +95,12 @@ def without_window(path: Path, why: str) -> int:
     from core.findings import ERROR
     from core.output.export import files
     from core.output.report import report
-    from core.project import load
+    from core.project import load_one
     from core.project.files import write_all
     from core.study import Study
 
     print(f"{why}; no window: the report follows, tables and pictures go to {OUT}/", flush=True)
-    study = Study(load(path))
+    study = Study(load_one(path))
     text = report(study)
     made: dict[str, str | bytes] = {"report.txt": text, **files(study)}
     made.update(paint(study))

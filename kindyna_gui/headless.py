@@ -15,10 +15,11 @@ from pathlib import Path
 from types import MappingProxyType
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.commands.common import verdict
-from core.project import load
+from core.commands.common import drive_option, verdict
+from core.project import load, load_one
 from core.project.files import write, write_all
 from core.study import Study
+from kindyna_gui.requirements import require_one_drive
 
 USUAL_SIZE = (1440, 900)
 LEAST_SIDE, MOST_SIDE = 320, 8000
@@ -89,6 +90,7 @@ def _drawing_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=sheet, required=True, metavar="FILE", help=f"file to write: {' or '.join(ENDINGS)}")
     parser.add_argument("--paper", choices=tuple(PAPERS), default="A4", help="size of the sheet, lying (A4)")
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
+    drive_option(parser)
     parser.add_argument("--date", default="", metavar="TEXT", help="for the field of the title block, empty without it")
 
 
@@ -115,7 +117,7 @@ def quiet() -> Iterator[None]:
 
 def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
-    design = load(arguments.design)
+    design = require_one_drive(load(arguments.design))
     code = verdict(Study(design))
     never_shown()
     from kindyna_gui.screenshots import shots
@@ -130,7 +132,7 @@ def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
 
 def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
-    design = load(arguments.design)
+    design = require_one_drive(load(arguments.design))
     study = Study(design)
     code = verdict(study)
     never_shown()
@@ -150,7 +152,7 @@ def drawing(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The drawing of the cam for the workshop."""
     from core.output.drawing import drawing as drawn
 
-    study = Study(load(arguments.design))
+    study = Study(load_one(arguments.design, arguments.drive))
     page = drawn(study, arguments.flank, arguments.paper, arguments.date)
     never_shown()
     from kindyna_gui.pictures.sheet_file import sheet_file

@@ -20,8 +20,9 @@ def example(name: str) -> Path:
 
 
 def examples() -> list[tuple[str, Path]]:
-    """All designs that come with the program, in the order of their names: name for the user, file."""
-    paths = sorted((resources() / "examples").glob("*.toml"))
+    """All designs of one drive that come with the program, in the order of their names: name for the user, file."""
+    every = sorted((resources() / "examples").glob("*.toml"))
+    paths = [path for path in every if "\n[[drives]]\n" not in path.read_text("utf-8")]
     return [(path.stem.replace("_", " ").capitalize(), path) for path in paths]
 
 

@@ -9,10 +9,11 @@ from pathlib import Path
 from core.blend import CONSTANT_VELOCITY, GOALS, MOTION_TYPES, SETTINGS, BlendError, Request, best, blend
 from core.blend.apply import into_design
 from core.commands import DONE, Painter
-from core.commands.common import number
+from core.commands.common import drive_option, number
+from core.design import only, with_only
 from core.output.blend_text import beside_text, blend_text, curves_data
 from core.output.summary import to_json
-from core.project import load, save
+from core.project import load, number_of, save
 
 
 def _setting(text: str) -> tuple[str, float]:
@@ -59,6 +60,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--unit", choices=("mm", "deg"), default="mm", help="of the stroke (mm)")
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write it into a design file")
+    drive_option(parser)
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
@@ -81,9 +83,11 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     blended = best(request, arguments.best) if arguments.best else blend(request)
     beside = ""
     if arguments.into is not None:
-        before = load(arguments.into)
+        whole = load(arguments.into)
+        number = number_of(whole, arguments.drive)
+        before = only(whole, number)
         made = into_design(before, blended)
-        save(made, arguments.into)
+        save(with_only(whole, number, made), arguments.into)
         beside = beside_text(before, made, blended)
     print(to_json(curves_data(blended)) if arguments.json else blend_text(blended) + beside, end="")
     return DONE

@@ -5,16 +5,17 @@ from __future__ import annotations
 import argparse
 
 from core.commands import DONE, Painter
-from core.commands.common import design_file, number, out_folder, pictures
+from core.commands.common import design_file, drive_option, number, out_folder, pictures
 from core.output.position import centres_data, snapshot
 from core.output.summary import to_json
-from core.project import load
+from core.project import load_one
 from core.project.files import write_all
 from core.study import Study
 
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
+    drive_option(parser)
     angle = number("angle of the driver in degrees", "any number")
     parser.add_argument("--angle", type=angle, required=True, metavar="DEG", help="of the driver")
     out_folder(parser, "also write them there, with pictures")
@@ -22,7 +23,7 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Instant centres and velocities of a linkage at one position, as JSON; with a folder also drawn."""
-    study = Study(load(arguments.design))
+    study = Study(load_one(arguments.design, arguments.drive))
     text = to_json(centres_data(study, arguments.angle))
     if arguments.out is not None:
         made: dict[str, str | bytes] = {"centres.json": text}

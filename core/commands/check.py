@@ -5,17 +5,16 @@ from __future__ import annotations
 import argparse
 
 from core.commands import Painter
-from core.commands.common import design_file, verdict
+from core.commands.common import design_file, studied, verdict
 from core.output.lines import finding_line, printable
 from core.project import load
-from core.study import Study
 
 options = design_file
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Findings and certificate of a design."""
-    study = Study(load(arguments.design))
+    study = studied(load(arguments.design))
     findings, proof = study.findings(), study.certificate()
     for finding in findings:
         print(finding_line(finding, study.angle_name))

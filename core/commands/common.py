@@ -9,8 +9,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Drawn, Painter
+from core.design import Design
 from core.findings import ERROR
-from core.study import SAMPLES, Study
+from core.study import SAMPLES, ShaftStudy, Study
 
 LEAST_SAMPLES, MOST_SAMPLES = 4, 5_000_000
 
@@ -59,6 +60,11 @@ def design_file(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
 
 
+def drive_option(parser: argparse.ArgumentParser) -> None:
+    """Which drive of several."""
+    parser.add_argument("--drive", default="", metavar="NAME", help="which drive of a camshaft")
+
+
 def design_and_samples(parser: argparse.ArgumentParser) -> None:
     """The design file, and how finely it is tabulated."""
     design_file(parser)
@@ -70,7 +76,17 @@ def out_folder(parser: argparse.ArgumentParser, help: str) -> None:
     parser.add_argument("--out", type=folder, metavar="DIR", help=help)
 
 
-def verdict(study: Study, stages: Sequence[str] = ()) -> int:
+def studied(design: Design, samples: int = SAMPLES) -> Study | ShaftStudy:
+    """The study of a design; of several drives that of their shaft. Raises NoAnswer where none of the drives has an answer."""
+    if not design.listed:
+        return Study(design, samples)
+    study = ShaftStudy(design, samples)
+    if len(study.failures) == len(study.drives):
+        raise next(iter(study.failures.values()))
+    return study
+
+
+def verdict(study: Study | ShaftStudy, stages: Sequence[str] = ()) -> int:
     """The exit code: whether a finding of the stages (all where none is named) is an error."""
     return DONE_WITH_ERRORS if any(f.severity == ERROR for f in study.findings(tuple(stages))) else DONE
 

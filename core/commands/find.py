@@ -10,13 +10,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from core.commands import NOTHING_DONE, Painter
-from core.commands.common import design_file, verdict
+from core.commands.common import design_file, drive_option, verdict
+from core.design import only, with_only
 from core.errors import KindynaError
 from core.find import LIMITS, WANTED, Solution, find
 from core.findings import ERROR
 from core.output.lines import finding_line
 from core.output.summary import to_json
-from core.project import load, save
+from core.project import load, number_of, save
 from core.study import Study
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
@@ -34,6 +35,7 @@ def _limit(text: str) -> tuple[str, float]:
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
+    drive_option(parser)
     rows = "; ".join(f"{name}: {row.help}" for name, row in WANTED.items())
     parser.add_argument("what", metavar="WHAT", help=rows)
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
@@ -44,13 +46,15 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The answer, or the best that there is and what stands against it."""
-    solution = find(load(arguments.design), arguments.what, _limits(arguments.limit), tell=_Progress().tell)
+    whole = load(arguments.design)
+    number = number_of(whole, arguments.drive)
+    solution = find(only(whole, number), arguments.what, _limits(arguments.limit), tell=_Progress().tell)
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.serves:
         print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
         return NOTHING_DONE
     if arguments.into is not None:
-        save(solution.design, arguments.into)
+        save(with_only(whole, number, solution.design), arguments.into)
     study = Study(solution.design)
     for finding in study.findings(("cam",)):
         if finding.severity == ERROR:

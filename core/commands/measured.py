@@ -6,8 +6,8 @@ import argparse
 from pathlib import Path
 
 from core.commands import DONE, Painter
-from core.commands.common import number
-from core.design import require_motion
+from core.commands.common import drive_option, number
+from core.design import only, require_motion, with_only
 from core.measured import (
     ANGLE_UNITS,
     DECIMALS,
@@ -23,7 +23,7 @@ from core.measured import (
 )
 from core.output.measured_text import fit_data, fit_text
 from core.output.summary import to_json
-from core.project import load, save
+from core.project import load, number_of, save
 from core.project.files import read_bytes
 
 
@@ -47,19 +47,22 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lowest", type=lowest, metavar="Y", help="lowest position of the motion (as measured)")
     parser.add_argument("--keep-all", action="store_true", help="fit wrong rows, too, and rows that contradict each other")
     parser.add_argument("--into", type=Path, metavar="DESIGN", help="write the motion into a design file")
+    drive_option(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """A motion fitted to a measured table, printed and perhaps written into a design; the exit code."""
-    design = load(arguments.into) if arguments.into is not None else None
+    whole = load(arguments.into) if arguments.into is not None else None
+    which = 0 if whole is None else number_of(whole, arguments.drive)
+    design = None if whole is None else only(whole, which)
     unit = "mm" if design is None else require_motion(design).unit
     speed = arguments.speed if arguments.speed is not None or design is None else design.speed_rpm
     wish = ColumnChoice(arguments.column, arguments.angle_column, arguments.angle_unit, arguments.value_unit, arguments.quantity)
     sheet = read_sheet(read_bytes(arguments.table), arguments.table.name, arguments.delimiter, arguments.decimal)
     table = read_table(sheet, layout(sheet, wish, unit, speed), speed)
     fitted = fit(table, arguments.error, arguments.lowest, arguments.keep_all)
-    if design is not None:
-        save(into_design(design, fitted), arguments.into)
+    if whole is not None and design is not None:
+        save(with_only(whole, which, into_design(design, fitted)), arguments.into)
     print(to_json(fit_data(sheet, fitted)) if arguments.json else fit_text(sheet, fitted), end="")
     return DONE

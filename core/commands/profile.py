@@ -6,12 +6,11 @@ import argparse
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_file, number, verdict
-from core.errors import KindynaError
+from core.commands.common import design_file, drive_option, number, verdict
 from core.output.profile import ALL_FLANKS, FITS, FORMATS, LEAST_POINTS, MOST_POINTS, Request, format_of, job_of, write
 from core.output.profile.digits import rounded_up
 from core.output.summary import to_json
-from core.project import load
+from core.project import load_one
 from core.study import Study
 
 
@@ -25,7 +24,7 @@ def options(parser: argparse.ArgumentParser) -> None:
     endings = "|".join(FORMATS)
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=f"file to write, its ending says how: {endings}")
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
-    parser.add_argument("--drive", metavar="NAME", help="which drive of a camshaft")
+    drive_option(parser)
     length = number("a length in mm", "above 0", lambda v: v > 0.0)
     points = parser.add_mutually_exclusive_group()
     points.add_argument("--samples", type=_count, metavar="N", help="points at equal cam angles")
@@ -43,9 +42,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     given = [(name, getattr(arguments, name)) for name in ("samples", "spacing", "tolerance")]
     sampling, value = next((pair for pair in given if pair[1] is not None), usual.sampling)
     request = Request(sampling, value, arguments.fit or usual.fits[0], arguments.flank, arguments.cutter)
-    study = Study(load(arguments.design))
-    if arguments.drive is not None:
-        raise KindynaError(f"drive {arguments.drive!r}: this design has one drive, without a name; leave --drive out")
+    study = Study(load_one(arguments.design, arguments.drive))
     job = job_of(study, arguments.out, request)
     made, main = write(job, arguments.out), job.main
     if arguments.json:

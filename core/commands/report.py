@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 
 from core.commands import Painter
-from core.commands.common import design_and_samples, out_folder, pictures, verdict
+from core.commands.common import design_and_samples, out_folder, pictures, studied, verdict
 from core.output.export import files
-from core.output.report import report
+from core.output.report import report, shaft_report
+from core.output.shaft_summary import shaft_summary
+from core.output.summary import to_json
 from core.project import load
 from core.project.files import write_all
-from core.study import Study
+from core.study import ShaftStudy
 
 
 def options(parser: argparse.ArgumentParser) -> None:
@@ -20,11 +22,28 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The report on the terminal; with a folder, also as files."""
-    study = Study(load(arguments.design), arguments.samples)
+    study = studied(load(arguments.design), arguments.samples)
+    if isinstance(study, ShaftStudy):
+        return _of_shaft(study, arguments, painter)
     text = report(study)
     if arguments.out is not None:
         made: dict[str, str | bytes] = {"report.txt": text, "summary.json": files(study)["summary.json"]}
         made.update(pictures(painter, study))
+        write_all(arguments.out, made)
+    print(text, end="")
+    return verdict(study)
+
+
+def _of_shaft(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """The same of a shaft with several drives, the pictures of each in a folder of its slug."""
+    text = shaft_report(study)
+    if arguments.out is not None:
+        made: dict[str, str | bytes] = {"report.txt": text, "summary.json": to_json(shaft_summary(study))}
+        if painter is None:
+            made.update(pictures(painter))
+        else:
+            drawn = ((study.slugs[name], each) for name, each in study.drives.items() if name not in study.failures)
+            made.update({f"{slug}/{name}": data for slug, each in drawn for name, data in painter(each).items()})
         write_all(arguments.out, made)
     print(text, end="")
     return verdict(study)

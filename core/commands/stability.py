@@ -7,7 +7,7 @@ import argparse
 from core.commands import DONE, Painter
 from core.commands.common import design_file, out_folder, pictures, verdict, within
 from core.design import require_follower
-from core.errors import NoStability
+from core.errors import KindynaError, NoStability
 from core.output.lines import finding_line
 from core.output.report import stability_text
 from core.output.stability_files import claims_text, needed_text, paper_files, stability_files
@@ -15,7 +15,7 @@ from core.project import load
 from core.project.files import write_all
 from core.stability import ETA_MAX, Stability, claims, flexible
 from core.stability.critical_speeds import USUAL_ETA, USUAL_Q
-from core.study import Study
+from core.study import ShaftStudy, Study
 
 MOST_ETA, MOST_Q, MOST_PERIODS = 60.0, 100.0, 1000.0
 
@@ -52,7 +52,10 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The section of the report on the terminal; with a folder the tables, the report and the pictures as files."""
-    study = Study(require_follower(load(arguments.design)))
+    design = load(arguments.design)
+    if design.listed:
+        return _of_several(ShaftStudy(design), arguments, painter)
+    study = Study(require_follower(design))
     if arguments.guess and study.design.camshaft.elastic is None:
         study = Study(flexible(study.design, study.linkage, study.loading, study.omega))
     try:
@@ -64,7 +67,15 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return (_claims if arguments.claims else _machine)(study, shaft, arguments, painter)
 
 
-def _machine(study: Study, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
+def _of_several(study: ShaftStudy, arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """That of all drives of a shaft together."""
+    if arguments.guess or arguments.claims:
+        given = "--guess" if arguments.guess else "--claims"
+        raise KindynaError(f"{given}: of a design of one drive only; this one lists {len(study.design.drives)}")
+    return _machine(study, study.flexible_shaft(), arguments, painter)
+
+
+def _machine(study: Study | ShaftStudy, shaft: Stability, arguments: argparse.Namespace, painter: Painter | None) -> int:
     """What there is to say of the design's own shaft. Raises NoStability where that is nothing."""
     shaft.exact  # noqa: B018 - asked before anything is written: the report only notes that it has no answer
     needed = [needed_text(shaft.stiffness_for(rpm)) for rpm in arguments.rpm]

@@ -12,6 +12,7 @@ from math import acos, degrees, floor, fsum, hypot, log10, nan, sqrt
 from types import MappingProxyType
 from typing import Any
 
+from core.design.camshaft import drive_at, only, rename_drive, turning_together, with_only
 from core.design.faces import FACE, ContactFriction
 from core.design.fields import words_of
 from core.design.forms import FORM, Conjugate, LinkageConjugate, Open, SecondLinkRoller, SecondRoller
@@ -211,6 +212,8 @@ def motion_edited(motion: Motion | None, path: str, value: Any) -> Motion | None
 
 def edited(design: Design, path: str, value: Any) -> Design:
     """The design with the value at a path changed and what goes with it. It may have faults: ask ``faults``."""
+    if design.listed:
+        return _edited_of_several(design, path, value)
     motion = motion_edited(design.drive.motion, path, value)
     if motion is not None:
         return with_drive(design, motion=motion)
@@ -224,6 +227,17 @@ def edited(design: Design, path: str, value: Any) -> Design:
     if changed.drive.is_linkage and changed.shaft is not None:
         return _at_one_speed(changed, path)
     return changed
+
+
+def _edited_of_several(design: Design, path: str, value: Any) -> Design:
+    """The same where the drives are listed: in a drive as in a design of it alone; a name changes in the timing too."""
+    own = drive_at(path)
+    if own is not None and own[0] < len(design.drives):
+        return with_only(design, own[0], edited(only(design, own[0]), own[1], value))
+    if match := re.fullmatch(r"drives\[(\d+)\]\.name", path):
+        return rename_drive(design, int(match[1]), value)
+    changed = put(design, path, value)
+    return turning_together(changed) if path in ("shaft.speed_rpm", "shaft.rotation") else changed
 
 
 FIRST_RADIUS = 0.2  # of a roller or a shoe that was none before: parts of the base radius

@@ -29,6 +29,7 @@ class Info:
     step       a sensible step of a spin box, 0 = by magnitude
     optional   may be None
     whole      a number without a fraction
+    flag       true or false
     of_motion  counts in the motion's unit, which its key in the file ends with: ``rise_mm``
     pair       key of the file under which it stands with the other coordinate, as [x, y]
     missing    what a file must say, where Python has a default; that as text
@@ -44,6 +45,7 @@ class Info:
     step: float = 0.0
     optional: bool = False
     whole: bool = False
+    flag: bool = False
     of_motion: bool = False
     pair: str = ""
     missing: str = ""
@@ -52,6 +54,8 @@ class Info:
         """The allowed range as text: ``> 0 mm``, ``0 ... 1``, ``ccw | cw``."""
         if self.choices or self.numbers:
             return " | ".join(map(str, self.choices or self.numbers))
+        if self.flag:
+            return "true | false"
         symbol = f" {unit.symbol}" if unit.symbol else ""
         if self.low == -LARGEST and self.high == LARGEST:
             return f"any number{' of' + symbol if symbol else ''} up to +-{LARGEST:g}"
@@ -64,6 +68,8 @@ class Info:
             return value in (self.choices or self.numbers)
         if value is None:
             return self.optional
+        if self.flag:
+            return isinstance(value, bool)
         if self.whole and not isinstance(value, int):
             return False
         above = value > self.low if self.open_low else value >= self.low
@@ -105,6 +111,11 @@ def whole(
     """A dataclass field for a number without a fraction."""
     info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers)
     return field(default=default, metadata={_KEY: info})
+
+
+def flag(label: str, *, default: bool = False, help: str = "") -> Any:
+    """A dataclass field that is true or false."""
+    return field(default=default, metadata={_KEY: Info(label, help, flag=True)})
 
 
 def length(label: str, *, help: str = "", default: Any = NOTHING) -> Any:

@@ -316,6 +316,10 @@ class Shaft:
     motor_slope_nm_s_per_rad: float = number(
         "Motor slope", 0.0, open_low=True, default=50.0, help="torque gained per rad/s of lost speed"
     )
+    motor_inertia_kg_m2: float | None = number("Motor inertia", 0.0, default=None, help="of its rotor, at the motor")
+    gear_ratio: float | None = number(
+        "Gear ratio", 0.0, 1e4, open_low=True, default=None, help="turns of the motor per turn of the camshaft; 1 where none is given"
+    )
     elastic: Elastic | None = placed(Placing(Elastic, choose=_elastic_class), None)
 
     @property

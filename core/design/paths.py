@@ -14,13 +14,15 @@ from typing import Any, TypeVar
 from core.design.fields import LAW, Info, Slot, slots, slots_of
 from core.design.parts import Segment, curve_of
 from core.design.units import NO_UNIT, Unit, split_unit
-from core.design.whole import Design, with_table
+from core.design.whole import Design, with_drive_table, with_table
 from core.frozen import frozen
 
 _STEP = re.compile(r"(\w+)(?:\[(\d+)\])?$")
 _UNIT_OF_MOTION = re.compile(r"_(mm|deg)$")
 Step = tuple[str, int | None]
 _NO_ROW = object()
+_LISTS = ("drives", "timing")
+"""Lists at the top of a file."""
 P = TypeVar("P")
 
 
@@ -110,24 +112,44 @@ def _values(part: Any, slot: Slot, at: str, path: str) -> Iterator[tuple[str, En
 def get(design: Design, path: str) -> Any:
     """The value at a path; of a point its pair of coordinates. Raises KeyError where the path leads nowhere."""
     (name, index), *steps = _steps(path)
-    if not steps and name in ("name", "assumed", "shaft"):
+    if not steps and index is None and name in ("name", "assumed", "shaft", "drives", "timing", "balancer"):
         return getattr(design, name)
-    part = design.tables.get(name)
-    if index is not None or (part is None and (steps or name not in design.sections)):
-        return _nowhere(path)
-    value, _ = _opened(part, steps, path)
+    part, rest, _ = _table(design, path)
+    value, _ = _opened(part, rest, path)
     return _nowhere(path) if value is _NO_ROW else value
 
 
 def put(design: Design, path: str, value: Any) -> Design:
     """The design with the value at a path replaced. Raises KeyError where the path leads nowhere."""
     (name, index), *steps = _steps(path)
-    if not steps and name in ("name", "assumed"):
+    if not steps and index is None and name in ("name", "assumed", "drives", "timing"):
         return replace(design, **{name: value})
+    part, rest, with_part = _table(design, path)
+    return with_part(_opened(part, rest, path)[1](value))
+
+
+def _table(design: Design, path: str) -> tuple[Any, Sequence[Step], Callable[[Any], Design]]:
+    """The table of the design that a path begins with, None where the design could have it; the steps from there on; the
+    function that gives the design with another one."""
+    (name, index), *steps = _steps(path)
+    if name in _LISTS and index is not None and design.listed:
+        rows = getattr(design, name)
+        if index >= len(rows):
+            return _nowhere(path)
+
+        def with_row(row: Any) -> Design:
+            changed: dict[str, Any] = {name: (*rows[:index], row, *rows[index + 1 :])}
+            return replace(design, **changed)
+
+        if name == "drives" and steps and steps[0][1] is None and steps[0][0] in rows[index].sections:
+            drive, table, rest = rows[index], steps[0][0], steps[1:]
+            part = drive.tables.get(table)
+            return _nowhere(path) if part is None and rest else (part, rest, lambda new: with_row(with_drive_table(drive, table, new)))
+        return rows[index], steps, with_row
     part = design.tables.get(name)
-    if name not in design.sections or index is not None or (steps and part is None):
+    if index is not None or name not in design.sections or (steps and part is None):
         return _nowhere(path)
-    return with_table(design, name, _opened(part, steps, path)[1](value))
+    return part, steps, lambda new: with_table(design, name, new)
 
 
 def _opened(part: Any, steps: Sequence[Step], path: str) -> tuple[Any, Callable[[Any], Any]]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
+from core.design.camshaft import RESERVED, drive_of, only, path_of, slug
 from core.design.faces import Roller
 from core.design.fields import slots
 from core.design.forms import FORM, Blank, Conjugate, Open
@@ -15,6 +17,7 @@ from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
 from core.design.parts import FOLLOWER_KINDS, CamSlider, DiskCam, Motion, Named, RollerCam, Scca, Segment, Spline, Table
 from core.design.paths import entries_of
+from core.design.timing import events, known
 from core.design.whole import Design
 from core.errors import MISSING, Fault
 from core.laws import LAWS, find_law
@@ -26,6 +29,8 @@ MOST: Mapping[str, int] = MappingProxyType(
         "linkage.sliders": 100,
         "loads.masses": 100,
         "loads.forces": 1000,
+        "drives": 24,
+        "timing": 200,
     }
 )
 """List -> its most entries."""
@@ -36,7 +41,7 @@ MOST_KEYS = 500  # of any table
 def count_fault(path: str, count: int) -> Fault | None:
     """What is wrong with a list of so many entries, None where it may have them; path as in the file."""
     name = path.rsplit(".", 1)[-1]
-    most = MOST.get(re.sub(r"\[\d+\]", "", path), MOST_OF_LIST)
+    most = MOST.get(re.sub(r"\[\d+\]", "", re.sub(r"^drives\[\d+\]\.", "", path)), MOST_OF_LIST)
     return Fault(path, MISSING, f"{count} {name} are too many", f"at most {most}") if count > most else None
 
 
@@ -207,6 +212,56 @@ def _too_many(part: Any, path: str) -> list[Fault]:
 
 def faults(design: Design) -> list[Fault]:
     """Every fault of a design, in the order of the file."""
+    return _faults_of_several(design) if design.listed else _faults_of_one(design)
+
+
+def _faults_of_several(design: Design) -> list[Fault]:
+    """Of the shaft, of each drive as it stands alone, and of what ties them together."""
+    if over := [fault for name in ("drives", "timing") if (fault := count_fault(name, len(getattr(design, name))))]:
+        return over
+    found = [Fault("shaft", MISSING, "missing", "a table [shaft]")] if design.shaft is None else part_faults(design.shaft, "shaft")
+    for i, drive in enumerate(design.drives):
+        found += part_faults(drive, f"drives[{i}]")
+        alone = _faults_of_one(only(design, i))
+        found += [replace(fault, path=path_of(i, fault.path)) for fault in alone if not fault.path.startswith("shaft")]
+    for i, each in enumerate(design.timing):
+        found += part_faults(each, f"timing[{i}]")
+    found += [] if design.balancer is None else part_faults(design.balancer, "balancer")
+    return [*found, *_names_differ(design), *_events_are_there(design)]
+
+
+def _names_differ(design: Design) -> Iterator[Fault]:
+    """Every drive has a name of its own, by which columns and folders are told apart."""
+    seen: dict[str, str] = {}
+    for i, drive in enumerate(design.drives):
+        path, name = f"drives[{i}].name", drive.name
+        if name is None:
+            yield Fault(path, MISSING, "missing", "any text with a letter or a digit")
+            continue
+        own = slug(name)
+        if not own.strip("_"):
+            yield Fault(path, name, "has no letter and no digit, so its slug is empty", "any text with a letter or a digit")
+        elif own in RESERVED:
+            yield Fault(path, name, f"its slug, {own}, is that of another column of shaft.csv", f"not {' nor '.join(RESERVED)}")
+        elif own in seen:
+            yield Fault(path, name, f"has the slug of {seen[own]}, {own}", "names that differ in a letter or a digit")
+        seen.setdefault(own, path)
+
+
+def _events_are_there(design: Design) -> Iterator[Fault]:
+    """Timing names events of the drives' motions."""
+    if any(drive.name is None for drive in design.drives):
+        return
+    for i, row in enumerate(design.timing):
+        for key in ("first", "second"):
+            event = getattr(row, key)
+            if not known(design, event):
+                there = list(events(design))
+                near = [each for each in there if drive_of(each) == drive_of(event)]
+                yield Fault(f"timing[{i}].{key}", event, "unknown event", " | ".join(near or there) or "none: no drive rises or returns")
+
+
+def _faults_of_one(design: Design) -> list[Fault]:
     tables = design.tables.items()
     if over := [fault for name, part in tables for fault in _too_many(part, name)]:
         return over

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+from core.design.camshaft import drive_at, only, path_of, with_only
 from core.design.edits import back_at_start, balance, edited, is_dwell, with_law
 from core.design.mirror import MIRRORS, with_total_span
 from core.design.motions import motion_of, remove_segment, require_motion, with_marks_of, with_motion
@@ -40,7 +41,11 @@ def _gap(number: float) -> float:
 
 
 def lacks(design: Design) -> list[Fault]:
-    """What the motion of a design still lacks to be whole; it may have other faults besides."""
+    """What the motion of a design still lacks to be whole, each motion where there are several; it may have other faults
+    besides."""
+    if design.listed:
+        singles = ((i, lacks(only(design, i))) for i in range(len(design.drives)))
+        return [replace(fault, path=path_of(i, fault.path)) for i, found in singles for fault in found]
     motion = motion_of(design)
     return [] if motion is None else whole_faults(motion, "motion")
 
@@ -57,6 +62,8 @@ def laid_out(design: Design, path: str, value: object) -> Design:
     What was in balance stays so, by the segment that gives or takes the difference (``edited``); where that is not
     possible, or the motion was out of balance already, only the one value changes.
     """
+    if design.listed and (own := drive_at(path)) is not None:
+        return with_only(design, own[0], laid_out(only(design, own[0]), own[1], value))
     cell = _CELL.fullmatch(path)
     balanced = edited(design, path, value)
     if cell is None:

@@ -1,4 +1,4 @@
-"""The whole design: a shaft, and the drives that it turns. A file of today holds one drive."""
+"""The whole design: a shaft, and the drives that it turns. A file holds one drive, or lists any number of them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from dataclasses import fields, replace
 from typing import Any, TypeVar
 
+from core.design.balancer import Balancer
 from core.design.faces import Face
+from core.design.fields import Placing, flag, number, placed
 from core.design.forms import Blank
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
@@ -20,23 +22,43 @@ SECTIONS = ("motion", "follower", "linkage", "cam", "shaft", "loads", "limits")
 """The tables of a file in their order; no design has all of them."""
 
 
+_APART = Placing(in_file=False)  # a table of its own
+
+
 @frozen
 class Drive:
     """What one motion moves: a follower or a linkage, the cam under it, the loads on it, and the user's own limits.
 
-    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion.
+    ``motion`` is None where a crank turns at constant speed, ``cam`` where no cam makes the motion. On a shaft of several a
+    drive has a name (None where the design is of this drive alone), and stands turned back by its phase: its own angle is the
+    machine angle less ``phase_deg``. A mirrored one is designed as seen from the other end, where the shaft turns the other way.
     """
 
-    motion: Motion | None
-    mechanism: Follower | Linkage
-    cam: Any  # Cam | LinkageCam | None, as the mechanism takes it
-    loads: Any  # Loads | LinkageLoads
-    limits: Limits = NO_LIMITS
+    motion: Motion | None = placed(_APART)
+    mechanism: Follower | Linkage = placed(_APART)
+    cam: Any = placed(_APART)  # Cam | LinkageCam | None, as the mechanism takes it
+    loads: Any = placed(_APART)  # Loads | LinkageLoads
+    limits: Limits = placed(_APART, NO_LIMITS)
+    name: str | None = placed(Placing(missing="any text with a letter or a digit"), None)
+    phase_deg: float = number("Phase", -3600.0, 3600.0, default=0.0, step=1.0, help="own angle = machine angle - phase")
+    mirrored: bool = flag("Mirrored", help="designed as seen from the other end, where the shaft turns the other way")
 
     @property
     def table(self) -> str:
         """The table of the file that holds the mechanism."""
         return "linkage" if self.is_linkage else "follower"
+
+    @property
+    def tables(self) -> Mapping[str, Any]:
+        """The tables of its file that it has, in their order; limits only where there is a cam, and then always."""
+        parts = {"motion": self.motion, self.table: self.mechanism, "cam": self.cam, "loads": self.loads,
+                 "limits": None if self.cam is None else self.limits}  # fmt: skip
+        return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
+
+    @property
+    def sections(self) -> tuple[str, ...]:
+        """The tables that it may have, in their order."""
+        return tuple(n for n in SECTIONS if n != "shaft" and (n == self.table or n not in ("follower", "linkage")))
 
     @property
     def linkage(self) -> Linkage:
@@ -96,14 +118,31 @@ class Drive:
 
 
 @frozen
+class Timing:
+    """One event at least so much after another: ``first`` and ``second`` are a drive's name and rise or return with its number,
+    and start or end: ``feed.return.1.end``."""
+
+    first: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
+    second: str = placed(Placing(missing="NAME.rise.1.start, or return, or end"))
+    least_deg: float = number("Least distance", -360.0, 360.0, default=0.0, step=1.0, help="second comes at least that much after first")
+
+
+@frozen
 class Design:
     """A shaft with its drives. ``shaft`` is None where a linkage's own driver says how fast it turns; ``assumed`` lists the
-    field paths whose values are guesses."""
+    field paths whose values are guesses; ``timing`` what must come after what; ``balancer`` the balance cam, where there is one."""
 
     name: str
     shaft: Shaft | None
     drives: tuple[Drive, ...]
     assumed: tuple[str, ...] = ()
+    timing: tuple[Timing, ...] = ()
+    balancer: Balancer | None = None
+
+    @property
+    def listed(self) -> bool:
+        """Whether its file lists its drives, each by its name."""
+        return any(drive.name is not None for drive in self.drives)
 
     @property
     def drive(self) -> Drive:
@@ -119,15 +158,23 @@ class Design:
 
     @property
     def tables(self) -> Mapping[str, Any]:
-        """The tables of its file that it has, in their order; limits only where there is a cam, and then always."""
-        drive = self.drive
-        parts = {"motion": drive.motion, drive.table: drive.mechanism, "cam": drive.cam, "shaft": self.shaft, "loads": drive.loads,
-                 "limits": None if drive.cam is None else drive.limits}  # fmt: skip
-        return {name: parts[name] for name in SECTIONS if parts.get(name) is not None}
+        """The tables of its file that it has, in their order; of a list of drives ``shaft``, then ``drives[0]`` with its name and
+        phase, ``drives[0].motion`` and so on, ``timing[0]``."""
+        shaft = {} if self.shaft is None else {"shaft": self.shaft}
+        if self.listed:
+            parts: dict[str, Any] = shaft
+            for i, drive in enumerate(self.drives):
+                parts |= {f"drives[{i}]": drive, **{f"drives[{i}].{name}": part for name, part in drive.tables.items()}}
+            parts |= {f"timing[{i}]": each for i, each in enumerate(self.timing)}
+            return parts if self.balancer is None else {**parts, "balancer": self.balancer}
+        parts = {**self.drive.tables, **shaft}
+        return {name: parts[name] for name in SECTIONS if name in parts}
 
     @property
     def sections(self) -> tuple[str, ...]:
         """The tables that its file may have, in their order."""
+        if self.listed:
+            return tuple(dict.fromkeys(("shaft", *self.tables, "balancer")))
         return tuple(name for name in SECTIONS if name == self.drive.table or name not in ("follower", "linkage"))
 
     @property
@@ -156,11 +203,17 @@ def with_drive(design: Design, *, assumed: tuple[str, ...] | None = None, **part
 
 def with_table(design: Design, name: str, part: Any) -> Design:
     """The design with one table of its file replaced, or taken away where the part is None."""
-    if name == "shaft":
-        return replace(design, shaft=part)
+    if name in ("shaft", "balancer"):
+        return replace(design, **{name: part})
+    return replace(design, drives=(with_drive_table(design.drive, name, part),))
+
+
+def with_drive_table(drive: Drive, name: str, part: Any) -> Drive:
+    """The drive with one of its tables replaced, or taken away where the part is None."""
     if name == "limits" and part is None:
         part = NO_LIMITS
-    return with_drive(design, **{"mechanism" if name == design.drive.table else name: part})
+    parts: dict[str, Any] = {"mechanism" if name == drive.table else name: part}
+    return replace(drive, **parts)
 
 
 def require_linkage(design: Design) -> Design:

@@ -20,14 +20,20 @@ def power_residual(kinematics: Kinematics, shape: CamShape | None, forces: Force
     left."""
     omega = forces.omega
     given = forces.torque * omega + forces.driver * kinematics.motion.displacement[1] * omega
-    terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
-    terms += [omega * element.potential(kinematics)[0] for element in loading.elements]
+    terms = power_terms(kinematics, forces, loading)
     sizes = list(terms)
     if shape is not None:
         sizes += [omega * np.abs(each.at) * each.force for each in forces.contacts]
     else:
         sizes.append(given)
     return _relative(given - sum(terms), sizes)
+
+
+def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> list[np.ndarray]:
+    """Where the power given goes [W], each (n,): into kinetic energy, into friction, into each force element."""
+    omega = forces.omega
+    terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
+    return terms + [omega * element.potential(kinematics)[0] for element in loading.elements]
 
 
 @np.errstate(invalid="ignore")

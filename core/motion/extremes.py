@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from math import pi
+from typing import Protocol
 
 import numpy as np
 
@@ -30,6 +31,13 @@ DIGITS = 12  # of a stroke: those that are certain
 Quantities = Callable[[Angles], Mapping[str, np.ndarray]]
 
 
+class Pieces(Protocol):
+    """Of one turn: starts and ends (m,) [rad], between which quantities are smooth."""
+
+    starts: np.ndarray
+    ends: np.ndarray
+
+
 @frozen
 class Extreme:
     """A value and the cam angle [rad] where it stands."""
@@ -52,7 +60,7 @@ def _places(count: int) -> np.ndarray:
     return np.array(sorted({*np.linspace(0.0, 1.0, count).tolist(), *ENDS}))
 
 
-def piecewise_angles(program: Program) -> Angles:
+def piecewise_angles(program: Pieces) -> Angles:
     """Samples of every piece from inside, its ends included: dense enough to bracket extremes."""
     counts = np.clip(np.ceil((program.ends - program.starts) / STEP) + 1, LEAST, MOST).astype(int)
     theta = []
@@ -62,7 +70,7 @@ def piecewise_angles(program: Program) -> Angles:
     return Angles(np.concatenate(theta), np.repeat(np.arange(counts.size), [t.size for t in theta]))
 
 
-def find_extremes(quantities: Quantities, program: Program) -> dict[str, Range]:
+def find_extremes(quantities: Quantities, program: Pieces) -> dict[str, Range]:
     """Lowest and highest value of each quantity over one turn.
 
     quantities: gives the values (n,) by name at any cam angles; all are refined together, so that each pass costs one
@@ -86,7 +94,7 @@ def find_above(quantity: Callable[[Angles], np.ndarray], program: Program, level
 
 
 def _refined(
-    quantities: Quantities, program: Program, signs: tuple[float, ...], level: float = -np.inf
+    quantities: Quantities, program: Pieces, signs: tuple[float, ...], level: float = -np.inf
 ) -> dict[tuple[str, float], Extreme]:
     """By name and sign: the highest value of each quantity times each sign, refined where it may reach the level."""
     angles = piecewise_angles(program)

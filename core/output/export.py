@@ -26,14 +26,14 @@ TONGUES, SUMMARY = "tongues.csv", "summary.json"
 
 def csv(names: Sequence[str], columns: Sequence[np.ndarray]) -> str:
     """A table with a header line; every number is the shortest text that reads back to the same bits."""
-    return b"".join((_head(names), _lines(names, columns))).decode()
+    return b"".join((csv_head(names), csv_lines(names, columns))).decode()
 
 
-def _head(names: Sequence[str]) -> bytes:
+def csv_head(names: Sequence[str]) -> bytes:
     return ",".join(names).encode() + b"\n"
 
 
-def _lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
+def csv_lines(names: Sequence[str], columns: Sequence[np.ndarray]) -> bytes:
     """The lines of columns (n,), without a header. Raises KindynaError where a number is not finite."""
     import orjson
 
@@ -62,18 +62,19 @@ def blocks(study: Study) -> Iterator[tuple[np.ndarray, Study]]:
         yield part, study.at(study.program.angles(np.deg2rad(part)))
 
 
-def table(study: Study, name: str, stages: Sequence[str]) -> Iterator[bytes] | None:
-    """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist."""
+def table(study: Study, name: str, stages: Sequence[str], without: frozenset[str] = frozenset()) -> Iterator[bytes] | None:
+    """One of ``TABLES`` with the columns of the named stages, block by block; None where no column is left, or no forces exist.
+    without: quantities that are left out."""
     judged = bounded(study)
-    rows = existing(judged, (row for row in channels(study.design, stages) if row.table == name))
+    rows = existing(judged, (row for row in channels(study.design, stages) if row.table == name and row.quantity not in without))
     if not rows or (name == DYNAMICS and judged.jam is not None):
         return None
     names = [ANGLES.get(name, study.angle_column), *(row.slug for row in rows)]
 
     def made() -> Iterator[bytes]:
-        yield _head(names)
+        yield csv_head(names)
         for degrees, part in blocks(study):
-            yield _lines(names, [degrees, *(row.values(part) for row in rows)])
+            yield csv_lines(names, [degrees, *(row.values(part) for row in rows)])
 
     return made()
 
@@ -94,12 +95,15 @@ def tongues_table(rows_of_q: Sequence[Tongues]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def streams(study: Study, stages: Sequence[str] = ()) -> dict[str, str | Iterator[bytes]]:
-    """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give."""
+def streams(
+    study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()
+) -> dict[str, str | Iterator[bytes]]:
+    """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give; without:
+    quantities that are left out of the tables."""
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     for name in stages:
         study.require_stage(name)
-    made = {name: table(study, name, wanted) for name in TABLES}
+    made = {name: table(study, name, wanted, without) for name in TABLES}
     texts: dict[str, str | Iterator[bytes]] = {name: parts for name, parts in made.items() if parts is not None}
     if "stability" in wanted and study.stability is not None:
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from core.design import CRANK, UNITS, entries
+from core.design import CRANK, UNITS, distances, entries
 from core.laws import find_law
 from core.output.channels import Channel, channels
 from core.output.lines import columns, digits, finding_line, printable
+from core.output.shaft_summary import shaft_flywheel, shaft_torque
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
-from core.study import Study
+from core.shaft import peaks
+from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 _ASSUMED = "*"
@@ -120,8 +122,7 @@ def _limits(study: Study, stages: Sequence[str]) -> list[str]:
     return _heading("Limits of the cam") + columns(table, left=2) if len(table) > 1 else []
 
 
-def _flywheel(study: Study) -> list[str]:
-    wheel = flywheel(study)
+def _flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[str]:
     if not wheel:
         return []
     shaft = study.design.camshaft
@@ -146,7 +147,7 @@ def _flywheel(study: Study) -> list[str]:
     return _heading("Flywheel") + columns(rows)
 
 
-def _stability(study: Study) -> list[str]:
+def _stability(study: Study | ShaftStudy) -> list[str]:
     values = stability(study)
     if not values:
         return []
@@ -183,7 +184,7 @@ def _forbidden(values: dict[str, Any]) -> list[str]:
     return ["", *columns(rows)]
 
 
-def _needed(study: Study, values: dict[str, Any]) -> list[str]:
+def _needed(study: Study | ShaftStudy, values: dict[str, Any]) -> list[str]:
     needed, now = values["stiffness"], study.design.camshaft.elastic
     if now is None or needed["allowed"]:
         return ["", "At this speed the shaft keeps clear of the forbidden bands."]
@@ -195,12 +196,12 @@ def _needed(study: Study, values: dict[str, Any]) -> list[str]:
     ]
 
 
-def _findings(study: Study, stages: Sequence[str]) -> list[str]:
+def _findings(study: Study | ShaftStudy, stages: Sequence[str]) -> list[str]:
     findings = study.findings(tuple(stages))
     return _heading("Findings") + ([finding_line(f, study.angle_name) for f in findings] or ["none"])
 
 
-def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
+def _certificate(study: Study | ShaftStudy, stages: Sequence[str]) -> list[str]:
     rows: list[Sequence[str]] = [("", "residual", "bound", "", "")]
     for name, residual in study.certificate(tuple(stages)).items():
         verdict = "kept" if residual.kept else "NOT KEPT"
@@ -210,7 +211,7 @@ def _certificate(study: Study, stages: Sequence[str]) -> list[str]:
     return _heading("Certificate") + columns(rows)
 
 
-def stability_text(study: Study) -> str:
+def stability_text(study: Study | ShaftStudy) -> str:
     """The report's section on the flexible shaft alone."""
     return "\n".join(_stability(study)[1:]) + "\n"
 
@@ -223,5 +224,46 @@ def report(study: Study) -> str:
     lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
     lines += _extremes(study, channels(study.design), stages) + _limits(study, stages)
-    lines += _flywheel(study) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
+    lines += _flywheel(study, flywheel(study)) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"
+
+
+# -- several drives on a shaft --------------------------------------------------------------------------
+
+
+def shaft_report(study: ShaftStudy) -> str:
+    """The whole report of a shaft: its drives, their timing, torque, flywheel, stability, findings; then each drive's own."""
+    name = printable(study.design.name)
+    lines = [name, "=" * len(name), *_drives(study), *_timing(study), *_torque(study), *_flywheel(study, shaft_flywheel(study))]
+    lines += _stability(study) + _findings(study, ()) + _certificate(study, ())
+    texts = ["\n".join(lines) + "\n"]
+    texts += [report(each) for drive, each in study.drives.items() if drive not in study.failures]
+    return "\n\n".join(texts)
+
+
+def _drives(study: ShaftStudy) -> list[str]:
+    rows: list[Sequence[str]] = [("Drive", "phase °", "", "lowest N·m", "at °", "highest N·m", "at °")]
+    for (name, each), drive in zip(study.drives.items(), study.design.drives, strict=True):
+        figures = ["no answer", "", "", ""] if name in study.failures else [""] * 4
+        if each.loads_shaft and name not in study.failures:
+            found = peaks(study.drive_load(name))
+            figures = [digits(v) for e in (found.low, found.high) for v in (e.value, math.degrees(e.theta))]
+        rows.append((printable(name), f"{drive.phase_deg:.10g}", "mirrored" if drive.mirrored else "", *figures))
+    return [*_heading("Drives, by machine angle"), *columns(rows)]
+
+
+def _timing(study: ShaftStudy) -> list[str]:
+    rows: list[Sequence[str]] = [("First", "at °", "second", "at °", "after °", "least °", "")]
+    for row, at in zip(study.design.timing, distances(study.design), strict=True):
+        figures = (digits(at.first_deg), printable(row.second), digits(at.second_deg), digits(at.after_deg), digits(row.least_deg))
+        rows.append((printable(row.first), *figures, "kept" if at.kept else "BROKEN"))
+    return _heading("Timing") + columns(rows) if len(rows) > 1 else []
+
+
+def _torque(study: ShaftStudy) -> list[str]:
+    figures = shaft_torque(study)
+    if not figures:
+        return []
+    labels = {"mean_nm": "Mean", "rms_nm": "Root mean square", "peak_nm": "Greatest", "peak_power_w": "Peak power"}
+    rows = [(label, digits(figures[key]), "W" if key.endswith("_w") else "N·m") for key, label in labels.items()]
+    return _heading("Torque of all drives at constant speed") + columns(rows)

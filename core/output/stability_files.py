@@ -9,7 +9,8 @@ from textwrap import wrap
 import numpy as np
 
 from core.output.export import TONGUES, csv, tongues_table
-from core.output.report import report
+from core.output.report import report, shaft_report
+from core.output.shaft_summary import shaft_summary
 from core.output.summary import summary, to_json
 from core.stability import (
     EQUATIONS,
@@ -33,13 +34,13 @@ from core.stability import (
 )
 from core.stability.claims import FIGURES, ROWS
 from core.stability.figures import CAM_ANGLE
-from core.study import Study
+from core.study import ShaftStudy, Study
 
 UNSEEN = 1e-5  # of η: an edge that is off by less is not seen in a picture
 
 
 def stability_files(
-    study: Study,
+    study: Study | ShaftStudy,
     shaft: Stability,
     q: Sequence[float] = (),
     at: Sequence[tuple[float, float]] = (),
@@ -57,8 +58,8 @@ def stability_files(
     means = shaft.averages(q, eta_max or ETA_MAX)
     made: dict[str, str | bytes] = {
         **tables(shaft, np.array(q or [machine.q]), runs, means, eta_max or ETA_MAX),
-        "report.txt": report(study),
-        "summary.json": to_json(summary(study, study.stages)),
+        "report.txt": shaft_report(study) if isinstance(study, ShaftStudy) else report(study),
+        "summary.json": to_json(shaft_summary(study) if isinstance(study, ShaftStudy) else summary(study, study.stages)),
     }
     top, damping = eta_max or shaft.eta_max, machine.damping
     return made, (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,9 +12,11 @@ import numpy as np
 from core.design import UNITS
 from core.design.topology import mobility
 from core.errors import NoStability
+from core.findings import Finding, Residual
 from core.mechanism.grashof import four_bar
+from core.motion.extremes import Range
 from core.output.channels import channels
-from core.study import Study
+from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 
@@ -35,22 +37,35 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"stability": shaft} if shaft else {}),
-        "findings": [
-            {
-                "code": f.code,
-                "severity": f.severity,
-                "field": f.field,
-                "cam_angle_deg": f.cam_angle_deg,
-                "values": dict(f.values),
-                "message": f.message,
-            }
-            for f in study.findings(tuple(stages))
-        ],
-        "certificate": {
-            name: {"value": r.value, "bound": r.bound, "left_out": r.left_out}
-            for name, r in study.certificate(tuple(stages)).items()
-        },
+        "findings": finding_rows(study.findings(tuple(stages))),
+        "certificate": residual_rows(study.certificate(tuple(stages))),
     }  # fmt: skip
+
+
+def finding_rows(findings: Iterable[Finding]) -> list[dict[str, Any]]:
+    """Findings, each with its sentence."""
+    return [
+        {
+            "code": f.code,
+            "severity": f.severity,
+            "field": f.field,
+            "cam_angle_deg": f.cam_angle_deg,
+            "values": dict(f.values),
+            "message": f.message,
+        }
+        for f in findings
+    ]
+
+
+def residual_rows(proof: Mapping[str, Residual]) -> dict[str, Any]:
+    """A certificate by name."""
+    return {name: {"value": r.value, "bound": r.bound, "left_out": r.left_out} for name, r in proof.items()}
+
+
+def range_row(found: Range, factor: float) -> dict[str, Any]:
+    """Lowest and highest in the channel's unit, each with its angle."""
+    sides = (("min", found.low), ("max", found.high))
+    return {side: {"value": e.value / factor + 0.0, "cam_angle_deg": math.degrees(e.theta)} for side, e in sides}
 
 
 def joins(study: Study) -> list[dict[str, float]]:
@@ -75,14 +90,7 @@ def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
         ranges = study.extremes(stage)
         for row in channels(study.design, (stage,)):
             if row.quantity in ranges:
-                low, high = ranges[row.quantity].low, ranges[row.quantity].high
-                rows[row.slug] = {
-                    side: {
-                        "value": e.value / row.unit.factor + 0.0,
-                        "cam_angle_deg": math.degrees(e.theta),
-                    }
-                    for side, e in (("min", low), ("max", high))
-                }
+                rows[row.slug] = range_row(ranges[row.quantity], row.unit.factor)
     return rows
 
 
@@ -144,7 +152,7 @@ def mechanism(study: Study) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def stability(study: Study) -> dict[str, Any]:
+def stability(study: Study | ShaftStudy) -> dict[str, Any]:
     """The shaft's place in the chart, the forbidden bands of speed, what each model says, the stiffness the speed needs;
     empty where the shaft is rigid or nothing excites it."""
     shaft = study.stability if "stability" in study.stages else None

@@ -5,8 +5,8 @@ from __future__ import annotations
 import tomllib
 from typing import Any
 
-from core.design import Design
-from core.errors import MISSING, DesignError, Fault
+from core.design import Design, drive_names, numbered, only
+from core.errors import MISSING, DesignError, Fault, KindynaError
 from core.project.counts import require_few_marks
 from core.project.differences import Difference, differences
 from core.project.files import AnyPath, read_text, write
@@ -14,7 +14,8 @@ from core.project.reading import from_table, motion_from_table
 from core.project.writing import dumps, motion_to_table, to_table
 
 __all__ = [
-    "Difference", "differences", "dumps", "from_table", "load", "loads", "motion_from_table", "motion_to_table", "save", "to_table",
+    "Difference", "differences", "dumps", "from_table", "load", "load_one", "loads", "motion_from_table", "motion_to_table",
+    "number_of", "one_of", "save", "to_table",
 ]  # fmt: skip
 
 _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of the parts
@@ -23,6 +24,28 @@ _MOST_KEY_PARTS = 50  # a.b.c = ... : tomllib's time grows with the square of th
 def load(path: AnyPath) -> Design:
     """The design in a file. Raises FileError where it cannot be read, DesignError with all its faults."""
     return loads(read_text(path), source=str(path))
+
+
+def load_one(path: AnyPath, drive: str = "") -> Design:
+    """The design of one drive in a file, as it stands on its shaft: of several the one of this name. Raises FileError, DesignError,
+    and KindynaError where it is not clear which one."""
+    return one_of(load(path), drive)
+
+
+def one_of(design: Design, drive: str = "") -> Design:
+    """The design of its drive of this name, which need not be named where there is but one. Raises KindynaError."""
+    return only(design, number_of(design, drive))
+
+
+def number_of(design: Design, drive: str = "") -> int:
+    """The number of that drive in the list."""
+    if not design.listed and drive:
+        raise KindynaError(f"drive {drive!r}: this design has one drive, without a name; leave --drive out")
+    if drive:
+        return numbered(design, drive)
+    if len(design.drives) > 1:
+        raise KindynaError(f"drives: there are {len(design.drives)}; choose one with --drive: {' | '.join(drive_names(design))}")
+    return 0
 
 
 def loads(text: str, source: str = "design") -> Design:

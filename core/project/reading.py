@@ -14,6 +14,7 @@ from core.design import (
     FOLLOWER_KINDS,
     MOTION,
     NO_LIMITS,
+    Balancer,
     Conjugate,
     Design,
     Drive,
@@ -30,10 +31,14 @@ from core.design import (
     RollerCam,
     Segment,
     Shaft,
+    Timing,
     all_paths,
+    drive_at,
     entries,
     faults,
+    only,
     part_faults,
+    path_of,
     whole_faults,
 )
 from core.design.faces import FACE, OffsetFlat, Roller, Rolling, Shoe, TiltedFlat
@@ -49,6 +54,7 @@ from core.project.writing import FORMAT
 Tables = Mapping[str, Any]
 
 _KINDS = ("follower", "linkage", "drives")  # the table that tells the kind
+_ONE_MECHANISM = "exactly one of [drives.follower] | [drives.linkage]"
 _ONE_KIND = "exactly one of [follower] | [linkage] | [[drives]]"
 _HEAD = ("format", "name", "assumed")
 _ALWAYS = {"follower": ("motion", "follower", "cam", "shaft"), "linkage": ("linkage",)}  # the others may be absent
@@ -73,17 +79,47 @@ def from_table(table: Tables) -> Design:
     require_few_entries(table)
     found = [*_format_faults(table), *_name_faults(table), *_kind_faults(table)]
     kind = next((kind for kind in _KINDS if kind in table), "follower")
-    if kind == "drives":
+    design, faults_of_it = (_of_several if kind == "drives" else _of_one)(table, kind)
+    if found := [*found, *faults_of_it]:
         raise DesignError(found)
-    row, row_faults = (None, []) if kind == "linkage" else _follower_kind(table)
+    return design
+
+
+def _marks(table: Tables) -> tuple[str, ...]:
+    """What is assumed, as far as it is text."""
+    assumed = table.get("assumed", ())
+    return tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
+
+
+def _of_one(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
+    """The design of one drive, and its faults in the order of the file."""
+    reader = Reader(_likely_unit(table))
+    found, classes, parts = _read_drive(reader, table, kind, ("shaft",), [*_HEAD, *_KINDS])
+    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
+    design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
+    found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
+    unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
+    found += _assumed_faults(table.get("assumed", ()), design, unsure)
+    tables = list(classes)  # in the order of the file, its head first
+    return design, sorted(found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0))
+
+
+def _read_drive(
+    reader: Reader, table: Tables, kind: str, shared: tuple[str, ...], head: Sequence[str]
+) -> tuple[list[Fault], Mapping[str, type | None], Mapping[str, Any]]:
+    """The tables of one drive: faults of their names, the class of each, the parts; shared: those read here that belong to
+    the shaft; head: keys that stand beside them."""
+    row, found = (None, []) if kind == "linkage" else _follower_kind(table)
     face = _face_word(table, row)
-    reader = Reader(row.motion_unit if row else _likely_unit(table))
-    classes = _classes(kind, row, face)
-    known = (*_HEAD, *classes)
-    found += [unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in _KINDS]
-    found += row_faults
+    if row:
+        reader.unit = row.motion_unit
+    classes = {name: each for name, each in _classes(kind, row, face).items() if name != "shaft" or name in shared}
+    known = [*(key for key in head if key not in _KINDS), *classes]
+    found = [*(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head), *found]
     parts = {}
     for name in ("shaft", kind, "motion", "cam", "loads", "limits"):  # the shaft's speed is the driver's, who tells the motion's unit
+        if name not in classes:
+            continue
         parts[name] = part = reader.table(table, name, classes[name], needed=name in _ALWAYS[kind])
         if name == "shaft" and part is not None:
             reader.shaft_rpm = part.signed_rpm
@@ -91,19 +127,77 @@ def from_table(table: Tables) -> Design:
             reader.slides = part.face.slides if kind == "linkage" else face not in (None, Rolling.face)
         if name == "linkage":
             reader.unit = _driver_unit(part, table.get("motion"))
-    assumed = table.get("assumed", ())
-    plain = tuple(path for path in assumed if isinstance(path, str)) if isinstance(assumed, list | tuple) else ()
-    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS)
     if parts["limits"] is not None and kind == "linkage" and "cam" not in table:
         found.append(Fault("limits", "[limits]", "are those of a cam, and there is none", "a table [cam], or take it away"))
-    design = Design(table.get("name", ""), parts["shaft"], (drive,), plain)
-    found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
-    unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
-    found += _assumed_faults(assumed, design, unsure)
-    if found:
-        tables = list(classes)  # in the order of the file, its head first
-        raise DesignError(sorted(found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0)))
-    return design
+    return found, classes, parts
+
+
+# -- several drives on a shaft ----------------------------------------------------------------------------
+
+_OF_SHAFT = (*_HEAD, "shaft", "drives", "timing", "balancer")
+_PLACE = tuple(slot.key for slot in slots(Drive))
+
+
+def _of_several(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
+    """The design of a list of drives, and its faults in the order of the file."""
+    found = [unknown_key(spelled(key), key, table[key], _OF_SHAFT) for key in table if key not in (*_OF_SHAFT, *_KINDS)]
+    reader, rows = Reader(""), table[kind]
+    shaft = reader.table(table, "shaft", Shaft, needed=True)
+    if not isinstance(rows, list | tuple) or not rows:
+        found.append(Fault(kind, rows, "must be a list of tables, one at least", f"[[{kind}]]"))
+        return Design("", shaft, ()), [*found, *reader.faults]
+    drives, of_drives, unsure = [], [], []
+    for i, row in enumerate(rows):
+        if not isinstance(row, Mapping):
+            reader.faults.append(Fault(f"{kind}[{i}]", row, "must be a table", f"[[{kind}]]"))
+            continue
+        own = Reader(_likely_unit(row))
+        drive, faults_of_it, unclear = _read_one_of(row, own, shaft)
+        drives.append(drive)
+        alone = only(Design("", shaft, (drive,)), 0)
+        rules = (fault for fault in faults(alone) if not fault.path.startswith("shaft"))
+        inner = own.with_rules(rules, {e.path: e.in_file for name in alone.tables for e in entries(alone, name)})
+        of_drives += [replace(fault, path=path_of(i, fault.path)) for fault in [*faults_of_it, *inner]]
+        unsure += [f"{kind}[{i}].{name}" for name in unclear]
+    timing = reader.rows(table, "timing", Timing)
+    balancer = reader.table(table, "balancer", Balancer, needed=False)
+    design = Design(table.get("name", ""), shaft, tuple(drives), _marks(table), timing, balancer)
+    if len(drives) < len(rows):
+        return design, [*found, *reader.faults, *of_drives]
+    broken = {fault.path for fault in of_drives}
+    unread = any(".motion" in path or path.endswith(".name") for path in broken)  # then no event is sure to be there
+    reader.faults += of_drives
+    known = (f for f in faults(design) if not (unread and f.path.startswith("timing")))
+    of_it = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
+    if not any(path.endswith(".name") for path in broken):
+        found += _assumed_faults(table.get("assumed", ()), design, unsure)
+    return design, [*found, *of_it]
+
+
+_OF_A_DRIVE = re.compile(r"drives\[\d+\]\.(?!name$|phase_deg$|mirrored$).*")
+
+
+def _read_one_of(row: Tables, reader: Reader, shaft: Shaft) -> tuple[Drive, list[Fault], list[str]]:
+    """One drive of the list, with what is wrong with its keys, and the tables of which nothing is known."""
+    kinds = [kind for kind in _KINDS[:2] if kind in row]
+    kind = kinds[0] if kinds else "follower"
+    place: dict[str, Any] = {}
+    for slot in slots(Drive):
+        if slot.key in row:
+            (place[slot.key],) = reader.entry(slot, row[slot.key], slot.key)
+        elif slot.key == "name":
+            reader.faults.append(missing(slot.key, slot.placing.missing))
+            place[slot.key] = NO_WORD
+    if place.get("mirrored") not in (True, False):
+        place["mirrored"] = False
+    reader.shaft_rpm = shaft.signed_rpm * (-1.0 if place["mirrored"] else 1.0)
+    found, classes, parts = _read_drive(reader, row, kind, (), [*_PLACE, *_KINDS[:2]])
+    found += [Fault(other, row[other], f"stands beside {kind}, but a drive has one mechanism", _ONE_MECHANISM) for other in kinds[1:]]
+    if not kinds:
+        found.append(missing("follower", _ONE_MECHANISM))
+    drive = Drive(parts["motion"], parts[kind], parts["cam"], parts["loads"], parts["limits"] or NO_LIMITS, **place)
+    unclear = [name for name, each in classes.items() if each is None] + ([] if kinds else ["linkage"])
+    return drive, found, unclear
 
 
 def motion_from_table(table: Tables, unit: str) -> Motion:
@@ -148,6 +242,14 @@ class Reader:
             value = {key: each for key, each in value.items() if key != "kind"}
         return self.part(kind, value, name) if kind else None
 
+    def rows(self, tables: Tables, name: str, kind: type) -> tuple[Any, ...]:
+        """A list of tables at the top of the file."""
+        rows = tables.get(name, ())
+        if not isinstance(rows, list | tuple):
+            self.faults.append(Fault(name, rows, "must be a list of tables", f"[[{name}]]"))
+            return ()
+        return tuple(self.part(kind, row, f"{name}[{i}]") for i, row in enumerate(rows))
+
     def part(self, kind: Any, value: Any, path: str) -> Any:
         """A part of this class; value: its table, MISSING where that is known to be a fault already."""
         if value is not MISSING and not isinstance(value, Mapping):
@@ -161,7 +263,7 @@ class Reader:
         for slot in entries:
             at = f"{path}.{slot.key}"
             if slot.key in table:
-                read = self._entry(slot, table[slot.key], at)
+                read = self.entry(slot, table[slot.key], at)
             else:
                 lacks = slot.missing is not None and value is not MISSING and not (slot.within and slot.within in unsure)
                 if lacks and all(stem(key) != stem(slot.key) for key in table):  # else it is one of a wrong unit
@@ -204,11 +306,15 @@ class Reader:
             return (NO_WORD,)
         return (self.part(slot.placing.kind, MISSING, ""),) if slot.placing.single else ((),)
 
-    def _entry(self, slot: Slot, value: Any, at: str) -> tuple[Any, ...]:
+    def entry(self, slot: Slot, value: Any, at: str) -> tuple[Any, ...]:
         """The values of the fields that hold an entry of the file."""
         info, placing = slot.info, slot.placing
         if len(slot.names) > 1:
             return self._pair(slot, value, at)
+        if info is not None and info.flag:
+            if not isinstance(value, bool):
+                self.faults.append(Fault(at, value, "must be true or false", slot.allowed))
+            return (value,)
         if info is not None and not info.choices:
             return (self._number(slot, value, at),)
         if placing.kind is None:
@@ -246,7 +352,7 @@ class Reader:
             return
         _, only = slots(kind)
         for name, entry in value.items():
-            yield kind(str(name), *self._entry(only, entry, f"{at}.{spelled(name)}"))
+            yield kind(str(name), *self.entry(only, entry, f"{at}.{spelled(name)}"))
 
     def _number(self, slot: Slot, value: Any, at: str) -> Any:
         """A number, whole where the field asks for it."""
@@ -368,8 +474,6 @@ def _kind_faults(table: Tables) -> Iterator[Fault]:
     kinds = [kind for kind in _KINDS if kind in table]
     if not kinds:
         yield missing("follower", _ONE_KIND)
-    elif kinds[0] == "drives":
-        yield Fault(kinds[0], table[kinds[0]], "this kind of design is not supported yet", "[follower] | [linkage]")
     for other in kinds[1:]:
         yield Fault(other, table[other], f"stands beside {kinds[0]}, but a design is of one kind", _ONE_KIND)
 
@@ -384,11 +488,14 @@ def _assumed_faults(assumed: Any, design: Design, unsure: Sequence[str]) -> Iter
     for i, path in enumerate(assumed):
         if not isinstance(path, str):
             yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
-        elif path not in known and path.partition(".")[0] not in unsure and not _of_another_law(design, path):
+        elif path not in known and not path.startswith(tuple(unsure)) and not _of_another_law(design, path):
             yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
 
 
 def _of_another_law(design: Design, path: str) -> bool:
+    if design.listed:
+        own = drive_at(path)
+        return own is not None and own[0] < len(design.drives) and _of_another_law(only(design, own[0]), own[1])
     match = re.fullmatch(r"motion\.segments\[(\d+)\]\.(.+)", path)
     if match is None or design.drive.motion is None or int(match[1]) >= len(design.drive.motion.segments):
         return False

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import tomli_w
 
-from core.design import NO_LIMITS, Design, LinkageLoads, Motion, Segment
+from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Motion, Segment
 from core.design.edits import is_dwell
 from core.design.fields import Slot, slots
 from core.design.paths import in_order
@@ -22,16 +22,25 @@ _WIDE = 100  # an indent beyond tomli_w's longest line: then it gives every segm
 
 def to_table(design: Design) -> dict[str, Any]:
     """The tables of the file; [limits], and of a linkage [loads], only where there is something to say."""
-    drive = design.drive
     table: dict[str, Any] = {"format": FORMAT, "name": design.name}
     if design.assumed:
         table["assumed"] = list(design.assumed)
-    for name, part in design.tables.items():
-        if repr(part) not in _SILENT:
-            table[name] = _table(part, drive.motion_unit)
-    if not drive.is_linkage:
-        table["follower"] = {"kind": drive.kind, **table["follower"]}
+    if not design.listed:
+        return table | _tables(design.tables, design.drive)
+    table["shaft"] = _table(design.shaft, "")
+    table["drives"] = [_table(drive, "") | _tables(drive.tables, drive) for drive in design.drives]
+    if design.timing:
+        table["timing"] = [_table(row, "") for row in design.timing]
+    if design.balancer is not None:
+        table["balancer"] = _table(design.balancer, "")
     return table
+
+
+def _tables(tables: Mapping[str, Any], drive: Drive) -> dict[str, Any]:
+    made = {name: _table(part, drive.motion_unit) for name, part in tables.items() if repr(part) not in _SILENT}
+    if not drive.is_linkage:
+        made["follower"] = {"kind": drive.kind, **made["follower"]}
+    return made
 
 
 def motion_to_table(motion: Motion) -> dict[str, Any]:
@@ -75,7 +84,7 @@ def _entry(part: Any, slot: Slot, unit: str) -> Any:
         return [_table(row, unit) for row in value]
     if placing.kind is not None:
         return _table(value, unit)
-    is_real = slot.info is not None and not slot.info.choices and not slot.info.whole
+    is_real = slot.info is not None and not slot.info.choices and not slot.info.whole and not slot.info.flag
     return float(value) if is_real else value
 
 
@@ -93,19 +102,31 @@ def _row(part: Any) -> list[float]:
 def dumps(design: Design) -> str:
     """The file's text, every number with all its digits."""
     table = to_table(design)
-    head = {name: value for name, value in table.items() if name == "motion" or not isinstance(value, Mapping)}
+    head = {name: value for name, value in table.items() if name == "motion" or not (isinstance(value, Mapping) or _is_rows(value))}
     text = re.sub(
         rf"(?m)^(?: {{{_WIDE}}})+",
         lambda indent: " " * (4 * len(indent[0]) // _WIDE),
         tomli_w.dumps(head, indent=_WIDE),
     )
     text = re.sub(_NUMBERS, lambda row: f"[{', '.join(row[1].replace(',', ' ').split())}]", text)  # a row of a table
-    return text + "".join(_section(name, part) for name, part in table.items() if name not in head)
+    return text + "".join(_sections(name, part) for name, part in table.items() if name not in head)
 
 
-def _section(name: str, table: Mapping[str, Any]) -> str:
-    """``[name]`` with its entries on one line each, then its lists of tables as ``[[name.key]]``."""
-    lines = ["", f"[{name}]", *_lines({key: value for key, value in table.items() if not _is_rows(value)})]
+def _sections(name: str, part: Any) -> str:
+    """A table of the file, or a list of them: ``[[name]]``, each with its own as ``[name.key]``."""
+    if not _is_rows(part):
+        return _section(f"[{name}]", name, part)
+    text = ""
+    for row in part:
+        inner = {key: each for key, each in row.items() if isinstance(each, Mapping)}
+        text += _section(f"[[{name}]]", name, {key: each for key, each in row.items() if key not in inner})
+        text += "".join(_section(f"[{name}.{key}]", f"{name}.{key}", each) for key, each in inner.items())
+    return text
+
+
+def _section(heading: str, name: str, table: Mapping[str, Any]) -> str:
+    """The heading with its entries on one line each, then its lists of tables as ``[[name.key]]``."""
+    lines = ["", heading, *_lines({key: value for key, value in table.items() if not _is_rows(value)})]
     for key, rows in table.items():
         if _is_rows(rows):
             for row in rows:

@@ -53,6 +53,14 @@ def nodes() -> tuple[np.ndarray, np.ndarray]:
     return 0.5 + 0.5 * np.cos(angle), to_chebyshev
 
 
+def fitted(start: np.ndarray, width: np.ndarray, torque: np.ndarray, inertia: np.ndarray) -> LoadCurve:
+    """The load with these values (m, NODES) at the nodes of its panels (m,)."""
+    _, to_chebyshev = nodes()
+    rows = [to_powers(NODES) @ (to_chebyshev @ row.T) for row in (torque, inertia)]
+    mean = float((width * (rows[0] / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
+    return LoadCurve(start, width, rows[0], rows[1], mean)
+
+
 @lru_cache(maxsize=4)
 def to_powers(count: int) -> np.ndarray:
     """The matrix from so many Chebyshev coefficients on 0...1 to power coefficients.
@@ -95,10 +103,8 @@ def load_curve(load: Load, program: Program, *switches: Callable[[Angles], np.nd
     lost = np.any(~np.isfinite(values), axis=0)
     if lost.any():
         raise NoAnswer("the torque is infinite", "loads", "change them", angle_ranges(angles.theta, lost))
-    _, to_chebyshev = nodes()
-    torque, inertia = (to_powers(NODES) @ (to_chebyshev @ row.reshape(-1, NODES).T) for row in values)
-    mean = float((width * (torque / np.arange(1, NODES + 1)[:, None]).sum(axis=0)).sum() / TURN)
-    return LoadCurve(start, width, torque, inertia, mean)
+    torque, inertia = (row.reshape(-1, NODES) for row in values)
+    return fitted(start, width, torque, inertia)
 
 
 def powers(r: np.ndarray, count: int = NODES) -> np.ndarray:

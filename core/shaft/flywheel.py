@@ -15,7 +15,7 @@ from core.frozen import frozen
 from core.motion import Angles
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range
-from core.shaft.linear import filtered, lag
+from core.shaft.linear import filtered, lag, motor_inertia
 from core.shaft.speed import SpeedCurve, steady_speed
 
 SEARCH = 1e-4  # relative width at which the search for the least flywheel ends; three digits are shown
@@ -52,10 +52,10 @@ class Flywheel:
 
     @cached_property
     def needed_inertia(self) -> float:
-        """ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation of speed."""
+        """ΔE/(C_s ω̄²) [kg m²] for the wanted fluctuation of speed, less what the motor has itself."""
         s = si(self.shaft)
         needed: float = self.energy_swing / s.speed_fluctuation / s.speed / s.speed  # one by one: their product may be 0
-        return needed
+        return max(needed - motor_inertia(self.shaft), 0.0)
 
     @cached_property
     def least_inertia(self) -> float:
@@ -63,14 +63,15 @@ class Flywheel:
         fitted does not."""
         if self.runs:
             return 0.0
-        s = si(self.shaft)
-        low = s.flywheel_inertia
+        s, own = si(self.shaft), motor_inertia(self.shaft)
+        low = s.flywheel_inertia + own
         high = max(2.0 * low, self.energy_swing / s.speed / s.speed)
         while self._speed_with(high) is None:
             low, high = high, 2.0 * high
         while high - low > SEARCH * high:
             middle = (low * high) ** 0.5 if high > 4.0 * low > 0.0 else 0.5 * (low + high)
             low, high = (low, middle) if self._speed_with(middle) else (middle, high)
+        high = max(high - own, SEARCH * high)
         step = 10.0 ** (floor(log10(high)) - 2)
         return float(np.ceil(high / step) * step)
 
@@ -82,7 +83,7 @@ class Flywheel:
 
     @cached_property
     def _steady(self) -> SpeedCurve | None:
-        return self._speed_with(si(self.shaft).flywheel_inertia)
+        return self._speed_with(si(self.shaft).flywheel_inertia + motor_inertia(self.shaft))
 
     @property
     def runs(self) -> bool:

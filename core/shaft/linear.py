@@ -13,10 +13,17 @@ from core.shaft.curve import NODES, LoadCurve, by_blocks, placed, powers
 PARTED = 4.0  # z at which the recurrence of ``phi`` changes its direction
 
 
-def lag(shaft: Shaft) -> float:
-    """k/(I ω̄) [per radian], at which the motor follows the torque; infinite without a flywheel."""
+def motor_inertia(shaft: Shaft) -> float:
+    """The motor's own inertia as it is felt at the camshaft, I_m times the gear ratio squared [kg m²]."""
     s = si(shaft)
-    momentum = s.flywheel_inertia * s.speed
+    ratio = 1.0 if s.gear_ratio is None else s.gear_ratio
+    return float((s.motor_inertia or 0.0) * ratio * ratio)
+
+
+def lag(shaft: Shaft) -> float:
+    """k/(I ω̄) [per radian], at which the motor follows the torque, I of flywheel and motor; infinite where both have none."""
+    s = si(shaft)
+    momentum = (s.flywheel_inertia + motor_inertia(shaft)) * s.speed
     return float(s.motor_slope / momentum) if momentum else np.inf
 
 

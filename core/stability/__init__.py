@@ -14,18 +14,27 @@ from core.stability.figures import (
     history_plot,
 )
 from core.stability.floquet import monodromy, refined, tongues
-from core.stability.hill.coefficients import APPROXIMATE, EQUATIONS, EXACT, Coefficients, coefficients
+from core.stability.hill.coefficients import (
+    APPROXIMATE,
+    EQUATIONS,
+    EXACT,
+    Coefficients,
+    Driven,
+    coefficients,
+    coefficients_of_all,
+)
 from core.stability.hill.edges import EDGE_ERROR, ETA_MAX, Tongues, count_up_to, harmonic_tongues, tongues_of_order
 from core.stability.hill.matrices import kim_edges, kim_matrix
 from core.stability.model_comparison import LABELS, Verdict
-from core.stability.stage import Stability, findings, stability
+from core.stability.stage import Stability, contact_forces, findings, stability
 from core.stability.steady_response import branch, shoot, steady_response
 from core.stability.windup import Averages, History, histories, history, mean_wind_up
 
 __all__ = [
     "APPROXIMATE", "EDGE_ERROR", "EQUATIONS", "ETA_MAX", "EXACT", "LABELS", "Averages", "Band", "Chart", "Claim",
-    "Coefficients", "Curve", "Figure", "History", "Machine", "Plot", "Stability", "Stiffness", "Tongues", "Verdict",
-    "averages_plots", "bands", "branch", "chart", "claims", "coefficients", "coefficients_plot", "contact_marks",
+    "Coefficients", "Curve", "Driven", "Figure", "History", "Machine", "Plot", "Stability", "Stiffness", "Tongues", "Verdict",
+    "averages_plots", "bands", "branch", "chart", "claims", "coefficients", "coefficients_of_all",
+    "coefficients_plot", "contact_forces", "contact_marks",
     "count_up_to", "findings", "first_guess", "flexible", "harmonic_tongues", "histories", "history", "history_plot",
     "kim_edges", "kim_matrix", "mean_wind_up", "monodromy", "refined", "shoot", "stability", "steady_response",
     "stiffness_for", "tongues", "tongues_of_order",

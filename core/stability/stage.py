@@ -188,17 +188,9 @@ class Stability:
         }
 
 
-def stability(
-    made: Coefficients,
-    elastic: Elastic,
-    omega: float,
-    kinematics_and_shape_at: KinematicsAndShapeAt | None,
-    loading: Loading,
-    program: Program,
-) -> Stability:
-    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; kinematics_and_shape_at: of a follower
-    that could be lifted off its cam, else None. Raises NoStability where the shaft
-    swings so often in a turn that it cannot be followed."""
+def stability(made: Coefficients, elastic: Elastic, omega: float, contact_of: Callable[[], Contact | None] = lambda: None) -> Stability:
+    """The stability of a machine of these coefficients at camshaft speed omega [rad/s]; contact_of: the contact forces of a follower
+    that could be lifted off its cam. Raises NoStability where the shaft swings so often in a turn that it cannot be followed."""
     s = si(elastic)
     machine = Machine(s.camshaft_inertia, s.stiffness, omega, elastic.damping_ratio, made.q, made.sizes.inertia)
     if machine.eta > MOST_SWINGS:
@@ -207,17 +199,20 @@ def stability(
             "shaft.speed_rpm",
             "raise it, or take a softer shaft",
         )
-
-    def contact_of() -> Contact | None:
-        q, spring, factor = made.q, elastic.spring, elastic.spring_factor
-        if kinematics_and_shape_at is None:
-            return None
-        try:
-            return contact(kinematics_and_shape_at, loading, program, made.sizes, spring, factor, q, s.stiffness)
-        except NoAnswer:
-            return None
-
     return Stability(made, machine, contact_of)
+
+
+def contact_forces(
+    made: Coefficients, elastic: Elastic, kinematics_and_shape_at: KinematicsAndShapeAt, loading: Loading, program: Program
+) -> Contact | None:
+    """The contact forces of the follower of such a machine; None where it has no cam."""
+    try:
+        return contact(
+            kinematics_and_shape_at, loading, program, made.sizes, elastic.spring, elastic.spring_factor, made.q,
+            si(elastic).stiffness,
+        )  # fmt: skip
+    except NoAnswer:
+        return None
 
 
 # -- limits: running in a forbidden band of speed, or near one ---------------------------------------------

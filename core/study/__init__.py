@@ -1,7 +1,8 @@
 """The lazy chain of stages over one design."""
 
 from core.study.quantities import QUANTITIES, Quantity, names_of, quantity
+from core.study.shaft_study import ShaftStudy
 from core.study.stages import clear_caches, evaluations
 from core.study.study import SAMPLES, STAGES, Study
 
-__all__ = ["QUANTITIES", "SAMPLES", "STAGES", "Quantity", "Study", "clear_caches", "evaluations", "names_of", "quantity"]
+__all__ = ["QUANTITIES", "SAMPLES", "STAGES", "Quantity", "ShaftStudy", "Study", "clear_caches", "evaluations", "names_of", "quantity"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -15,10 +15,12 @@ from core.dynamics import Loading
 from core.errors import NoStability
 from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism
 from core.motion import Angles, MotionState, degrees, program
+from core.motion.turn import Place, Turn
 from core.numerics.lazy import locked
 
 if TYPE_CHECKING:  # a rigid shaft needs nothing of it
     from core.stability import Coefficients, Stability
+    from core.study.study import Study
 
 KEPT = 24  # results of each kind that are kept, so that undo computes nothing
 evaluations: Counter[str] = Counter()
@@ -107,7 +109,7 @@ def flexible_shaft(
     omega: float,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
-    from core.stability import stability
+    from core.stability import contact_forces, stability
 
     s = si(elastic)
     parts = (motion, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
@@ -120,5 +122,40 @@ def flexible_shaft(
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)
         return kinematics, envelope(kinematics, face, cam, sense)
 
-    lifts_off = None if cam.form.holds else kinematics_and_shape
-    return stability(made, elastic, omega, lifts_off, loading, compiled)
+    if cam.form.holds:
+        return stability(made, elastic, omega)
+    return stability(made, elastic, omega, lambda: contact_forces(made, elastic, kinematics_and_shape, loading, compiled))
+
+
+def whole_shaft(rows: Sequence[tuple[int, Study, Place]], elastic: Elastic, omega: float) -> Stability | NoStability:
+    """The stability of a shaft with several drives, or why there is none; rows: number of each in the list, its study, its place."""
+    from core.stability import Driven, coefficients_of_all, stability
+
+    turn, s = Turn([(study.program, place) for _, study, place in rows]), si(elastic)
+
+    def driven(at: int, number: int, study: Study, place: Place) -> Driven:
+        return Driven(
+            lambda angles: study.at(angles).linkage, study.loading, study.program, lambda angles: turn.own(at, angles), place.sense,
+            f"drives[{number}].",
+        )  # fmt: skip
+
+    parts = (
+        *((study.depends_on("dynamics"), place) for _, study, place in rows), s.camshaft_inertia, s.stiffness, elastic.spring,
+        elastic.spring_factor,
+    )  # fmt: skip
+
+    def compute() -> Coefficients | NoStability:
+        try:
+            made: Coefficients = coefficients_of_all(
+                [driven(at, *row) for at, row in enumerate(rows)], turn, s.camshaft_inertia, s.stiffness, elastic.spring,
+                elastic.spring_factor,
+            )  # fmt: skip
+            return made
+        except NoStability as error:
+            return error
+
+    try:
+        made = memory.get("coefficients", parts, compute)
+        return made if isinstance(made, NoStability) else stability(made, elastic, omega)
+    except NoStability as error:
+        return error

@@ -352,7 +352,7 @@ class Study:
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
         assert self.design.shaft is not None
-        return Flywheel(lambda angles: self.at(angles).shaft_torque, self._load_curve(), self.design.shaft)
+        return Flywheel(lambda angles: self.at(angles).shaft_torque, self.load_curve, self.design.shaft)
 
     @property
     def shaft_torque(self) -> np.ndarray:
@@ -360,7 +360,14 @@ class Study:
         forces = self.dynamics
         return self.sense * forces.driver if self.by_crank else forces.torque
 
-    def _load_curve(self) -> LoadCurve:
+    @property
+    def loads_shaft(self) -> bool:
+        """Whether cam or crank make the shaft carry it; a motion that no cam makes is driven by something else."""
+        return "cam" in self.stages or self.by_crank
+
+    @property
+    def load_curve(self) -> LoadCurve:
+        """What it asks of the shaft over one turn. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
         if self.jam is not None:
             angle = float(np.rad2deg(self.jam.theta))
             what, field = ("contact", "loads.contact_friction") if self._contact_jams else ("guide", "loads.friction")

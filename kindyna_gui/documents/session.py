@@ -29,6 +29,7 @@ from kindyna_gui.documents.draft import Draft
 from kindyna_gui.documents.refusal import SAMPLES, Reasons, Refusal, fault_reasons, refusal_reasons
 from kindyna_gui.documents.undo_steps import BeginDesign, ChangeDesign
 from kindyna_gui.labels import name_of, segment_of
+from kindyna_gui.requirements import require_one_drive
 
 MOTION = "motion"
 
@@ -312,7 +313,8 @@ class Session(QObject):
         self.start(self._files.read(path), path)
 
     def start(self, design: Design, path: Path | None = None) -> None:
-        """Begin with a design; path None: it has no file yet."""
+        """Begin with a design; path None: it has no file yet. Raises DesignError for one of several drives."""
+        require_one_drive(design)
         self.document += 1
         self.stack.clear()
         self._unchanged = [(design, path)]
@@ -327,7 +329,7 @@ class Session(QObject):
         """Read the design's file again, as a step that can be undone. Raises DesignError, FileError; then nothing
         changes."""
         path = self._file()
-        design = self._files.read(path)
+        design = require_one_drive(self._files.read(path))
         self._is_in_file(design, path)
         if (design, None) != (self.design, self.draft):
             self.stack.push(BeginDesign(self, design, path, f"Reload {path.name}"))

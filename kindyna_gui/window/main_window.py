@@ -25,6 +25,7 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
+from kindyna_gui.requirements import require_one_drive
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
@@ -311,7 +312,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     """
     keep_freed_memory()
     own = None if path is None or path == default_design() else path
-    session = Session(load(own or default_design()), own)
+    session = Session(require_one_drive(load(own or default_design())), own)
     dress(app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")

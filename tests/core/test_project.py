@@ -337,10 +337,11 @@ def test_every_required_key_is_missed(kind: str) -> None:
     assert lines["motion.segments"]
 
 
-def test_kinds_to_come() -> None:
+def test_an_empty_row_of_drives() -> None:
     lines = told({"format": 2, "drives": [{}]})
-    assert set(lines) == {"format", "name", "drives"}
-    assert "this kind of design is not supported yet" in lines["drives"]
+    own = {f"drives[0].{name}" for name in ("name", "motion", "follower", "cam")}
+    assert set(lines) == {"format", "name", "shaft", *own}
+    assert "exactly one of [drives.follower] | [drives.linkage]" in lines["drives[0].follower"]
 
 
 # -- a flexible shaft -------------------------------------------------------------------------------------

@@ -35,6 +35,8 @@ DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
         "shaft.flywheel_inertia_kg_m2": (),
         "shaft.speed_fluctuation": (),
         "shaft.motor_slope_nm_s_per_rad": (),
+        "shaft.motor_inertia_kg_m2": (),
+        "shaft.gear_ratio": (),
         "loads": ("dynamics", "stability"),
     },
     LINKAGE: {

@@ -20,9 +20,11 @@ alone, and jumps at the ends of panels cost nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -83,6 +85,24 @@ def is_dwell(panels: Panels) -> np.ndarray:
     return np.asarray(~panels.values.any(axis=(0, 2)))
 
 
+@frozen(eq=False)
+class Driven:
+    """One of the mechanisms that a shaft drives.
+
+    kinematics_at  its kinematics at any of its own angles
+    program        what drives it: pieces and joins by its own angle
+    own            its own angles at those of the shaft, and +1, or -1 where they fall as the shaft turns
+    path           of its tables in the file: ``drives[1].``
+    """
+
+    kinematics_at: KinematicsAt
+    loading: Loading
+    program: Program
+    own: Callable[[Angles], Angles] = lambda angles: angles
+    sense: float = 1.0
+    path: str = ""
+
+
 def sizes(kinematics_at: KinematicsAt, loading: Loading, program: Program) -> Sizes:
     """The refined extremes. Raises NoStability where nothing moves or nothing that moves has mass."""
 
@@ -114,27 +134,72 @@ def coefficients(
 
     Raises NoStability where nothing with mass moves, or where the velocity jumps: a blow that no shaft survives.
     """
-    for i, join in enumerate(program.joins):
-        if join.jumps[0] or join.jumps[1]:
-            field = f"motion.segments[{(i + 1) % len(program.joins)}]"
-            at = float(np.rad2deg(join.theta))
-            raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
-    size = sizes(kinematics_at, loading, program)
+    driven = (Driven(kinematics_at, loading, program),)
+    return coefficients_of_all(driven, program, camshaft_inertia, stiffness, spring, spring_factor)
+
+
+def coefficients_of_all(
+    driven: Sequence[Driven], turn: Any, camshaft_inertia: float, stiffness: float, spring: str, spring_factor: float
+) -> Coefficients:
+    """The same of all that one shaft drives: J(θ) = Σ J_i, V = Σ V_i, each by its own angle; turn: pieces of the shaft's turn (starts,
+    ends), in none of which one of them has a join."""
+    for each in driven:
+        _require_no_blow(each)
+    own = _sizes_of_each(driven)
+    size = own[0] if len(driven) == 1 else replace(max(own, key=lambda s: s.inertia), inertia=_most_inertia(driven, turn))
     q = size.inertia / camshaft_inertia
-    heaviest, retuned = max(1.0, 2.0 * q), spring == RETUNED
+    heaviest = max(1.0, 2.0 * q)
 
     def functions(angles: Angles) -> np.ndarray:
-        kinematics = kinematics_at(angles)
-        d, d1, d2 = loading.inertia(kinematics) / size.inertia
-        if retuned:
-            u = _valve_spring(kinematics.motion.displacement, size, spring_factor)
-        else:
-            u = loading.potential(kinematics) / (stiffness * q)
+        inertia, load = np.zeros((3, angles.theta.size)), np.zeros((2, angles.theta.size))
+        for each, part in zip(driven, own, strict=True):
+            kinematics = each.kinematics_at(each.own(angles))
+            by_shaft = np.array([[1.0], [each.sense], [1.0]])  # of a function and its derivatives
+            inertia += each.loading.inertia(kinematics) * by_shaft
+            if spring == RETUNED:
+                u = _valve_spring(kinematics.motion.displacement, part, spring_factor) * (part.inertia / size.inertia)
+            else:
+                u = each.loading.potential(kinematics) / (stiffness * q)
+            load += u * by_shaft[1:]
+        d, d1, d2 = inertia / size.inertia
         # the last ones only see to panels on which the quotients of the Hill equation are polynomials too
         big = 1.0 + heaviest * d
-        return np.array([d, 0.5 * d1, u[0], 0.5 * d2, u[1], 1.0 / big, u[1] / big, (heaviest * d1 / big) ** 2])
+        return np.array([d, 0.5 * d1, load[0], 0.5 * d2, load[1], 1.0 / big, load[1] / big, (heaviest * d1 / big) ** 2])
 
-    return Coefficients(fit(functions, program, 5), size, spring, q)
+    return Coefficients(fit(functions, turn, 5), size, spring, q)
+
+
+def _require_no_blow(driven: Driven) -> None:
+    joins = driven.program.joins
+    for i, join in enumerate(joins):
+        if join.jumps[0] or join.jumps[1]:
+            field = f"{driven.path}motion.segments[{(i + 1) % len(joins)}]"
+            at = float(np.rad2deg(join.theta))
+            raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
+
+
+def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
+    """Of those that move and have mass; of several drives some may not. Raises NoStability where none does."""
+    found: list[Sizes] = []
+    errors: list[NoStability] = []
+    for each in driven:
+        try:
+            found.append(sizes(each.kinematics_at, each.loading, each.program))
+        except NoStability as error:
+            errors.append(NoStability(error.problem, f"{each.path}{error.field}", error.hint))
+            found.append(Sizes(0.0, 1.0, 1.0, 0.0, 0.0))
+    if len(errors) == len(driven):
+        raise errors[0]
+    return found
+
+
+def _most_inertia(driven: Sequence[Driven], turn: Any) -> float:
+    """Refined max J of all together [kg m²]."""
+
+    def inertia(angles: Angles) -> dict[str, np.ndarray]:
+        return {"": np.asarray(sum(each.loading.inertia(each.kinematics_at(each.own(angles)))[0] for each in driven))}
+
+    return find_extremes(inertia, turn)[""].high.value
 
 
 def _valve_spring(y: Derivatives, size: Sizes, factor: float) -> np.ndarray:

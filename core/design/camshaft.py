@@ -1,0 +1,232 @@
+"""Several drives on one shaft: each alone, as it stands there, and edits of their list.
+
+``only`` takes a drive off its shaft and ``with_only`` puts it back; what serves a design of one drive, an edit or a study, thereby
+serves each of several.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+from core.design.parts import Shaft
+from core.design.paths import all_paths
+from core.design.whole import Design, Drive, Timing
+from core.errors import DesignError, Fault
+
+RESERVED = ("motor", "balancer")
+"""Slugs that no drive may have: columns of the shaft's table have them."""
+
+_OTHER = {"ccw": "cw", "cw": "ccw"}
+_OWN = ("name", "phase_deg", "mirrored")  # of a drive's place on its shaft
+_OF_DRIVE = re.compile(r"drives\[(\d+)\]\.(.+)")
+
+
+def slug(name: str) -> str:
+    """A drive's name as columns and folders have it: in lower case, what is no letter and no digit as _."""
+    return "".join(c if c.isalnum() else "_" for c in unicodedata.normalize("NFC", name).lower())
+
+
+def drive_names(design: Design) -> tuple[str, ...]:
+    """The drives by name; the design's own name where it is of one drive alone."""
+    return tuple(design.name if drive.name is None else drive.name for drive in design.drives)
+
+
+def slugs(design: Design) -> tuple[str, ...]:
+    """Those of the drives, in their order."""
+    return tuple(map(slug, drive_names(design)))
+
+
+def drive_at(path: str) -> tuple[int, str] | None:
+    """Number of the drive that a path of the file leads into, and the path in it alone: ``drives[1].cam.bore_mm`` gives
+    (1, ``cam.bore_mm``). None for what belongs to the shaft, and for a drive's name, phase and side."""
+    match = _OF_DRIVE.fullmatch(path)
+    return None if match is None or match[2] in _OWN else (int(match[1]), match[2])
+
+
+def path_of(index: int, path: str) -> str:
+    """The path in the whole file of one that leads into a drive alone."""
+    return f"drives[{index}].{path}"
+
+
+def numbered(design: Design, name: str) -> int:
+    """The number of the drive of this name, or slug. Raises DesignError."""
+    for names in (drive_names(design), slugs(design)):
+        if name in names:
+            return names.index(name)
+    raise DesignError([Fault("drives", name, "no drive of that name", " | ".join(drive_names(design)))])
+
+
+# -- one of several -----------------------------------------------------------------------------------------
+
+
+def only(design: Design, index: int) -> Design:
+    """The design of one drive alone, by its own cam angle, as it stands on its shaft: at its speed, a mirrored one turning the
+    other way. Without flywheel, motor and flexible shaft, which belong to all drives together. It has the drive's name.
+
+    A design that is of one drive alone is that drive's.
+    """
+    if not design.listed:
+        return design
+    drive = design.drives[index]
+    marks = [own[1] for path in design.assumed if (own := drive_at(path)) is not None and own[0] == index]
+    marks += [path for path in design.assumed if path in ("shaft.rotation", "shaft.speed_rpm")]
+    alone = replace(drive, name=None, phase_deg=0.0, mirrored=False)
+    return Design(drive.name or "", _shaft_of(design, drive), (alone,), tuple(marks))
+
+
+def _shaft_of(design: Design, drive: Drive) -> Shaft | None:
+    """Speed and sense of the shaft as the drive sees them."""
+    shaft = design.shaft
+    if shaft is None:
+        return None
+    rotation = _OTHER.get(shaft.rotation, shaft.rotation) if drive.mirrored else shaft.rotation
+    return Shaft(rotation, shaft.speed_rpm)
+
+
+def with_only(design: Design, index: int, single: Design) -> Design:
+    """The inverse of ``only``: the design with one drive as ``single`` has it, its name and what is assumed of it included.
+    Where ``single`` turns at another speed, or the other way, so does the shaft, and with it all that it drives."""
+    if not design.listed:
+        return single
+    old, before = design.drives[index], only(design, index)
+    drive = replace(single.drive, name=single.name, phase_deg=old.phase_deg, mirrored=old.mirrored)
+    changed = with_drives(design, (*design.drives[:index], drive, *design.drives[index + 1 :]))
+    if single.shaft is not None and design.shaft is not None and single.shaft != before.shaft:
+        turning = _shaft_of(replace(design, shaft=single.shaft), old)
+        assert turning is not None
+        shaft = replace(design.shaft, rotation=turning.rotation, speed_rpm=turning.speed_rpm)
+        changed = turning_together(replace(changed, shaft=shaft))
+    if single.assumed == before.assumed and single.name == before.name:
+        return changed
+    marks = [path for path in design.assumed if (own := drive_at(path)) is None or own[0] != index]
+    new = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
+    at = next((i for i, path in enumerate(design.assumed) if path not in marks), len(marks))
+    return _renamed(replace(changed, assumed=(*marks[:at], *new, *marks[at:])), before.name, single.name)
+
+
+def with_drives(design: Design, drives: Sequence[Drive]) -> Design:
+    """The design with these drives."""
+    return replace(design, drives=tuple(drives))
+
+
+def turning_together(design: Design) -> Design:
+    """The design whose linkages' drivers turn as its shaft does."""
+    if design.shaft is None:
+        return design
+    drives = []
+    for drive in design.drives:
+        shaft = _shaft_of(design, drive)
+        if drive.is_linkage and shaft is not None:
+            driver = replace(drive.linkage.driver, speed_rpm=shaft.signed_rpm)
+            drive = replace(drive, mechanism=replace(drive.linkage, driver=driver))
+        drives.append(drive)
+    return with_drives(design, drives)
+
+
+# -- edits of the list --------------------------------------------------------------------------------------
+
+
+def as_list(design: Design, name: str = "") -> Design:
+    """A design of one drive as one whose drives are listed; the drive is called as given, else as the design. Raises DesignError for a
+    linkage without a shaft: give it one first (``edits.with_shaft``)."""
+    if design.listed:
+        return design
+    if design.shaft is None:
+        raise DesignError([Fault("shaft", "(nothing)", "a drive of several needs the shaft that turns them", "a table [shaft]")])
+    marks = tuple(path if path.startswith("shaft.") else path_of(0, path) for path in design.assumed)
+    return replace(design, drives=(replace(design.drive, name=name or design.name),), assumed=marks)
+
+
+def add_drive(design: Design, single: Design, name: str = "") -> Design:
+    """One drive more, behind the others: that of a design of one, which turns as this shaft does. A name that is taken gets a
+    number."""
+    design = as_list(design)
+    index = len(design.drives)
+    drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
+    marks = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
+    return turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks)))
+
+
+def copy_drive(design: Design, index: int) -> Design:
+    """One drive more, the same as one there, right behind it."""
+    drive = replace(design.drives[index], name=free_name(design, design.drives[index].name or ""))
+    made = _reordered(design, [*range(index + 1), index, *range(index + 1, len(design.drives))])
+    return with_drives(made, (*made.drives[: index + 1], drive, *made.drives[index + 2 :]))
+
+
+def remove_drive(design: Design, index: int) -> Design:
+    """One drive less, with the timing that names it; the only one stays."""
+    if len(design.drives) == 1:
+        return design
+    name = design.drives[index].name or ""
+    kept = tuple(t for t in design.timing if name not in (drive_of(t.first), drive_of(t.second)))
+    return _reordered(replace(design, timing=kept), [i for i in range(len(design.drives)) if i != index])
+
+
+def move_drive(design: Design, index: int, to: int) -> Design:
+    """One drive at another place of the list."""
+    order = [i for i in range(len(design.drives)) if i != index]
+    order.insert(to, index)
+    return _reordered(design, order)
+
+
+def rename_drive(design: Design, index: int, name: str) -> Design:
+    """One drive called otherwise, in the timing too. It may have faults then: ask ``faults``."""
+    old = design.drives[index].name or ""
+    drives = list(design.drives)
+    drives[index] = replace(drives[index], name=name)
+    return _renamed(with_drives(design, drives), old, name)
+
+
+def with_phase(design: Design, index: int, phase_deg: float) -> Design:
+    """One drive turned against the others."""
+    drives = list(design.drives)
+    drives[index] = replace(drives[index], phase_deg=phase_deg)
+    return with_drives(design, drives)
+
+
+def free_name(design: Design, name: str) -> str:
+    """The name, with a number behind it where a drive has one of the same slug."""
+    taken = {*slugs(design), *RESERVED}
+    names = (name, *(f"{name} {number}" for number in range(2, len(design.drives) + 4)))
+    return next(each for each in names if slug(each) not in taken)
+
+
+def drive_of(event: str) -> str:
+    """The drive's name in ``NAME.rise.1.start``."""
+    return event.rsplit(".", 3)[0]
+
+
+def _renamed(design: Design, old: str, name: str) -> Design:
+    """What the timing says of the drive of one name said of another."""
+    if old == name or not design.timing:
+        return design
+
+    def event(text: str) -> str:
+        return name + text.removeprefix(old) if drive_of(text) == old else text
+
+    return replace(design, timing=tuple(Timing(event(t.first), event(t.second), t.least_deg) for t in design.timing))
+
+
+def _reordered(design: Design, order: Sequence[int]) -> Design:
+    """The drives of these numbers; what is assumed of each goes with it."""
+    marks: list[str] = []
+    for path in design.assumed:
+        match = _OF_DRIVE.fullmatch(path)
+        marks += [path] if match is None else [f"drives[{i}].{match[2]}" for i, old in enumerate(order) if old == int(match[1])]
+    return _in_file_order(with_drives(replace(design, assumed=tuple(marks)), [design.drives[i] for i in order]))
+
+
+def _in_file_order(design: Design) -> Design:
+    place = {path: i for i, path in enumerate(all_paths(design))}
+    return replace(design, assumed=tuple(sorted(design.assumed, key=lambda path: place.get(path, len(place)))))
+
+
+def each_alone(design: Design, change: Callable[[Design], Design], indices: Iterable[int]) -> Design:
+    """The design with some drives changed, each as a design of its own."""
+    for index in indices:
+        design = with_only(design, index, change(only(design, index)))
+    return design

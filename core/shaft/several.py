@@ -1,0 +1,65 @@
+"""Loads of several drives on one shaft as one: the phase-shifted sum, on panels that end where any of theirs does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.polynomial.polynomial import polyval
+
+from core.motion import TURN
+from core.motion.extremes import Extreme, Range
+from core.motion.turn import Place, all_ends
+from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed, powers
+
+
+def combined(loads: Sequence[tuple[LoadCurve, Place]]) -> LoadCurve:
+    """T_c and J_e of all together by machine angle. The panels of each are shifted by its phase and cut where another's end: the
+    polynomials of all are the same on them, so that nothing is lost but rounding."""
+    ends = all_ends([place.machine(curve.start) for curve, place in loads])
+    start, width = ends[:-1], np.diff(ends)
+    inside = width[:, None] * (nodes()[0] - 0.5)
+    torque, inertia = np.zeros_like(inside), np.zeros_like(inside)
+    for curve, place in loads:
+        middle = place.own(start + 0.5 * width)
+        at, r = placed(curve.start, curve.width, middle)
+        part = powers((r[:, None] + place.sense * inside / curve.width[at][:, None]).ravel())
+        at = np.repeat(at, NODES)
+        torque += (curve.torque[:, at] * part).sum(axis=0).reshape(inside.shape)
+        inertia += (curve.inertia[:, at] * part).sum(axis=0).reshape(inside.shape)
+    return fitted(start, width, torque, inertia)
+
+
+def value(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
+    """T_c (n,) at machine angles (n,) [rad]; where it jumps the right-hand limit."""
+    at, r = placed(curve.start, curve.width, np.mod(theta, TURN))
+    return np.asarray((curve.torque[:, at] * powers(r)).sum(axis=0))
+
+
+def rms(curve: LoadCurve) -> float:
+    """√(mean of T_c²) [N m], exact on each panel by Gauss' rule."""
+    x, weight = np.polynomial.legendre.leggauss(NODES)
+    values = polyval(0.5 + 0.5 * x, curve.torque)
+    return float(np.sqrt((curve.width[:, None] * 0.5 * weight * values**2).sum() / TURN))
+
+
+def peaks(curve: LoadCurve) -> Range:
+    """Lowest and highest T_c [N m], both sides of its jumps seen; between the panels' ends refined by Newton's method."""
+    r = np.linspace(0.0, 1.0, 2 * NODES + 1)
+    values = polyval(r, curve.torque)
+    slope = np.arange(1, NODES)[:, None] * curve.torque[1:]
+    bend = np.arange(1, NODES - 1)[:, None] * slope[1:]
+
+    def extreme(sign: float) -> Extreme:
+        panel, cell = (int(i) for i in np.unravel_index(int((sign * values).argmax()), values.shape))
+        low, high, at = r[max(cell - 1, 0)], r[min(cell + 1, r.size - 1)], r[cell]
+        for _ in range(8):
+            curvature = polyval(at, bend[:, panel])
+            if sign * curvature >= 0.0:
+                break
+            at = np.clip(at - polyval(at, slope[:, panel]) / curvature, low, high)
+        best: float = max((float(at), float(r[cell])), key=lambda place: float(sign * polyval(place, curve.torque[:, panel])))
+        theta = float(np.mod(curve.start[panel] + best * curve.width[panel], TURN))
+        return Extreme(float(polyval(best, curve.torque[:, panel])), theta)
+
+    return Range(extreme(-1.0), extreme(1.0))
