@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from core.commands import DONE, DONE_WITH_ERRORS, Painter
-from core.commands.common import design_file, number
+from core.commands.common import design_file, drive_option, number
 from core.findings import ERROR
 from core.output.inspection import (
     ANGLES,
@@ -29,7 +29,7 @@ from core.output.inspection import (
 from core.output.lines import finding_line, printable
 from core.output.profile import ALL_FLANKS
 from core.output.summary import to_json
-from core.project import load
+from core.project import load_one
 from core.project.files import read_bytes
 from core.study import Study
 
@@ -41,6 +41,7 @@ def _count(text: str) -> int:
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
+    drive_option(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help="table to write (.csv), with a summary beside it")
     parser.add_argument("--probe", default="", choices=tuple(PROBES), help="what touches the cam (as its own follower does)")
     length = number("a length in mm", "above 0", lambda v: v > 0.0)
@@ -66,7 +67,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     request = Request(
         arguments.probe, arguments.radius, arguments.tolerance, arguments.samples, arguments.flank, arguments.direction
     )
-    made, comparison = inspection(Study(load(arguments.design)), request), None
+    made, comparison = inspection(Study(load_one(arguments.design, arguments.drive)), request), None
     if arguments.measured is not None:
         comparison = compare(made.probing, measured_lift(read_bytes(arguments.measured), arguments.measured.name), arguments.fit)
     elif arguments.fit:

@@ -7,11 +7,12 @@ import math
 from pathlib import Path
 
 from core.commands import Painter
-from core.commands.common import design_file, verdict
+from core.commands.common import design_file, drive_option, verdict
+from core.design import only, with_only
 from core.contour import UNITS, read_contour, trace
 from core.output.contour_text import contour_data, contour_text
 from core.output.summary import to_json
-from core.project import load, save
+from core.project import load, number_of, save
 from core.project.files import read_bytes
 from core.study import Study
 
@@ -28,6 +29,7 @@ def _centre(text: str) -> complex:
 
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
+    drive_option(parser)
     curve = "drawing with one closed curve of lines and arcs; the layer PROFILE counts where it has a curve"
     parser.add_argument("curve", metavar="CURVE.dxf", type=Path, help=curve)
     out = "design file to write: the design with the motion and the base radius of the curve"
@@ -39,10 +41,12 @@ def options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The design with the motion, and on the terminal what the curve was and where velocity or acceleration jumps."""
-    design = load(arguments.design)
+    whole = load(arguments.design)
+    number = number_of(whole, arguments.drive)
+    design = only(whole, number)
     contour = read_contour(read_bytes(arguments.curve), arguments.curve.name, arguments.units, arguments.centre)
     traced = trace(design, contour)
     code = verdict(Study(traced.design), ("motion", "cam"))
-    save(traced.design, arguments.out)
+    save(with_only(whole, number, traced.design), arguments.out)
     print(to_json(contour_data(traced)) if arguments.json else contour_text(traced), end="")
     return code
