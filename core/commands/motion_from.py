@@ -8,8 +8,8 @@ from pathlib import Path
 
 from core.commands import Painter
 from core.commands.common import design_file, drive_option, verdict
-from core.design import only, with_only
 from core.contour import UNITS, read_contour, trace
+from core.design import only, with_only
 from core.output.contour_text import contour_data, contour_text
 from core.output.summary import to_json
 from core.project import load, number_of, save
