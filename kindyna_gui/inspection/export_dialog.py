@@ -7,17 +7,15 @@ from functools import partial
 
 import numpy as np
 from PySide6.QtCore import QTimer
-from PySide6.QtWidgets import QDialog, QDialogButtonBox, QHBoxLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QVBoxLayout, QWidget
 
 from core.design import Design
-from core.errors import KindynaError
 from core.output.inspection import ANGLES, LEAST_ANGLES, MOST_ANGLES, Inspection, Request, inspection
 from core.study import Study
-from kindyna_gui.background import Background
+from kindyna_gui.documents.computed_dialog import ComputedDialog, accepted
 from kindyna_gui.forms.amount import Amount
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.labels import sentence
-from kindyna_gui.look import INK, QUIET, WRONG, coloured
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import DASHED, LIGHT
 
@@ -26,30 +24,24 @@ FORM_WIDTH = 300  # pixels
 ANGLE = "Cam angle, °"
 
 
-class InspectionDialog(QDialog):
-    """``made`` is what was computed for the choices, None while there is nothing."""
+class InspectionDialog(ComputedDialog):
+    """``made`` is the inspection that the file will hold."""
 
     def __init__(self, parent: QWidget, design: Design) -> None:
-        super().__init__(parent)
-        self.setWindowTitle("Export inspection table")
-        self.made: Inspection | None = None
-        self._design, self._work = design, Background(self)
-        self.form, self.samples = ProbeForm(design), Amount()
+        super().__init__(parent, design, "inspection table")
+        self._design = design
+        self.form, self.samples = ProbeForm(design, self.flank), Amount()
         self.samples.setDecimals(0)
         self.samples.setRange(LEAST_ANGLES, MOST_ANGLES)
         self.samples.setValue(ANGLES)
         self.form.form.addRow("Cam angles", self.samples)
         self.lift, self.band = XYPlot(ANGLE, "Lift, mm"), XYPlot(ANGLE, "Band, µm")
-        self.result = QLabel()
-        self.result.setWordWrap(True)
         self.result.setMinimumHeight(5 * self.fontMetrics().lineSpacing())
         self._lay_out()
         self._pause = QTimer(self, interval=PAUSE_MS, singleShot=True)
         self._pause.timeout.connect(self._compute)
-        self._work.result.connect(self._take)
         self.form.changed.connect(self._changed)
         self.samples.valueChanged.connect(self._changed)
-        self.finished.connect(self._work.close)
         self._changed()
 
     def _lay_out(self) -> None:
@@ -67,37 +59,29 @@ class InspectionDialog(QDialog):
         sides = QHBoxLayout()
         sides.addLayout(left)
         sides.addLayout(plots, 1)
-        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Ok | QDialogButtonBox.StandardButton.Cancel)
-        self.export: QPushButton = buttons.button(QDialogButtonBox.StandardButton.Ok)
-        self.export.setText("Choose file...")
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
         column = QVBoxLayout(self)
         column.addLayout(sides)
-        column.addWidget(buttons)
+        column.addWidget(self.buttons)
         self.resize(960, 560)
 
     def _changed(self) -> None:
-        self.made = None
-        self.export.setEnabled(False)
-        self._tell("computing ...", QUIET)
+        self.expect()
+        self._work.stop()
         self._pause.start()
 
     def _compute(self) -> None:
-        self._work.start([("", partial(_computed, self._design, self.form.request(int(self.samples.value()))))])
+        self.begin(partial(_computed, self._design, self.form.request(int(self.samples.value()))))
 
-    def _take(self, _: object, result: Inspection | KindynaError) -> None:
-        if self._pause.isActive():  # it has been changed since
-            return
-        if isinstance(result, Inspection):
-            self.made = result
-            self._show(result)
-            self._tell(_summary(result), INK)
-        else:
+    def show_waiting(self) -> None:
+        """The plots stay until there are others."""
+
+    def show_made(self, made: Inspection | None) -> str:
+        if made is None:
             self.lift.show_message("")
             self.band.show_message("")
-            self._tell(str(result), WRONG)
-        self.export.setEnabled(self.made is not None)
+            return ""
+        self._show(made)
+        return _summary(made)
 
     def _show(self, made: Inspection) -> None:
         """The lift, and below it the band about it: beside the lift itself it could not be seen."""
@@ -112,10 +96,6 @@ class InspectionDialog(QDialog):
                 Line(x, 1e3 * (lower - lift), LIGHT.limit, "Lower", DASHED),
             ]
         )
-
-    def _tell(self, text: str, colour: str) -> None:
-        self.result.setText(text)
-        coloured(self.result, colour)
 
 
 def _computed(design: Design, request: Request) -> Inspection:
@@ -136,10 +116,7 @@ def _summary(made: Inspection) -> str:
 
 def inspection_wanted(parent: QWidget, design: Design) -> Inspection | None:
     """Ask what an inspection table shall hold; computed, None where the user cancels."""
-    dialog = InspectionDialog(parent, design)
-    accepted = dialog.exec() == QDialog.DialogCode.Accepted
-    made = dialog.made if accepted else None
-    dialog.deleteLater()
+    made: Inspection | None = accepted(InspectionDialog(parent, design))
     return made
 
 

@@ -5,25 +5,22 @@ from __future__ import annotations
 from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QComboBox, QFormLayout, QWidget
 
-from core.cam import form_row
 from core.design import Design
 from core.output.inspection import PROBES, TOLERANCE_MM, Request, own_direction, own_probe
 from kindyna_gui.forms.amount import Amount, fill_choices
 
 
 class ProbeForm(QWidget):
-    """The fields; changed: one of them was. It begins with the cam's own follower."""
+    """The fields; changed: one of them was. It begins with the cam's own follower; flank: filled with the flanks of the cam."""
 
     changed = Signal()
 
-    def __init__(self, design: Design) -> None:
+    def __init__(self, design: Design, flank: QComboBox) -> None:
         super().__init__()
-        assert design.drive.cam is not None, "a design without cam has no profile"
         self._design = design
-        self.probe, self.flank = QComboBox(self), QComboBox(self)
+        self.probe, self.flank = QComboBox(self), flank
         self.radius, self.tolerance, self.direction = Amount(), Amount(), Amount()
         fill_choices(self.probe, {name: row.label.capitalize() for name, row in PROBES.items()})
-        fill_choices(self.flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
         for amount, decimals, low, high, unit in (
             (self.radius, 4, 1e-4, 1e5, " mm"), (self.tolerance, 6, 0.0, 100.0, " mm"), (self.direction, 4, -360.0, 360.0, "°"),
         ):  # fmt: skip
@@ -43,7 +40,6 @@ class ProbeForm(QWidget):
         self.form.addRow("Direction", self.direction)
         if self.flank.count() > 1:
             self.form.addRow("Flank", self.flank)
-        self.flank.setVisible(self.flank.count() > 1)
         self._begin()
         self.flank.currentIndexChanged.connect(self._begin)
         self.flank.currentIndexChanged.connect(self.changed)

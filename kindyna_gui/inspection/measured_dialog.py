@@ -9,6 +9,7 @@ import numpy as np
 from PySide6.QtCore import QModelIndex, QSize, Qt, QTimer
 from PySide6.QtWidgets import (
     QCheckBox,
+    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFileDialog,
@@ -19,6 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
+from core.cam import form_row
 from core.design import Design
 from core.errors import KindynaError
 from core.findings import ERROR
@@ -27,7 +29,8 @@ from core.project.files import read_bytes
 from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.background import Background
-from kindyna_gui.forms.amount import Amount
+from kindyna_gui.documents.computed_dialog import WAITING
+from kindyna_gui.forms.amount import Amount, fill_choices
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.inspection.form import ProbeForm
 from kindyna_gui.inspection.picture import DeviationPicture, Shown, shown
@@ -46,15 +49,19 @@ HEADINGS = (
 
 
 class MeasuredCamDialog(QDialog):
-    """``result`` is the last comparison, None while there is none; what was shown stays while a file cannot be read."""
+    """``comparison`` is the last comparison, None while there is none; what was shown stays while a file cannot be read."""
 
     def __init__(self, parent: QWidget, design: Design, path: Path, data: bytes) -> None:
         super().__init__(parent)
         self.setWindowTitle("Inspect a measured cam")
-        self.result: Comparison | None = None
+        self.comparison: Comparison | None = None
         self._design, self._path, self._data, self._work = design, path, data, Background(self)
         self._order: np.ndarray = np.zeros(0, dtype=int)
-        self.form, self.factor, self.fit = ProbeForm(design), Amount(), QCheckBox("Fit the zero marks of angle and lift")
+        assert design.drive.cam is not None, "a design without cam has no profile"
+        flank = QComboBox(self)
+        fill_choices(flank, {name: name.capitalize() for name in form_row(design.drive.cam.form).flanks})
+        flank.setVisible(flank.count() > 1)
+        self.form, self.factor, self.fit = ProbeForm(design, flank), Amount(), QCheckBox("Fit the zero marks of angle and lift")
         self.fit.setToolTip("By least squares, where the table counts its angles or its lift from another place")
         self.factor.setDecimals(0)
         self.factor.setRange(1.0, 1e5)
@@ -118,8 +125,9 @@ class MeasuredCamDialog(QDialog):
     # -- what comes of it ----------------------------------------------------------------------------------------
 
     def _changed(self) -> None:
+        self._work.stop()
         self.picture.wait()
-        self._tell("computing ...", QUIET)
+        self._tell(WAITING, QUIET)
         self._pause.start()
 
     def _compute(self) -> None:
@@ -135,12 +143,10 @@ class MeasuredCamDialog(QDialog):
             self._changed()
 
     def _take(self, _: object, result: Shown | KindynaError) -> None:
-        if self._pause.isActive():  # it has been changed since
-            return
         if isinstance(result, Shown):
             self._show(result)
             return
-        self.result = None
+        self.comparison = None
         lines = str(result).splitlines()
         self._tell(lines[0], WRONG)
         self.notes.setText("\n".join(lines[1:6]) + (f"\nand {len(lines) - 6} more" if len(lines) > 6 else ""))
@@ -148,7 +154,7 @@ class MeasuredCamDialog(QDialog):
         self.picture.show_comparison(None, "Nothing can be drawn before the table can be read and measured")
 
     def _show(self, made: Shown) -> None:
-        self.result = result = made.comparison
+        self.comparison = result = made.comparison
         self.picture.show_comparison(made)
         self._tell(verdict(result), GOOD if result.in_tolerance else WRONG)
         self.notes.setText("\n".join(notes(result)))

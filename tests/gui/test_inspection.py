@@ -130,8 +130,8 @@ def test_a_bump_is_shown_with_its_place_and_verdict(opened: MeasuredCamDialog, e
     """Then in tolerance, magnified otherwise, its zero marks fitted; what cannot be read is one line, and mended goes on."""
     text = opened.verdict.text()
     assert text.startswith("Out of tolerance, ± 20 µm, in ")
-    worst = opened.result.worst
-    assert f"{1e3 * opened.result.normal[worst]:+.4g} µm normal to the profile at 120°, line 62" in text
+    worst = opened.comparison.worst
+    assert f"{1e3 * opened.comparison.normal[worst]:+.4g} µm normal to the profile at 120°, line 62" in text
     assert opened.verdict.palette().windowText().color().name() == WRONG.lower()
     first = opened.rows.rows.rows[0].cells
     assert (first[0], first[1], first[3]) == ("62", "120", "+50.000")
