@@ -8,15 +8,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from typing import Any, TextIO
 
-_OBEYED = re.compile(
-    r"[^\n\t\x20-\x7e\xa0-\U0010ffff]|[\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
-)
+_OBEYED = r"[^\n\t\x20-\x7e\xa0-\U0010ffff]|[\xad\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]"
 """Control characters but line end and tabulator, marks that turn or join text, and halves of characters."""
 
 
 def harmless(text: str) -> str:
     """The text with such characters as JSON spells them, ``\\u009b``."""
-    return _OBEYED.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+    if all(line.isprintable() for line in text.split("\n")):  # as nearly all is; the pattern takes 3 ms to compile
+        return text
+    return re.sub(_OBEYED, lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 class _Stream:
