@@ -38,6 +38,11 @@ def shown(comparison: Comparison) -> Shown:
     return Shown(comparison, there.z, at_probe.side * 1j * there.tangent)
 
 
+def magnified(result: Comparison, factor: float) -> np.ndarray:
+    """The measured rows (n,) [mm] in the cam's own frame, so many times as far from the profile as they are."""
+    return np.asarray(result.table.place + factor * result.probing.outward * result.normal * result.table.normal)
+
+
 class DeviationPicture(QWidget):
     """Draws the last comparison, faintly while another is computed; ``factor``: how many times larger deviations are drawn."""
 
@@ -90,7 +95,7 @@ class DeviationPicture(QWidget):
         band = result.probing.request.tolerance_mm * factor
         sides = [made.profile + sign * band * made.normal for sign in (-1.0, 1.0)]
         outward = result.probing.outward
-        measured = result.table.place + factor * outward * result.normal * result.table.normal
+        measured = magnified(result, factor)
         largest = max(band, factor * float(np.abs(result.normal).max()))
         outer = made.profile + outward * largest * made.normal
         mm = self._scale(outer)
@@ -179,4 +184,4 @@ def _stretches(degrees: np.ndarray) -> list[np.ndarray]:
     return [part for part in np.split(closed, np.flatnonzero(wide) + 1) if part.size > 1]
 
 
-__all__ = ["DeviationPicture", "Shown", "shown"]
+__all__ = ["DeviationPicture", "Shown", "magnified", "shown"]

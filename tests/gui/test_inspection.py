@@ -17,6 +17,7 @@ from core.project import load, save
 from kindyna_gui.inspection import measured_dialog
 from kindyna_gui.inspection.export_dialog import InspectionDialog
 from kindyna_gui.inspection.measured_dialog import MeasuredCamDialog
+from kindyna_gui.inspection.picture import magnified
 from kindyna_gui.look import GOOD, WRONG
 from kindyna_gui.pictures.style import LIGHT
 from kindyna_gui.places import example
@@ -135,6 +136,9 @@ def test_a_bump_is_shown_with_its_place_and_verdict(opened: MeasuredCamDialog, e
     assert opened.verdict.palette().windowText().color().name() == WRONG.lower()
     first = opened.rows.rows.rows[0].cells
     assert (first[0], first[1], first[3]) == ("62", "120", "+50.000")
+    drawn, place = (magnified(opened.comparison, by)[worst] for by in (100.0, 0.0))
+    assert abs(drawn) > abs(place) + 3.0, "metal too much stands outside"
+    assert abs(drawn - place) == pytest.approx(100.0 * opened.comparison.normal[worst])
     out = opened.picture.grab().toImage()
     assert count(out, LIGHT.limit) > 20
     QTest.mouseClick(opened.rows.viewport(), Qt.MouseButton.LeftButton, pos=opened.rows.visualRect(opened.rows.rows.index(3, 1)).center())
