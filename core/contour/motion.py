@@ -36,12 +36,13 @@ _INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, where it is compar
 @frozen
 class Jump:
     """Where the velocity (order 1) or the acceleration (2) jumps: cam angle [deg], values before and after, in the motion's unit
-    per deg^order."""
+    per deg^order; place: of the round's centre, or on the curve under a flat face, as drawn at cam angle 0 [mm]."""
 
     angle: float
     order: int
     before: float
     after: float
+    place: complex
 
 
 @frozen(eq=False)
@@ -212,11 +213,11 @@ def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_
         level = left[0, -1] if still[i - 1] else right[0, 0] if still[i] else 0.5 * (left[0, -1] + right[0, 0])
         left[0, -1] = right[0, 0] = level
         if s.breaks:
-            jumps.append(Jump(s.low, 1, float(left[1, -1]), float(right[1, 0])))
+            jumps.append(Jump(s.low, 1, float(left[1, -1]), float(right[1, 0]), s.part.place))
             continue
         left[1, -1] = right[1, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[1, -1] + right[1, 0])
         if abs(left[2, -1] - right[2, 0]) > ALIKE * largest:
-            jumps.append(Jump(s.low, 2, float(left[2, -1]), float(right[2, 0])))
+            jumps.append(Jump(s.low, 2, float(left[2, -1]), float(right[2, 0]), s.part.place))
         else:
             left[2, -1] = right[2, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[2, -1] + right[2, 0])
     return tuple(jumps)

@@ -32,6 +32,7 @@ class Part:
     driver     cam angles (n,) [rad] -> the driver's position, in mm or radians, with two derivatives
     breaks     the tangent of the face's path breaks where it begins, so that the velocity jumps there
     corner     a round turns about a corner of the curve
+    place      where it begins, as drawn at cam angle 0 [mm]: of a round's centre, of a flat face the middle of where it lies on
     """
 
     low: float
@@ -39,6 +40,7 @@ class Part:
     driver: Callable[[np.ndarray], Taylor]
     breaks: bool
     corner: bool = False
+    place: complex = 0j
 
 
 @frozen(eq=False)
@@ -62,6 +64,7 @@ class _Piece:
     breaks: bool
     begin: float
     samples: int
+    start: complex
     corner: bool = False
 
 
@@ -96,7 +99,7 @@ def _round_piece(each: Element, begin: complex, breaks: bool, row: Touching, sen
 
     corner = each.sweep > 0.0 and abs(each.radius - radius) <= 1e-9 * radius
 
-    return _Piece(angle, each.at, driver, breaks, float(row.angle(np.array([begin]))[0]), _samples(each.sweep), corner)
+    return _Piece(angle, each.at, driver, breaks, float(row.angle(np.array([begin]))[0]), _samples(each.sweep), begin, corner)
 
 
 def _samples(sweep: float) -> int:
@@ -147,15 +150,15 @@ def _flat_pieces(contour: Contour, row: Touching, sense: float) -> Iterator[_Pie
         last, first = complex(before.contact(np.array(1.0))), complex(each.contact(np.array(0.0)))
         breaks = abs(first - last) > JOIN_MM
         begin = float(row.angle(np.array([0.5 * (first + last)]), np.array([n / abs(n)]))[0])
-        yield _support_piece(each, breaks, begin, row, sense)
+        yield _support_piece(each, breaks, begin, 0.5 * (first + last), row, sense)
 
 
-def _support_piece(each: _Support, breaks: bool, begin: float, row: Touching, sense: float) -> _Piece:
+def _support_piece(each: _Support, breaks: bool, begin: float, start: complex, row: Touching, sense: float) -> _Piece:
     return _Piece(
         lambda part: row.angle(each.contact(part), each.normals(part)),
         each.contact,
         lambda theta: row.position(Taylor.turning(theta, sense) * each.centre, each.radius),
-        breaks, begin, _samples(each.sweep),
+        breaks, begin, _samples(each.sweep), start,
     )  # fmt: skip
 
 
@@ -190,12 +193,12 @@ def _ordered(pieces: list[_Piece], contour: Contour, noun: str, sense: float) ->
     parts, at = [], None
     for piece, after in rows:
         low, high = (after.begin, piece.begin) if sense > 0.0 else (piece.begin, after.begin)
-        breaks = (after if sense > 0.0 else piece).breaks
+        first = after if sense > 0.0 else piece  # where it begins by cam angle
         start = sense * low if at is None else at
         span = (sense * (high - low)) % TURN
         if span > TURN - 1e-9:  # of no length
             span = 0.0
-        parts.append(Part(start, start + span, piece.driver, breaks, piece.corner))
+        parts.append(Part(start, start + span, piece.driver, first.breaks, piece.corner, first.start))
         at = start + span
     total = parts[-1].high - parts[0].low
     if abs(total - TURN) > 1e-6:

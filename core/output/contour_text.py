@@ -24,8 +24,8 @@ def figures(traced: Traced) -> list[tuple[str, str]]:
     motion, contour = require_motion(traced.design), traced.contour
     straight = sum(each.is_line for each in contour.elements)
     curve = f"{straight} lines, {len(contour.elements) - straight} arcs on layer {contour.layer}, in {contour.unit}"
-    rows = [("curve", curve), ("base radius", f"{digits(traced.base_radius_mm, 9)} mm")]
-    rows.append(("stroke", f"{digits(_stroke(traced), 9)} {motion.unit}"))
+    rows = [("curve", curve), ("base radius", f"{traced.base_radius_mm:.9g} mm")]
+    rows.append(("stroke", f"{_stroke(traced):.9g} {motion.unit}"))
     if traced.fit is None:
         return [*rows, ("motion", f"{len(motion.segments)} segments, exact for lines and arcs")]
     fit = traced.fit

@@ -61,6 +61,13 @@ class Designing(QObject):
         else:
             inspect_measured(self._window, self._session.design)
 
+    def motion_from_curve(self) -> None:
+        """Ask for a drawing of a cam, over which the follower is rolled."""
+        from kindyna_gui.contour.dialog import motion_from_curve
+
+        if self._moves():
+            motion_from_curve(self._session, self._window)
+
     def _moves(self) -> bool:
         """Whether there is a motion to be edited; else the status line tells how to get one."""
         self._window.documents.settle()

@@ -114,6 +114,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _view("&Motion table", "motion", "Segments of the motion: law, span, rise", "Ctrl+M"),
             _view("&Law table", "laws", "Every motion law with its peaks, drawn over each other", "Ctrl+L"),
             Item("&Blend...", "designing.blend", None, "Ctrl+B", "A motion of curves that are chosen and joined smoothly"),
+            Item("Motion &from a DXF curve...", "designing.motion_from_curve", None, None,
+                 "Roll the follower over a closed curve of lines and arcs: a tangent cam, a three-arc cam, a digitised one"),
             SEPARATOR,
             _segment("&Insert segment", "insert", "Ctrl+I", "A dwell behind the chosen segment"),
             _segment("S&plit segment", "split", "Ctrl+K", "Cut the chosen segment where the cam stands"),

@@ -1,0 +1,182 @@
+"""A drawn curve becomes the motion: how it is read on the left, the curve and what comes of it on the right, with every change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from PySide6.QtCore import QModelIndex, QSize
+from PySide6.QtWidgets import QComboBox, QFileDialog, QFormLayout, QHBoxLayout, QLabel, QVBoxLayout, QWidget
+
+from core.contour import UNITS, Traced, read_contour, trace
+from core.design import Info, require_motion
+from core.design.units import UNITS as SYMBOLS
+from core.errors import KindynaError
+from core.findings import ERROR, WARNING
+from core.output.contour_text import figures
+from core.output.lines import digits
+from core.project.files import read_bytes
+from kindyna_gui import dialogs
+from kindyna_gui.contour.picture import CurvePicture, MotionPlot
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.number_box import NumberBox
+from kindyna_gui.forms.put_dialog import PutDialog
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import sentence
+from kindyna_gui.look import sign
+from kindyna_gui.settings import Settings
+
+DRAWINGS = "DXF drawings (*.dxf)"
+LEFT_WIDTH, TABLE_WIDTH, USUAL, LEAST = 280, 340, QSize(1080, 720), QSize(900, 560)
+JUMPS = {1: ("Velocity", "/°", ERROR), 2: ("Acceleration", "/°²", WARNING)}
+
+
+class CurveDialog(PutDialog):
+    """Shows a curve and the motion that the design's follower has on it, and puts that into the design as one step."""
+
+    def __init__(self, session: Session, path: Path, data: bytes, parent: QWidget | None = None) -> None:
+        super().__init__(session, "Motion from a DXF curve", parent)
+        self._path, self._data = path, data
+        self.traced: Traced | None = None
+        self.unit = QComboBox(self)
+        self.unit.addItem("as the drawing states", "")
+        for name in UNITS:
+            self.unit.addItem(name, name)
+        self.centre = [NumberBox(Info(label)) for label in ("Cam centre x", "Cam centre y")]
+        self.picture, self.plot = CurvePicture(), MotionPlot()
+        self.jumps = RowsTable((
+            Heading("Angle, °", number=True), Heading("Jumps", wide=True), Heading("From", number=True),
+            Heading("To", number=True), Heading("Unit"),
+        ))  # fmt: skip
+        self.jumps.setMinimumWidth(TABLE_WIDTH)
+        self._lay_out()
+        self.unit.currentIndexChanged.connect(self.read_and_roll)
+        for box in self.centre:
+            box.entered.connect(lambda value, box=box: self._place_centre(box, value))
+            box.unreadable.connect(lambda box=box: box.set_refused(True))
+        self.jumps.clicked.connect(self._point_out)
+        self.jumps.activated.connect(self._point_out)
+        self.read_and_roll()
+
+    def _lay_out(self) -> None:
+        form = QFormLayout()
+        form.setVerticalSpacing(4)
+        name = _bold(self._path.name)
+        name.setToolTip(str(self._path))
+        form.addRow(name)
+        form.addRow("&Unit", self.unit)
+        for text, box in zip(("Cam centre &x", "Cam centre &y"), self.centre, strict=True):
+            box.setToolTip("Where the cam turns about, in the drawing's own units")
+            form.addRow(text, box)
+        left = QVBoxLayout()
+        left.addLayout(form)
+        left.addSpacing(8)
+        left.addWidget(_bold("Result"))
+        self.figures = QFormLayout()
+        self.figures.setVerticalSpacing(3)
+        self._figures: dict[str, QLabel] = {}
+        left.addLayout(self.figures)
+        left.addStretch(1)
+        above = QHBoxLayout()
+        above.setSpacing(6)
+        above.addWidget(self.picture, 1)
+        above.addWidget(self.jumps, 1)
+        right = QVBoxLayout()
+        right.setSpacing(6)
+        right.addLayout(above, 5)
+        right.addWidget(self.plot, 4)
+        self.frame(left, LEFT_WIDTH, right, USUAL, LEAST)
+
+    def _place_centre(self, box: NumberBox, value: float) -> None:
+        box.show_value(value)
+        self.read_and_roll()
+
+    # -- reading --------------------------------------------------------------------------------------------
+
+    def read_and_roll(self, *_: object) -> None:
+        """Read the curve as requested, roll the follower over it, and show the result."""
+        x, y = (box.value or 0.0 for box in self.centre)
+        try:
+            contour = read_contour(self._data, self._path.name, self.unit.currentData(), complex(x, y))
+            self.traced = trace(self._session.design, contour)
+        except KindynaError as error:
+            self.traced = None
+            self._show_fault(str(error).splitlines()[0])
+        else:
+            self._show(self.traced)
+        self.put_button.setEnabled(self.traced is not None)
+
+    def _show(self, traced: Traced) -> None:
+        self.picture.show_traced(traced)
+        self.plot.show_traced(traced)
+        self._show_figures(dict(figures(traced)))
+        unit = SYMBOLS[require_motion(traced.design).unit].symbol
+        rows = []
+        for jump in traced.jumps:
+            name, per, severity = JUMPS[jump.order]
+            values = (digits(jump.before, 4), digits(jump.after, 4))
+            rows.append(Row((f"{jump.angle:.3f}", name, *values, f"{unit}{per}"), sign(severity), "Click to see it on the curve"))
+        self.jumps.show_rows(rows or [Row(("", "Nothing jumps", "", "", ""))])
+        self.show_message("Motion and base radius of the design are replaced; Undo brings them back.")
+
+    def _show_fault(self, text: str) -> None:
+        self.picture.show_traced(None)
+        self.plot.show_message("Nothing can be drawn before the curve can be followed")
+        self._show_figures({})
+        self.jumps.show_rows([])
+        self.show_message(sentence(text.removeprefix(f"{self._path.name}: ")), wrong=True)
+
+    def _show_figures(self, shown: dict[str, str]) -> None:
+        for name in shown:
+            if name not in self._figures:
+                self._figures[name] = QLabel(wordWrap=True)
+                self.figures.addRow(sentence(name), self._figures[name])
+        for name, label in self._figures.items():
+            label.setText(sentence(shown.get(name, "")) if name == "motion" else shown.get(name, ""))
+
+    def _point_out(self, index: QModelIndex) -> None:
+        if self.traced is not None and index.row() < len(self.traced.jumps):
+            self.picture.point_out(index.row())
+            self.plot.point_out(self.traced.jumps[index.row()].angle)
+
+    # -- the end --------------------------------------------------------------------------------------------
+
+    def accept(self) -> None:
+        """Put motion and base radius into the design, where the curve gives them."""
+        if self.traced is not None:
+            self.put(self.traced.design, f"Motion from {self._path.name}")
+
+
+def _bold(text: str) -> QLabel:
+    label = QLabel(text)
+    font = label.font()
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
+# -- the questions, as functions that tests can answer ----------------------------------------------------
+
+
+def curve_to_open(parent: QWidget, folder: Path) -> Path | None:
+    """The drawing with the curve, None where the user cancels."""
+    name, _ = QFileDialog.getOpenFileName(parent, "Motion from a DXF curve", str(folder), f"{DRAWINGS};;All files (*)")
+    return Path(name) if name else None
+
+
+def motion_from_curve(session: Session, parent: QWidget) -> CurveDialog | None:
+    """Ask for a drawing and open the dialog over a window; it is deleted once closed."""
+    path = curve_to_open(parent, Settings().folder)
+    if path is None:
+        return None
+    try:
+        data = read_bytes(path)
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return None
+    Settings().folder = path.parent
+    dialog = CurveDialog(session, path, data, parent)
+    dialog.open_once()
+    return dialog
+
+
+__all__ = ["CurveDialog", "curve_to_open", "motion_from_curve"]

@@ -1,0 +1,157 @@
+"""The curve of a drawing with the path of the follower's round and the places where velocity or acceleration jumps; and the motion
+over the cam angle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QPointF, QSize
+from PySide6.QtGui import QPainter, QPaintEvent, QTransform
+from PySide6.QtWidgets import QSizePolicy, QWidget
+
+from core.contour import Element, Traced
+from core.design import UNITS, require_motion
+from core.motion import program
+from kindyna_gui.pictures.drawing.shapes import at, circle, outline, segments
+from kindyna_gui.pictures.plots.background import Z_CURSOR, Z_CURVE, angle_ticks, value_ticks
+from kindyna_gui.pictures.plots.fixed_plot import FixedPlot
+from kindyna_gui.pictures.plots.ranges import shown_range
+from kindyna_gui.pictures.style import CHAIN, LIGHT, OUTLINE, THIN, Theme, brush, no_pen
+from kindyna_gui.pictures.units import readable
+
+DRAWN = 97  # points of an arc
+MARGIN = 18  # pixels
+DOT, CROSS = 3.0, 5.0  # radius of a jump's mark, half the size of the cam centre's, pixels
+MARK = 8.0  # of a jump in the plot, pixels
+SMOOTH = np.linspace(0.0, 360.0, 2881)  # where the motion is drawn
+
+
+def points(elements: Sequence[Element]) -> np.ndarray:
+    """A chain of lines and arcs as points (n,) that a picture needs."""
+    return np.concatenate([each.at(np.linspace(0.0, 1.0, 2 if each.is_line else DRAWN)) for each in elements])
+
+
+class CurvePicture(QWidget):
+    """The curve at cam angle 0, mm upwards and to the right."""
+
+    def __init__(self, parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._traced: Traced | None = None
+        self._chosen: int | None = None
+        self._curve = self._path = np.zeros(0, dtype=complex)
+        self.setMinimumSize(240, 240)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+
+    def sizeHint(self) -> QSize:
+        return QSize(380, 380)
+
+    def show_traced(self, traced: Traced | None) -> None:
+        """The curve that was read; None: nothing."""
+        self._traced, self._chosen = traced, None
+        if traced is not None:
+            self._curve, self._path = points(traced.contour.elements), points(traced.path)
+        self.update()
+
+    def point_out(self, jump: int | None) -> None:
+        """The follower's round where a jump is."""
+        self._chosen = jump
+        self.update()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), brush(LIGHT.paper))
+        if self._traced is not None:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            self._draw(painter, self._traced)
+
+    def _draw(self, painter: QPainter, traced: Traced) -> None:
+        radius = traced.design.drive.face.radius_mm
+        mm, size = self._scale(radius)
+        if radius:
+            painter.setPen(LIGHT.pen(LIGHT.quiet, THIN, CHAIN))
+            painter.drawPath(mm.map(outline(self._path)))
+        painter.setPen(LIGHT.pen(LIGHT.ink, OUTLINE))
+        painter.drawPath(mm.map(outline(self._curve)))
+        painter.setPen(LIGHT.pen(LIGHT.quiet, THIN))
+        middle = mm.map(QPointF(0.0, 0.0))
+        place = complex(middle.x(), middle.y())
+        painter.drawPath(segments([(place - CROSS, place + CROSS), (place - 1j * CROSS, place + 1j * CROSS)]))
+        if self._chosen is not None and self._chosen < len(traced.jumps):
+            chosen = mm.map(at(traced.jumps[self._chosen].place))
+            painter.strokePath(circle(max(radius * size, 2.0 * DOT), complex(chosen.x(), chosen.y())), LIGHT.pen(LIGHT.limit, OUTLINE))
+        painter.setPen(no_pen())
+        for jump in traced.jumps:
+            painter.setBrush(brush(LIGHT.limit if jump.order == 1 else LIGHT.family("acceleration")))
+            painter.drawEllipse(mm.map(at(jump.place)), DOT, DOT)
+
+    def _scale(self, radius: float) -> tuple[QTransform, float]:
+        """From mm, y upwards, to pixels, with room for the round all around; and pixels to the millimetre."""
+        z = np.concatenate((self._curve, self._path, [0.0]))
+        room = complex(radius, radius) if radius else 0j
+        low, high = complex(z.real.min(), z.imag.min()) - room, complex(z.real.max(), z.imag.max()) + room
+        size, middle = high - low, 0.5 * (low + high)
+        scale = min((self.width() - 2 * MARGIN) / size.real, (self.height() - 2 * MARGIN) / size.imag)
+        made = QTransform().translate(0.5 * self.width(), 0.5 * self.height())
+        return made.scale(scale, -scale).translate(-middle.real, -middle.imag), scale
+
+
+class MotionPlot(FixedPlot):
+    """The motion over one turn, with a dot where velocity or acceleration jumps."""
+
+    def __init__(self, theme: Theme = LIGHT) -> None:
+        super().__init__(theme=theme)
+        self.show_numbers(True, "Cam angle, °")
+        self.line = pg.PlotCurveItem()
+        self.dots = pg.ScatterPlotItem(size=MARK, pen=no_pen(), antialias=True)
+        self.cursor = pg.InfiniteLine(0.0, 90.0, theme.pen(theme.quiet))
+        self.cursor.hide()
+        self._include(self.line, Z_CURVE)
+        self._include(self.dots, Z_CURVE + 1.0)
+        self._include(self.cursor, Z_CURSOR)
+        self._title, self._colour = "", theme.ink
+
+    def show_traced(self, traced: Traced) -> None:
+        """The motion that comes of a curve."""
+        motion = require_motion(traced.design)
+        compiled = program(motion)
+        heights = [compiled.state(compiled.angles(np.deg2rad(a))).y[0] / motion.scale for a in (SMOOTH, self._angles(traced))]
+        rung = readable(UNITS[motion.unit].symbol, float(np.abs(heights[0]).max()))
+        colour = self._theme.family("displacement")
+        pen = self._theme.pen(colour, THIN)
+        self.line.setData(SMOOTH, heights[0] / rung.size, pen=pen, antialias=True, skipFiniteCheck=True)
+        colours = [self._theme.limit if jump.order == 1 else self._theme.family("acceleration") for jump in traced.jumps]
+        self.dots.setData(x=self._angles(traced), y=heights[1] / rung.size, brush=[brush(each) for each in colours])
+        self.cursor.hide()
+        low, high = shown_range([heights[0] / rung.size], {"displacement"}, ())
+        self._title, self._colour, self._message_text = f"Displacement, {rung.symbol}", self._theme.letters(colour), ""
+        self._view.setRange(yRange=(low, high), padding=0.0)
+        self._lay()
+
+    @staticmethod
+    def _angles(traced: Traced) -> np.ndarray:
+        return np.array([jump.angle for jump in traced.jumps], dtype=float)
+
+    def show_message(self, text: str) -> None:
+        """Nothing but a text in the middle."""
+        self.line.setData([], [])
+        self.dots.setData(x=[], y=[])
+        self.cursor.hide()
+        self._title, self._message_text = "", text
+        self._view.setRange(yRange=(0.0, 1.0), padding=0.0)
+        self._lay()
+
+    def point_out(self, angle: float | None) -> None:
+        """A line at a cam angle [deg]; None: none."""
+        self.cursor.setVisible(angle is not None)
+        if angle is not None:
+            self.cursor.setValue(angle)
+
+    def _lay(self, *_: object) -> None:
+        frame = self.frame()
+        self._rule(frame, angle_ticks(frame.width), [] if self._message_text else value_ticks(frame.low, frame.high, frame.height))
+        self._axes["left"].show_title(self._title, self._colour)
+
+
+__all__ = ["CurvePicture", "MotionPlot", "points"]

@@ -1,0 +1,76 @@
+"""kindyna_gui.contour: a drawn cam becomes the motion the way a user does it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from drawn_cams import NosedCam, drawn
+from mechanisms import PUSHER, with_cam, with_follower
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QWidget
+from window_user import User, settle, wait_for
+
+from core.contour import read_contour, trace
+from core.project import save
+from kindyna_gui.contour import dialog as contour_dialog
+from kindyna_gui.contour.dialog import CurveDialog
+
+UP = with_cam(with_follower(PUSHER, offset_mm=5.0, direction_deg=90.0), roller_radius_mm=12.0)
+CAM = drawn(*NosedCam().shapes, unit=0)
+
+
+def click(widget: QWidget) -> None:
+    assert widget.isEnabled()
+    QTest.mouseClick(widget, Qt.MouseButton.LeftButton)
+    settle()
+
+
+def enter(user: User, box: QWidget, text: str) -> None:
+    box.setFocus()
+    QTest.keyClick(box, Qt.Key.Key_A, Qt.KeyboardModifier.ControlModifier)
+    user.type(text)
+    user.press(Qt.Key.Key_Return)
+
+
+def test_a_drawn_cam_becomes_motion_and_base_radius_in_one_step(
+    open_user: Callable[..., User], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    save(UP, tmp_path / "up.toml")
+    (tmp_path / "tangent.dxf").write_bytes(CAM)
+    monkeypatch.setattr(contour_dialog, "curve_to_open", lambda *_: tmp_path / "tangent.dxf")
+    user = open_user(tmp_path / "up.toml")
+    before = user.design
+    user.choose("Make", "Motion from a DXF curve...")
+    dialog = user.window.findChild(CurveDialog)
+    assert isinstance(dialog, CurveDialog)
+    wait_for(dialog.isVisible)
+    assert dialog.message.text() == "Its header states no unit; state the unit: mm | cm | in"
+    assert not dialog.put_button.isEnabled()
+
+    dialog.unit.setFocus()
+    QTest.keyClick(dialog.unit, Qt.Key.Key_Down)
+    settle()
+    assert dialog.unit.currentText() == "mm"
+    wanted = trace(before, read_contour(CAM, "tangent.dxf", "mm"))
+    assert [row.cells[0] for row in dialog.jumps.rows.rows] == [f"{jump.angle:.3f}" for jump in wanted.jumps]
+    assert dialog.jumps.rows.rows[0].cells[1::3] == ("Acceleration", "mm/°²")
+    plain = dialog.picture.grab().toImage()
+    QTest.mouseClick(
+        dialog.jumps.viewport(), Qt.MouseButton.LeftButton, pos=dialog.jumps.visualRect(dialog.jumps.rows.index(1, 0)).center()
+    )
+    settle()
+    assert dialog.plot.cursor.isVisible()
+    assert dialog.plot.cursor.value() == pytest.approx(wanted.jumps[1].angle)
+    assert dialog.picture.grab().toImage() != plain, "the roller where the acceleration jumps"
+
+    enter(user, dialog.centre[0], "100")
+    assert "lies outside the curve" in dialog.message.text()
+    assert dialog.isVisible(), "Enter confirms the number, not the dialog"
+    enter(user, dialog.centre[0], "0")
+    assert user.design == before, "nothing happens before it is put"
+    click(dialog.put_button)
+    assert user.design == wanted.design
+    assert user.steps == ["Motion from tangent.dxf"]
+    user.choose("Edit", "Undo Motion from tangent.dxf")
+    assert user.design == before
