@@ -40,9 +40,9 @@ def plain(text: str) -> str:
     return text.replace("&&", "\0").replace("&", "").replace("\0", "&")
 
 
-def wait_for(condition: Callable[[], bool]) -> None:
+def wait_for(condition: Callable[[], bool], patience_ms: int = PATIENCE_MS) -> None:
     """Let events run until something is so."""
-    patience = QDeadlineTimer(PATIENCE_MS)
+    patience = QDeadlineTimer(patience_ms)
     while not condition():
         assert not patience.hasExpired(), "waited in vain"
         QTest.qWait(2)

@@ -20,6 +20,7 @@ from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
 from core.study import Study
 
 NEARER = 1e-3  # of the distance between two values tried: how near samples take an answer before it is refined
+BEST = 1e-5  # the same of the best where nothing serves
 FINEST = 1e-9  # the same, to which an optimum is refined
 LAST = 1e-13  # of the value, to which a root is
 BESIDE = 1e-4  # of the distance between two values tried: where an optimum is checked
@@ -28,6 +29,7 @@ SAME = 1e-9  # [deg] pressure angles that do not differ
 ALIKE = 1e-5  # the same, of samples
 ENDS = ("_min", "_max")
 ROOT_DIGITS, OPTIMUM_DIGITS = 9, 6  # the place of a flat minimum has half the digits of what is least there
+BEST_DIGITS = 4  # of what is the best where nothing serves, found with samples
 CLOSE = 17  # values of the curve beside the answer
 BEYOND, LEAST_BEYOND = 0.5, 0.3  # how far it goes on: of the distance to the present value, of the answer at least
 OPEN_PRESSURE = 90.0  # [deg] no limit
@@ -208,7 +210,7 @@ def _best(trials: Trials, values: np.ndarray) -> float:
         raise KindynaError(f"no value of {trials.paths[0]} from {values[0]:.6g} to {values[-1]:.6g} serves: {outcomes[-1].problem}")
     top = int(np.argmax(margins))
     low, high = values[max(top - 1, 0)], values[min(top + 1, values.size - 1)]
-    finest = NEARER * float(high - low)
+    finest = BEST * float(high - low)
     best, _ = bounded_minimum(lambda x: -_or_least(trials.at(x, refined=False).margin), float(low), float(high), finest)
     return max((best, float(values[top])), key=lambda x: _or_least(trials.at(x).margin))
 
@@ -311,11 +313,8 @@ def _least_pressure_of_two(row: Row, trials: Trials, box: Box) -> Solution:
     first, second = (bounded(row.values(trials.design, path), *box.get(path, (None, None)), (9,)) for path in trials.paths)
     merits = np.array([[_merit(trials.at(x, y, refined=False)) for x in first.tolist()] for y in second.tolist()])
     _require_effect(trials, merits)
-    if not (merits < EXCLUDED).any():
-        j, i = divmod(int(np.argmin(merits)), first.size)
-        if not np.isfinite(merits[j, i]):
-            raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}")
-        return _solved(row, trials, (float(first[i]), float(second[j])), first)
+    if not np.isfinite(merits).any():
+        raise KindynaError(f"no pivot in the box serves: {trials.at(float(first[0]), float(second[0]), refined=False).problem}")
 
     def best_at(y: float, refined: bool, low: float, high: float) -> float:
         exact, rough = (partial(lambda x, how: trials.at(x, y, refined=how), how=how) for how in (refined, False))
@@ -418,7 +417,7 @@ def _solved(row: Row, trials: Trials, found: tuple[float, ...], values: np.ndarr
     return Solution(
         row.wanted, trials.with_values(found), dict(zip(trials.paths, found, strict=True)), reached, trials.limits, tuple(curve),
         shown, near, present, _reached_before(trials), tuple(reading.text for reading in outcome.readings if not reading.kept), end,
-        OPTIMUM_DIGITS if row.wanted == LEAST_PRESSURE else ROOT_DIGITS,
+        BEST_DIGITS if not outcome.kept else OPTIMUM_DIGITS if row.wanted == LEAST_PRESSURE else ROOT_DIGITS,
     )  # fmt: skip
 
 

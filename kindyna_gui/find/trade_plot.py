@@ -19,6 +19,7 @@ from kindyna_gui.pictures.units import short
 
 DOT = 9  # pixels
 ROOM = 1.6  # of the highest value that is marked, shown of a curve that goes on rising
+BESIDE = 0.03  # of the width, left free on both sides
 APART = 3.0  # pixels between a line and its text
 
 Rule = tuple[Outline, Tag, float]
@@ -50,6 +51,8 @@ class TradePlot(XYPlot):
         self.name_axes(axis_title(design, path), axis_title(design, key))
         colour = self._theme.family("pressure-angle" if key in LIMITS and LIMITS[key].most else "curvature")
         self.show_lines([Line(x, _what_matters(y, [answer[1], now[1], limit]), colour)])
+        beside = BESIDE * float(np.ptp(x))  # else a dot at the end of the curve is cut
+        self._view.setRange(xRange=(float(x.min()) - beside, float(x.max()) + beside), padding=0.0)
         self.points = {"answer": answer}
         self._dot(answer, filled=True)
         if now[0] is not None and now[1] is not None and np.isfinite(now[1]):

@@ -15,13 +15,14 @@ from core.design import Design, motion_of
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Layout
 from kindyna_gui.view import in_sight
-from kindyna_gui.window.docks import BOTTOM, VIEWS, Dock
+from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, VIEWS, Dock
 from kindyna_gui.window.tasks import TASKS, Area
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
 
 ACROSS, UPWARDS = Qt.Orientation.Horizontal, Qt.Orientation.Vertical
+_OPPOSITE = {LEFT: RIGHT, RIGHT: LEFT}
 SMALL = QSize(200, 100)  # of a dock before it is laid out: else the place where it stood before would count
 
 
@@ -166,6 +167,7 @@ class Layouts(QObject):
         docks = [each for each in self._docks.values() if in_sight(each) and not each.isFloating()]
         beside = [each for each in docks if self._window.dockWidgetArea(each) == area]
         width = beside[0].width() if beside else 0
+        across = [(each, each.width()) for each in docks if not below and self._window.dockWidgetArea(each) == _OPPOSITE.get(area)][:1]
         dock.show()
         if dock.isFloating():
             return
@@ -175,6 +177,8 @@ class Layouts(QObject):
         elif not beside and side is not None:
             whole = self._window.height() if below else self._window.width()
             self._window.resizeDocks([dock], [side.size(whole)], UPWARDS if below else ACROSS)
+        for other, kept in across:  # what is taken, is taken from the middle
+            self._window.resizeDocks([other], [kept], ACROSS)
 
     # -- kinds of design ------------------------------------------------------------------------------------
 
