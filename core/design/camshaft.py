@@ -22,6 +22,7 @@ RESERVED = ("motor", "balancer")
 _OTHER = {"ccw": "cw", "cw": "ccw"}
 _OWN = ("name", "phase_deg", "mirrored")  # of a drive's place on its shaft
 _OF_DRIVE = re.compile(r"drives\[(\d+)\]\.(.+)")
+_OF_TIMING = re.compile(r"timing\[(\d+)\]\.(.+)")
 
 
 def slug(name: str) -> str:
@@ -147,7 +148,7 @@ def add_drive(design: Design, single: Design, name: str = "") -> Design:
     index = len(design.drives)
     drive = replace(single.drive, name=free_name(design, name or single.name), phase_deg=0.0, mirrored=False)
     marks = [path_of(index, path) for path in single.assumed if not path.startswith("shaft.")]
-    return turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks)))
+    return _in_file_order(turning_together(replace(design, drives=(*design.drives, drive), assumed=(*design.assumed, *marks))))
 
 
 def copy_drive(design: Design, index: int) -> Design:
@@ -162,8 +163,10 @@ def remove_drive(design: Design, index: int) -> Design:
     if len(design.drives) == 1:
         return design
     name = design.drives[index].name or ""
-    kept = tuple(t for t in design.timing if name not in (drive_of(t.first), drive_of(t.second)))
-    return _reordered(replace(design, timing=kept), [i for i in range(len(design.drives)) if i != index])
+    kept = [i for i, t in enumerate(design.timing) if name not in (drive_of(t.first), drive_of(t.second))]
+    marks = _followed(design.assumed, _OF_TIMING, kept)
+    fewer = replace(design, timing=tuple(design.timing[i] for i in kept), assumed=marks)
+    return _reordered(fewer, [i for i in range(len(design.drives)) if i != index])
 
 
 def move_drive(design: Design, index: int, to: int) -> Design:
@@ -213,11 +216,20 @@ def _renamed(design: Design, old: str, name: str) -> Design:
 
 def _reordered(design: Design, order: Sequence[int]) -> Design:
     """The drives of these numbers; what is assumed of each goes with it."""
+    marks = _followed(design.assumed, _OF_DRIVE, order)
+    return _in_file_order(with_drives(replace(design, assumed=marks), [design.drives[i] for i in order]))
+
+
+def _followed(assumed: Sequence[str], pattern: re.Pattern[str], order: Sequence[int]) -> tuple[str, ...]:
+    """The paths, those into rows of a list (pattern: number, rest) with the rows' new numbers; order: the old ones."""
     marks: list[str] = []
-    for path in design.assumed:
-        match = _OF_DRIVE.fullmatch(path)
-        marks += [path] if match is None else [f"drives[{i}].{match[2]}" for i, old in enumerate(order) if old == int(match[1])]
-    return _in_file_order(with_drives(replace(design, assumed=tuple(marks)), [design.drives[i] for i in order]))
+    for path in assumed:
+        match = pattern.fullmatch(path)
+        if match is None:
+            marks.append(path)
+        else:
+            marks += [path.replace(f"[{match[1]}]", f"[{new}]", 1) for new, old in enumerate(order) if old == int(match[1])]
+    return tuple(marks)
 
 
 def _in_file_order(design: Design) -> Design:
