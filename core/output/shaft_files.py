@@ -78,9 +78,9 @@ def shaft_streams(study: ShaftStudy, stages: Sequence[str] = ()) -> dict[str, st
         own = tuple(stage for stage in each.stages if stage in stages) if stages else ()
         if name not in study.failures and (own or not stages):
             made |= {f"{study.slugs[name]}/{file}": parts for file, parts in streams(each, own, OF_SHAFT).items()}
-    if study.design.balancer is not None and answers(study) and not stages:
-        balancer = study.balancer
-        assert balancer is not None
-        made |= {f"balancer/{file}": parts for file, parts in streams(balancer, (), OF_SHAFT).items()}
+    balancer = study.balancer if study.design.balancer is not None and answers(study) else None
+    if balancer is not None:
+        own = tuple(stage for stage in balancer.stages if stage in stages)
+        made |= {f"balancer/{file}": parts for file, parts in streams(balancer, own, OF_SHAFT).items()} if own or not stages else {}
     made[SUMMARY] = to_json(shaft_summary(shaft_bounded(study), stages))
     return made

@@ -39,6 +39,7 @@ from core.design import (
     with_phase,
 )
 from core.errors import DesignError, NoAnswer
+from core.output.shaft_files import shaft_columns
 from core.project import dumps, load, loads, save, to_table
 from core.shaft import value
 from core.study import ShaftStudy, Study, evaluations
@@ -62,11 +63,11 @@ def table(path: Path) -> dict[str, np.ndarray]:
     return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
 
 
-def exported(design: Design, folder: Path, samples: int, expected: int = 0) -> Path:
-    """The folder of an export of the design."""
+def exported(design: Design, folder: Path, *options: str, expected: int = 0) -> Path:
+    """The folder of an export of the design, 360 angles a turn."""
     folder.mkdir()
     save(design, folder / "design.toml")
-    assert main(["export", str(folder / "design.toml"), "--out", str(folder / "out"), "--samples", str(samples)]) == expected
+    assert main(["export", str(folder / "design.toml"), "--out", str(folder / "out"), "--samples", "360", *options]) == expected
     return folder / "out"
 
 
@@ -112,7 +113,10 @@ BAD: dict[str, tuple[Callable[[dict[str, Any]], object], dict[str, str]]] = {
     "beside": (lambda file: file.update(linkage={}), {"drives": "a design is of one kind"}),
     "none": (lambda file: file.update(drives=[]), {"drives": "must be a list of tables, one at least"}),
     "shaft": (lambda file: file.pop("shaft"), {"shaft": "missing"}),
-    "event": (lambda file: file["timing"][1].update(second="Lift.return.2.start"), {"timing[1].second": "did you mean 'Lift.return.1.start'"}),
+    "event": (
+        lambda file: file["timing"][1].update(second="Lift.return.2.start"),
+        {"timing[1].second": "did you mean 'Lift.return.1.start'"},
+    ),
     "speed": (drives(lambda d: d[4].update(mirrored=True)), {"drives[4].linkage.driver.speed_rpm": "is not the shaft's"}),
 }
 
@@ -195,13 +199,13 @@ def test_the_shafts_torque_is_the_sum_of_single_exports_turned_by_their_phases(t
     design = with_crank(RIGID)
     mirrored = with_phase(copy_drive(design, 2), 3, 77.0)
     mirrored = put(mirrored, "drives[3].mirrored", True)
-    out = exported(mirrored, tmp_path / "all", 360)
+    out = exported(mirrored, tmp_path / "all", "--only", "dynamics")
     whole = table(out / "shaft.csv")
     total = np.zeros(360)
     for i, drive in enumerate(mirrored.drives):
         shaft = Shaft("cw" if drive.mirrored else "ccw", 20.0)
         single = Design("One", shaft, (replace(drive, name=None, phase_deg=0.0, mirrored=False),))
-        own = table(exported(single, tmp_path / str(i), 360) / "dynamics.csv")
+        own = table(exported(single, tmp_path / str(i), "--only", "dynamics") / "dynamics.csv")
         name = slug(drive.name or "")
         torque = own["drive_torque_nm" if drive.cam else "motor_torque_nm"]
         turned = np.roll(torque, round(drive.phase_deg))
@@ -239,7 +243,7 @@ def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
 
 
 def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -> None:
-    one, several = exported(LIFT, tmp_path / "one", 360), exported(as_list(LIFT, "Lift"), tmp_path / "several", 360)
+    one, several = exported(LIFT, tmp_path / "one"), exported(as_list(LIFT, "Lift"), tmp_path / "several")
     own, whole = table(one / "dynamics.csv"), table(several / "shaft.csv")
     assert np.array_equal(whole["torque_nm"], own["drive_torque_nm"])
     for name in ("motor_torque_nm", "speed_rpm"):
@@ -325,7 +329,7 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(tmp_path: Path,
     assert study.drive_torque("Lift").size == 360
     with pytest.raises(NoAnswer, match=r"^drives\[0\]\.follower.*lacks the drive Feed"):
         assert study.torque is None
-    out = exported(broken, tmp_path / "broken", 360, expected=1)
+    out = exported(broken, tmp_path / "broken", expected=1)
     assert set(table(out / "shaft.csv")) == {"machine_angle_deg", "lift_torque_nm", "clamp_torque_nm", "torque_torque_nm"}
     assert {path.name for path in out.iterdir()} == {"shaft.csv", "summary.json", "lift", "clamp", "torque"}
     (found,) = json.loads((out / "summary.json").read_text("utf-8"))["findings"]
@@ -343,12 +347,12 @@ def test_findings_name_the_drive_and_its_field() -> None:
     assert {f.values["drive"] for f in found} == {"Clamp"}
 
 
-def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out(tmp_path: Path) -> None:
+def test_a_motor_that_stalls_is_named_and_leaves_motor_and_speed_out() -> None:
     weak = replace(RIGID.camshaft, flywheel_inertia_kg_m2=1.0, motor_inertia_kg_m2=None, motor_slope_nm_s_per_rad=5.0)
-    out = exported(replace(RIGID, shaft=weak), tmp_path / "weak", 360, expected=1)
-    assert not {"motor_torque_nm", "speed_rpm"} & set(table(out / "shaft.csv"))
-    codes = [f["code"] for f in json.loads((out / "summary.json").read_text("utf-8"))["findings"]]
-    assert "motor-stalls" in codes
+    study = ShaftStudy(replace(remove_drive(RIGID, 3), shaft=weak), 36)
+    names = [name for name, _ in shaft_columns(study)]
+    assert names == ["torque_nm", "feed_torque_nm", "clamp_torque_nm", "lift_torque_nm"]
+    assert [f.field for f in study.findings(("dynamics",)) if f.code == "motor-stalls"] == ["shaft.flywheel_inertia_kg_m2"]
 
 
 def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: Path) -> None:
@@ -356,10 +360,11 @@ def test_the_balance_cam_stands_as_one_more_drive_and_leaves_the_mean(tmp_path: 
     study = ShaftStudy(design, 360)
     swing = np.ptp(study.cams_torque)
     assert np.abs(study.torque - study.cams_load.mean).max() <= 1e-10 * swing
-    out = exported(design, tmp_path / "balanced", 360)
-    whole = table(out / "shaft.csv")
-    assert np.array_equal(whole["balancer_torque_nm"], study.balancer_torque)
-    assert (out / "balancer" / "profile.csv").is_file()
+    columns = {name: values(study) for name, values in shaft_columns(study)}
+    assert np.allclose(columns["balancer_torque_nm"], columns["torque_nm"] - study.cams_torque, rtol=0.0, atol=1e-12 * swing)
+    out = exported(replace(as_list(LIFT, "Lift"), balancer=SPRING), tmp_path / "balanced", "--only", "dynamics", expected=1)
+    assert "balancer_torque_nm" in table(out / "shaft.csv")
+    assert (out / "balancer" / "dynamics.csv").is_file()
 
 
 # -- timing -------------------------------------------------------------------------------------------------
@@ -418,11 +423,12 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
     smaller = load(into)
     assert [only(smaller, i) == only(UNIT, i) for i in range(4)] == [True, False, True, True]
     capsys.readouterr()
-    assert main(["check", file]) == 0
-    assert "29 of 29 residuals within their bounds" in capsys.readouterr().out
     assert main(["stability", file]) == 0
     assert "tongue 1" in capsys.readouterr().out
-    assert main(["report", file]) == 0
+    save(RIGID, into)
+    assert main(["check", str(into)]) == 0
+    assert capsys.readouterr().out == "Transfer unit: 0 findings, 26 of 26 residuals within their bounds\n"
+    assert main(["report", str(into)]) == 0
     text = capsys.readouterr().out
     assert "Drives, by machine angle" in text
     assert "Timing" in text
