@@ -6,10 +6,12 @@ from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag, motor_inertia
 from core.shaft.phases import AIMS, Phases, Spacing, best_phases
 from core.shaft.several import combined, peaks, rms, value
+from core.shaft.sizing import AgainstSpeed, against_speed, inertia_for, reached_with, separated, speed_fluctuation
 from core.shaft.speed import SpeedCurve, steady_speed
 
 __all__ = [
-    "AIMS", "NODES", "Flywheel", "LoadCurve", "Phases", "Spacing", "SpeedCurve", "balance_drive", "balance_motion", "best_phases",
-    "combined", "filtered", "findings", "lag", "levels", "load_curve", "motor_inertia", "panel_angles", "peaks", "rms", "steady_speed",
-    "value",
+    "AIMS", "NODES", "AgainstSpeed", "Flywheel", "LoadCurve", "Phases", "Spacing", "SpeedCurve", "against_speed",
+    "balance_drive", "balance_motion", "best_phases", "combined", "filtered", "findings", "inertia_for", "lag",
+    "levels", "load_curve", "motor_inertia", "panel_angles", "peaks", "reached_with", "rms", "separated",
+    "speed_fluctuation", "steady_speed", "value",
 ]  # fmt: skip
