@@ -10,15 +10,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from core.commands import NOTHING_DONE, Painter
-from core.commands.common import design_file, drive_option, verdict
+from core.commands.common import design_file, drive_option, studied, verdict
 from core.design import only, with_only
 from core.errors import KindynaError
-from core.find import LIMITS, WANTED, Solution, find
+from core.find import LIMITS, ON_SHAFT, SEARCHES, Solution, find
 from core.findings import ERROR
 from core.output.lines import finding_line
 from core.output.summary import to_json
 from core.project import load, number_of, save
-from core.study import Study
+from core.shaft import AIMS
 
 PATIENCE = 2.0  # seconds between two lines that say how far it is
 
@@ -36,30 +36,34 @@ def _limit(text: str) -> tuple[str, float]:
 def options(parser: argparse.ArgumentParser) -> None:
     design_file(parser)
     drive_option(parser)
-    rows = "; ".join(f"{name}: {row.help}" for name, row in WANTED.items())
+    rows = "; ".join(f"{name}: {words}" for name, words in SEARCHES.items())
     parser.add_argument("what", metavar="WHAT", help=rows)
     keys = f"{' | '.join(LIMITS)} (radii of the profile), or the path of a varied field with _min or _max"
     parser.add_argument("--limit", action="append", default=[], type=_limit, metavar="KEY=VALUE", help=keys)
+    parser.add_argument("--for", dest="aim", choices=tuple(AIMS), default="peak", help="what of the torque the best phases make least")
     parser.add_argument("--into", type=Path, metavar="FILE", help="write the design with the answer")
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
 def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The answer, or the best that there is and what stands against it."""
-    whole = load(arguments.design)
-    number = number_of(whole, arguments.drive)
-    solution = find(only(whole, number), arguments.what, _limits(arguments.limit), tell=_Progress().tell)
+    whole, what = load(arguments.design), arguments.what
+    if what in ON_SHAFT and arguments.drive:
+        raise KindynaError(f"--drive {arguments.drive}: {what} is sought for the whole shaft; leave --drive out")
+    number = 0 if what in ON_SHAFT else number_of(whole, arguments.drive)
+    design = whole if what in ON_SHAFT else only(whole, number)
+    solution = find(design, what, _limits(arguments.limit), aim=arguments.aim, tell=_Progress().tell)
     print(to_json(_data(solution)) if arguments.json else _text(solution), end="")
     if not solution.serves:
         print(f"no value serves; what stands against the best: {'; '.join(solution.against)}", file=sys.stderr)
         return NOTHING_DONE
     if arguments.into is not None:
-        save(with_only(whole, number, solution.design), arguments.into)
-    study = Study(solution.design)
-    for finding in study.findings(("cam",)):
+        save(solution.design if what in ON_SHAFT else with_only(whole, number, solution.design), arguments.into)
+    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT else ("cam",)
+    for finding in study.findings(stages):
         if finding.severity == ERROR:
             print(finding_line(finding, study.angle_name), file=sys.stderr)
-    return verdict(study, ("cam",))
+    return verdict(study, stages)
 
 
 class _Progress:

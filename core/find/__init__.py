@@ -2,7 +2,9 @@
 
 from core.find.limits import LIMITS, Reading
 from core.find.offer import limits_without, offered, varied
-from core.find.solution import Solution, find
+from core.find.on_shaft import ON_SHAFT
+from core.find.searches import SEARCHES, find
+from core.find.solution import Solution
 from core.find.wanted import WANTED
 
-__all__ = ["LIMITS", "WANTED", "Reading", "Solution", "find", "limits_without", "offered", "varied"]
+__all__ = ["LIMITS", "ON_SHAFT", "SEARCHES", "WANTED", "Reading", "Solution", "find", "limits_without", "offered", "varied"]

@@ -4,7 +4,7 @@ from core.shaft.balancer import balance_drive, balance_motion
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
 from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag, motor_inertia
-from core.shaft.phases import AIMS, Phases, Spacing, best_phases
+from core.shaft.phases import AIMS, Phases, Spacing, best_phases, reached_along
 from core.shaft.several import combined, peaks, rms, value
 from core.shaft.sizing import AgainstSpeed, against_speed, inertia_for, reached_with, separated, speed_fluctuation
 from core.shaft.speed import SpeedCurve, steady_speed
@@ -12,6 +12,6 @@ from core.shaft.speed import SpeedCurve, steady_speed
 __all__ = [
     "AIMS", "NODES", "AgainstSpeed", "Flywheel", "LoadCurve", "Phases", "Spacing", "SpeedCurve", "against_speed",
     "balance_drive", "balance_motion", "best_phases", "combined", "filtered", "findings", "inertia_for", "lag",
-    "levels", "load_curve", "motor_inertia", "panel_angles", "peaks", "reached_with", "rms", "separated",
-    "speed_fluctuation", "steady_speed", "value",
+    "levels", "load_curve", "motor_inertia", "panel_angles", "peaks", "reached_along", "reached_with", "rms",
+    "separated", "speed_fluctuation", "steady_speed", "value",
 ]  # fmt: skip

@@ -57,6 +57,8 @@ def balance_drive(load: LoadCurve, balancer: Balancer) -> Drive:
 def balance_motion(load: LoadCurve, balancer: Balancer) -> Motion:
     """The motion [mm] by the cam's own angle: pieces of which x'' is fitted and x and x' are its integrals, so that the torque that
     it leaves is rounding. Raises NoAnswer as ``balance_drive`` does."""
+    if balancer.follower_mass_kg:
+        raise NoAnswer("the motion of a follower with a mass is not computed", "balancer.follower_mass_kg", "leave it out, or 0")
     _require_smooth(load)
     _require_preload(load, balancer)
     start, width, coefficients = _panels(_energy(load), balancer)

@@ -87,6 +87,11 @@ def best_phases(loads: Sequence[LoadCurve], spacings: Sequence[Spacing], aim: st
     return Phases(np.mod(best, TURN), curves.exact(best))
 
 
+def reached_along(loads: Sequence[LoadCurve], turned: np.ndarray, number: int, by: np.ndarray, aim: str) -> np.ndarray:
+    """What the aim reaches (m,) with one drive turned on by so much more (m,) [rad], the others as they stand."""
+    return _Curves(loads, AIMS[aim]).along(turned, number, by)
+
+
 class _Curves:
     """Exact torques (or energies) of the drives, and samples of them."""
 
@@ -111,6 +116,14 @@ class _Curves:
         """What each drive gives, and its slope (n, m), at machine angles (m,)."""
         rows = [panels.at(np.mod(theta - by, TURN)) for panels, by in zip(self._panels, turned, strict=True)]
         return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+
+    def along(self, turned: np.ndarray, number: int, by: np.ndarray) -> np.ndarray:
+        """By samples of the exact curves, with one drive turned on by so much more (m,)."""
+        theta = np.arange(FINE) * (TURN / FINE)
+        parts, _ = self.parts(theta, turned)
+        moved, _ = self._panels[number].at(np.mod(theta - turned[number] - by[:, None], TURN).ravel())
+        others = parts.sum(axis=0) - parts[number]
+        return self.aim.reached(others + moved.reshape(by.size, FINE))
 
     def exact(self, turned: np.ndarray) -> float:
         return float(self.pieces(turned)[0])

@@ -110,8 +110,8 @@ def against_speed(load_at: Callable[[float], LoadCurve], shaft: Shaft, rpm: np.n
     for speed in rpm.tolist():
         checkpoint()
         load = load_at(speed * pi / 30.0)
-    
-        peak = max(abs(low.torque), abs(high.torque))
+        at = peaks(load)
+        peak = max(-at.low.value, at.high.value)
         rows.append((peak, load.mean, rms(load), *_with_motor(load, replace(shaft, speed_rpm=speed), peak)))
     return AgainstSpeed(rpm, *np.array(rows).reshape(-1, 5).T)
 

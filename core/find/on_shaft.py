@@ -1,0 +1,336 @@
+"""What is sought for a whole shaft: its flywheel, the phases of its drives, the spring of its balance cam."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from core.design import Balancer, Design, Shaft, distances, get, numbered, with_phase
+from core.design.camshaft import drive_of
+from core.errors import KindynaError
+from core.find.limits import CONVEX, LIMITS
+from core.find.solution import Solution
+from core.find.trial import Trials, usual_pressure
+from core.numerics.search import Ends, bounded_minimum, bracketed_root
+from core.shaft import (
+    AIMS,
+    LoadCurve,
+    Spacing,
+    balance_drive,
+    best_phases,
+    inertia_for,
+    motor_inertia,
+    reached_along,
+    reached_with,
+)
+from core.study import ShaftStudy, Study
+
+FLYWHEEL, FLUCTUATION = "shaft.flywheel_inertia_kg_m2", "shaft.speed_fluctuation"
+RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
+FORCE = "loads.least_contact_force_n"
+ENDS = ("_min", "_max")
+KEPT = 1e-9  # by which a limit may be missed, as a part of it
+RATES = np.exp(np.linspace(-4.0, 4.0, 9))  # times the present rate
+FINEST, LAST = 1e-2, 1e-9  # of the preload: of the curve, of the answer
+GROWTH, MOST = 1.6, 1e7  # steps towards a preload that serves; the most of it, times the least
+CURVE = 73
+
+
+class Wish(NamedTuple):
+    """What is asked of a search: bounds of fields, limits of the balance cam, and what of the torque is to be least."""
+
+    bounds: Mapping[str, tuple[float, float]]
+    limits: Mapping[str, float]
+    aim: str
+
+    def low(self, path: str, otherwise: float = -math.inf) -> float:
+        found = self.bounds.get(path, (-math.inf, math.inf))[0]
+        return otherwise if found == -math.inf else found
+
+    def high(self, path: str, otherwise: float = math.inf) -> float:
+        found = self.bounds.get(path, (-math.inf, math.inf))[1]
+        return otherwise if found == math.inf else found
+
+
+class ShaftRow(NamedTuple):
+    """title as a heading; paths whose bounds may be stated, by their beginnings; limits: keys of the balance cam's limits; search."""
+
+    title: str
+    paths: tuple[str, ...]
+    limits: tuple[str, ...]
+    search: Callable[[Design, Wish], Solution]
+    help: str
+
+
+def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: str = "peak") -> Solution:
+    """The answer of a row of ``ON_SHAFT``; stated as for ``find``. aim: a key of ``AIMS``, of the phases.
+
+    Raises KindynaError where the design has no such thing, or a limit is none of this search.
+    """
+    row = ON_SHAFT[what]
+    if design.shaft is None:
+        raise KindynaError(f"find {what}: this design has no shaft; allowed: one with [shaft]")
+    if aim not in AIMS:
+        raise KindynaError(f"find {what} for {aim!r}: unknown; allowed: {' | '.join(AIMS)}")
+    bounds: dict[str, tuple[float, float]] = {}
+    limits: dict[str, float] = {}
+    for key, value in stated.items():
+        path, end = key[:-4], key[-4:]
+        if key in row.limits:
+            limits[key] = value
+        elif end in ENDS and path.startswith(row.paths):
+            low, high = bounds.get(path, (-math.inf, math.inf))
+            bounds[path] = (value, high) if end == ENDS[0] else (low, value)
+            if bounds[path][0] > bounds[path][1]:
+                raise KindynaError(f"limit {path}_min = {bounds[path][0]:g}: is above {path}_max = {bounds[path][1]:g}")
+        else:
+            allowed = " | ".join((*row.limits, *(f"{path} with _min or _max" for path in row.paths)))
+            raise KindynaError(f"limit {key!r}: {what} has none of that name; allowed: {allowed}")
+    return row.search(design, Wish(bounds, limits, aim))
+
+
+def _answered(
+    wanted: str, before: Design, made: Design, answer: Mapping[str, float], reached: Mapping[str, float], limits: Mapping[str, float],
+    curve: Sequence[tuple[float, float]], curve_of: str, against: tuple[str, ...] = (), end: str = "",
+) -> Solution:  # fmt: skip
+    """A solution; curve: finite points, of which each value is one."""
+    points = dict(sorted((float(x), float(y)) for x, y in curve if math.isfinite(y)))
+    first = next(iter(answer.values()), 0.0)
+    near = (min(points, default=first), max(points, default=first))
+    present = {path: get(before, path) for path in answer}
+    return Solution(wanted, made, answer, reached, limits, tuple(points.items()), curve_of, near, present, {}, against, end)
+
+
+def _load(design: Design) -> LoadCurve:
+    """Of the whole shaft, or of the one drive. Raises NoAnswer."""
+    return ShaftStudy(design).load if design.listed else Study(design).load_curve
+
+
+# -- flywheel ----------------------------------------------------------------------------------------------
+
+
+def _flywheel(design: Design, wish: Wish) -> Solution:
+    """The least flywheel with which the true speed fluctuates no more than it may."""
+    shaft = design.camshaft
+    wanted = wish.high(FLUCTUATION, shaft.speed_fluctuation)
+    if not wanted > 0.0:
+        raise KindynaError(f"limit {FLUCTUATION}_max = {wanted:g}: outside its range; allowed: > 0")
+    load, own = _load(design), motor_inertia(shaft)
+    needed = max(inertia_for(load, shaft, wanted) - own, 0.0)
+    found = min(max(needed, wish.low(FLYWHEEL, 0.0)), wish.high(FLYWHEEL))
+    reached = reached_with(load, shaft, found + own) if found + own else wanted if not needed else math.inf
+    against: tuple[str, ...] = ()
+    if reached > wanted * (1.0 + KEPT):
+        text = "the motor stalls" if reached == math.inf else f"speed fluctuation {reached:.6g}, limit {wanted:g}"
+        against = (f"{text}: it takes {needed:.6g} kg m^2",)
+    around = (needed or found or 1.0) * np.exp(np.linspace(-1.4, 1.4, 25))
+    curve = [(i, reached_with(load, shaft, i + own)) for i in sorted({*around.tolist(), found}) if i + own]
+    end = f"{FLYWHEEL} = {found:.9g}" if found != needed and not against else ""
+    made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
+    return _answered(
+        "least flywheel", design, made, {FLYWHEEL: found}, {FLUCTUATION: reached}, {FLUCTUATION: wanted}, curve, FLUCTUATION, against, end,
+    )  # fmt: skip
+
+
+# -- phases ------------------------------------------------------------------------------------------------
+
+REACHED: Mapping[str, str] = MappingProxyType({"peak": "peak_torque_nm", "rms": "rms_torque_nm", "fluctuation": "energy_swing_j"})
+
+
+def _phases(design: Design, wish: Wish) -> Solution:
+    """The phases of least peak torque, or root mean square, or swing of energy, that keep the timing; the first drive stays."""
+    if not design.listed or len(design.drives) < 2:
+        raise KindynaError("find phases: this design has one drive alone; allowed: two or more under [[drives]]")
+    study = ShaftStudy(replace(design, balancer=None))
+    numbers = [study.number(name) for name in study.carried]
+    place = {number: i for i, number in enumerate(numbers)}  # what the shaft does not carry stays with the first
+    spacings = [
+        Spacing(place.get(numbered(design, drive_of(row.first)), 0), place.get(numbered(design, drive_of(row.second)), 0),
+                math.radians(at.spare_deg))
+        for row, at in zip(design.timing, distances(design), strict=True)
+    ]  # fmt: skip
+    for i, number in enumerate(numbers):
+        path, now = f"drives[{number}].phase_deg", design.drives[number].phase_deg
+        for side, bound in ((1.0, wish.low(path)), (-1.0, wish.high(path))):
+            if math.isfinite(bound):
+                spare = math.radians((side * (now - bound) + 180.0) % 360.0 - 180.0)
+                spacings.append(Spacing(0, i, spare) if side > 0.0 else Spacing(i, 0, spare))
+    loads = [study.drive_load(name) for name in study.carried]
+    found = best_phases(loads, spacings, wish.aim)
+    made, answer = design, {}
+    for number, turned in zip(numbers[1:], found.turned[1:].tolist(), strict=True):
+        phase = (design.drives[number].phase_deg + math.degrees(turned)) % 360.0
+        made, answer[f"drives[{number}].phase_deg"] = with_phase(made, number, phase), phase
+    steps = np.arange(CURVE) * (2.0 * math.pi / (CURVE - 1))
+    line = reached_along(loads, found.turned, 1, steps, wish.aim)
+    first = design.drives[numbers[1]].phase_deg + np.rad2deg(found.turned[1] + steps)
+    curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
+    total = ShaftStudy(replace(made, balancer=None))
+    reached = {
+        "peak_torque_nm": abs(total.peak_torque.value), "rms_torque_nm": total.rms_torque, "energy_swing_j": total.flywheel.energy_swing,
+        **{f"timing[{i}].least_deg": at.after_deg for i, at in enumerate(distances(made))},
+    }  # fmt: skip
+    kept = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
+    return _answered(f"least {wish.aim}", design, made, answer, reached, kept, curve, REACHED[wish.aim])
+
+
+# -- balancer ----------------------------------------------------------------------------------------------
+
+
+class _Balances(Trials):
+    """Balance cams of one torque by spring rate [N/mm] and preload [N], each a design of its own."""
+
+    def __init__(self, design: Design, balancer: Balancer, limits: Mapping[str, float], force: float) -> None:
+        super().__init__(design, (RATE, PRELOAD), limits)
+        self.balancer, self.force = balancer, force
+
+    @cached_property
+    def load(self) -> LoadCurve:
+        return ShaftStudy(self.design).cams_load
+
+    def part(self, rate: float, preload: float) -> Balancer:
+        return replace(self.balancer, spring_rate_n_per_mm=rate, preload_n=preload)
+
+    def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
+        shaft = self.design.camshaft
+        return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (balance_drive(self.load, self.part(*values)),))
+
+    def least_force(self, rate: float, preload: float) -> float:
+        """The least contact force [N]: the preload itself where the follower has no mass, for there the spring is longest."""
+        if not self.balancer.follower_mass_kg:
+            return preload
+        return Study(self.with_values((rate, preload))).extremes("dynamics", ("contact_force",))["contact_force"].low.value
+
+    def spare(self, rate: float, preload: float, refined: bool = False) -> float:
+        """What is left of the tightest limit; -inf where there is no cam."""
+        outcome = self.at(rate, preload, refined=refined)
+        if not outcome.readings:
+            return -math.inf
+        held = 1.0 - self.force / max(self.least_force(rate, preload), 1e-300) if self.balancer.follower_mass_kg else math.inf
+        return min(outcome.margin, held)
+
+
+def _balancer(design: Design, wish: Wish) -> Solution:
+    """The least preload, not below the force that is stated (else the present preload), with which some spring keeps the limits of the
+    balance cam; of such springs the softest."""
+    part = design.balancer
+    if part is None:
+        raise KindynaError("find balancer: this design has no balance cam; allowed: one with [balancer]")
+    force = max(wish.low(FORCE, 0.0), wish.low("balancer.least_contact_force_n", 0.0), 0.0)
+    least = max(force, wish.low(PRELOAD, 0.0)) or part.preload_n
+    most = wish.high(PRELOAD, least * MOST)
+    if least > most:
+        raise KindynaError(f"limit {PRELOAD}_max = {most:g}: is below the force {least:g} N that the spring must keep")
+    limits = dict(wish.limits)
+    trials = _Balances(design, part, limits, force)
+    if not limits:
+        limits["pressure_angle_deg"] = usual_pressure(trials.with_values((part.spring_rate_n_per_mm, part.preload_n)))
+    limits.setdefault(CONVEX, 0.0)
+    trials = _Balances(design, part, limits, force)
+    rates = _between(RATES * (part.spring_rate_n_per_mm or 1.0), wish.low(RATE), wish.high(RATE))
+    preloads: list[float] = []
+    for rate in rates[::-1]:  # a softer spring mostly takes more preload
+        preloads.insert(0, _least_preload(trials, rate, least, most, FINEST, near=preloads[0] if preloads else least))
+    if not np.isfinite(preloads).any():
+        return _unserved(trials, rates, most)
+    best = min(preloads)
+    first = preloads.index(best)  # the softest of those
+    rate = rates[first]
+    if best <= least and first:
+        rate = _softest(trials, rates[first - 1], rate, best)
+    elif best > least and 0 < first < len(rates) - 1:
+        rate, _ = bounded_minimum(
+            lambda x: _least_preload(trials, x, least, most, LAST), rates[first - 1], rates[first + 1], FINEST * rate
+        )  # fmt: skip
+    preload = _least_preload(trials, rate, least, most, LAST, refined=True, near=best / GROWTH)
+    curve = [*zip(rates, preloads, strict=True), (rate, preload)]
+    bounds = (wish.low(RATE), wish.high(RATE))
+    return _sprung(trials, rate, preload, curve, (), f"{RATE} = {rate:.9g}" if rate in bounds else "")
+
+
+def _between(rates: np.ndarray, low: float, high: float) -> list[float]:
+    inside = rates[(rates > low) & (rates < high)].tolist()
+    ends = [bound for bound in (low, high) if math.isfinite(bound)]
+    if len(inside) < 5 and len(ends) == 2:
+        inside = np.linspace(low, high, 9)[1:-1].tolist() if high > low else []
+    return sorted({*inside, *ends})
+
+
+def _least_preload(
+    trials: _Balances, rate: float, least: float, most: float, finest: float, refined: bool = False, near: float = 0.0
+) -> float:
+    """The least preload with which this spring keeps all limits; infinite where none does. near: where it may be."""
+
+    def spare(preload: float) -> float:
+        return trials.spare(rate, preload, refined)
+
+    if spare(least) >= 0.0:
+        return least
+    bad, good = least, min(max(near, least) * GROWTH, most)
+    while not spare(good) >= 0.0:
+        if good >= most:
+            return math.inf
+        bad, good = good, min(GROWTH * good, most)
+    return bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), finest * good).b
+
+
+def _softest(trials: _Balances, bad: float, good: float, preload: float) -> float:
+    """The softest spring with which this preload keeps all limits, between one that does not and one that does."""
+
+    def spare(rate: float) -> float:
+        return trials.spare(rate, preload, refined=True)
+
+    if spare(good) < 0.0 or spare(bad) >= 0.0:
+        return good
+    return bracketed_root(spare, Ends(bad, spare(bad), good, spare(good)), LAST * good).b
+
+
+def _sprung(
+    trials: _Balances, rate: float, preload: float, curve: Sequence[tuple[float, float]], against: tuple[str, ...], end: str
+) -> Solution:
+    outcome = trials.at(rate, preload)
+    reached = {reading.key: reading.reached for reading in outcome.readings}
+    force = trials.least_force(rate, preload)
+    reached[FORCE] = force
+    made = replace(trials.design, balancer=trials.part(rate, preload))
+    return _answered(
+        "least preload", trials.design, made, {RATE: rate, PRELOAD: preload}, reached,
+        {**trials.limits, **({FORCE: trials.force} if trials.force else {})}, curve, PRELOAD, against, end,
+    )  # fmt: skip
+
+
+def _unserved(trials: _Balances, rates: list[float], most: float) -> Solution:
+    """The best that there is: the stiffest spring with the most preload, and what stands against it."""
+    best = max(rates, key=lambda rate: trials.spare(rate, most))
+    outcome = trials.at(best, most)
+    if not outcome.readings:
+        raise KindynaError(f"no spring balances this torque: {outcome.problem}")
+    against = [reading.text for reading in outcome.readings if not reading.kept]
+    force = trials.least_force(best, most)
+    if force < trials.force:
+        slack = "the spring goes slack" if force <= 0.0 else "the follower is pressed too little"
+        against.append(f"{slack}: least contact force {force:.6g} N, limit {trials.force:g} N")
+    return _sprung(trials, best, most, (), tuple(against), "")
+
+
+ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
+    {
+        "flywheel": ShaftRow(
+            "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel, "the least flywheel for the fluctuation of speed that is allowed"
+        ),
+        "phases": ShaftRow(
+            "Best phases", ("drives[",), (), _phases,
+            "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
+        ),
+        "balancer": ShaftRow(
+            "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n"), tuple(LIMITS), _balancer,
+            "the spring of least preload that stays above a force, and of such springs the softest",
+        ),
+    }
+)  # fmt: skip

@@ -1,0 +1,103 @@
+"""find for a whole shaft: flywheel, phases, balancer; as commands and against scans."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mechanisms import LIFT, levels
+
+from core.__main__ import main
+from core.design import Balancer, Design, distances, faults, with_phase
+from core.design.whole import Timing
+from core.errors import KindynaError
+from core.find import find
+from core.project import load, save
+from core.study import ShaftStudy, Study
+
+FORCE = "loads.least_contact_force_n_min"
+RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
+
+UNIT = Design(
+    "unit",
+    replace(LIFT.shaft, speed_fluctuation=0.05),
+    (
+        replace(LIFT.drive, name="lift"),
+        replace(
+            LIFT.drive, name="Feed 2", phase_deg=40.0,
+            motion=levels(0.0, (100.0, 150.0, "cycloidal"), (60.0, 150.0, "dwell"), (200.0, 0.0, "modified-sine")),
+        ),
+    ),
+    timing=(Timing("lift.return.1.end", "Feed 2.rise.1.start", -60.0),),
+    balancer=Balancer(spring_rate_n_per_mm=200.0, preload_n=3000.0, base_radius_mm=200.0, roller_radius_mm=40.0),
+)  # fmt: skip
+
+
+def test_find_phases_keeps_the_timing_and_writes_the_design(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert not faults(UNIT)
+    save(UNIT, tmp_path / "unit.toml")
+    made = tmp_path / "better.toml"
+    assert main(["find", str(tmp_path / "unit.toml"), "phases", "--for", "rms", "--into", str(made), "--json"]) in (0, 1)
+    found = json.loads(capsys.readouterr().out)
+    (path, phase), = found["answer"].items()
+    assert path == "drives[1].phase_deg"
+    better = load(made)
+    assert better.drives[1].phase_deg == phase
+    assert all(row.kept for row in distances(better))
+    plain = replace(UNIT, balancer=None)
+    scan = [ShaftStudy(with_phase(plain, 1, float(p))) for p in range(0, 360, 8)]
+    rms = [each.rms_torque for each in scan if all(row.kept for row in distances(each.design))]
+    assert found["reached"]["rms_torque_nm"] <= min(rms)
+    assert found["reached"]["rms_torque_nm"] == pytest.approx(min(y for _, y in found["curve"]), rel=0.05)
+
+
+def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> None:
+    for design in (replace(UNIT, balancer=None), LIFT):
+        found = find(design, "flywheel", {"shaft.speed_fluctuation_max": 0.03})
+        study = ShaftStudy(found.design) if design.listed else Study(found.design)
+        speed = study.flywheel.speed(study.turn.angles(study.theta) if isinstance(study, ShaftStudy) else study.angles)
+        assert np.ptp(speed) / study.omega == pytest.approx(0.03, rel=1e-4)
+        assert found.serves
+    small = find(LIFT, "flywheel", {"shaft.flywheel_inertia_kg_m2_max": 100.0})
+    assert not small.serves
+    assert "it takes" in small.against[0]
+
+
+def pressure(rate: float, preload: float) -> float:
+    """The greatest pressure angle of such a balance cam [deg], by its samples."""
+    study = ShaftStudy(replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=rate, preload_n=preload)), 1800).balancer
+    assert study is not None
+    return math.degrees(float(study.cam.flank.pressure_angle.max()))
+
+
+def test_find_balancer_is_the_softest_spring_of_the_least_preload_by_a_scan() -> None:
+    found = find(UNIT, "balancer", {FORCE: 2000.0, "pressure_angle_deg": 25.0})
+    rate, preload = found.answer[RATE], found.answer[PRELOAD]
+    assert preload == 2000.0
+    assert pressure(rate, preload) == pytest.approx(25.0, abs=1e-3)
+    assert found.reached["loads.least_contact_force_n"] == 2000.0
+    for softer in np.geomspace(0.02, 0.98, 6) * rate:
+        assert pressure(float(softer), preload) > 25.0
+
+
+def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
+    found = find(UNIT, "balancer", {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0})
+    rate, preload = found.answer[RATE], found.answer[PRELOAD]
+    assert pressure(rate, preload) == pytest.approx(25.0, abs=1e-3)
+    for each in np.linspace(5.0, 60.0, 4):
+        for less in np.linspace(2000.0, 0.99 * preload, 3):
+            assert pressure(float(each), float(less)) > 25.0
+
+
+def test_what_no_search_can_give_is_named() -> None:
+    slack = find(UNIT, "balancer", {f"{RATE}_max": 1.0, f"{PRELOAD}_max": 3500.0})
+    assert not slack.serves
+    assert "pressure angle" in slack.against[0]
+    with pytest.raises(KindynaError, match="no balance cam"):
+        find(replace(UNIT, balancer=None), "balancer", {})
+    with pytest.raises(KindynaError, match="one drive alone"):
+        find(LIFT, "phases", {})
+    with pytest.raises(KindynaError, match=r"limit 'cam.bore_mm_max': flywheel has none"):
+        find(LIFT, "flywheel", {"cam.bore_mm_max": 3.0})
