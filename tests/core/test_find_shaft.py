@@ -15,7 +15,7 @@ from core.design.whole import Timing
 from core.errors import KindynaError
 from core.find import find
 from core.project import load, save
-from core.study import ShaftStudy, Study
+from core.study import ShaftStudy, Study, at_speeds
 
 FORCE = "loads.least_contact_force_n_min"
 RATE, PRELOAD = "balancer.spring_rate_n_per_mm", "balancer.preload_n"
@@ -101,3 +101,12 @@ def test_what_no_search_can_give_is_named() -> None:
         find(LIFT, "phases", {})
     with pytest.raises(KindynaError, match=r"limit 'cam.bore_mm_max': flywheel has none"):
         find(LIFT, "flywheel", {"cam.bore_mm_max": 3.0})
+
+
+def test_against_speed_a_balance_cam_stays_as_it_was_made() -> None:
+    """At its own speed it leaves the mean; at another what the drives ask there, and the spring gives as before."""
+    found = at_speeds(UNIT, np.array([UNIT.speed_rpm, 0.5 * UNIT.speed_rpm]))
+    study = ShaftStudy(UNIT)
+    assert found.peak[0] == pytest.approx(abs(study.mean_torque), rel=1e-6, abs=1e-9 * np.ptp(study.cams_torque))
+    slower = ShaftStudy(replace(UNIT, shaft=replace(UNIT.camshaft, speed_rpm=0.5 * UNIT.speed_rpm), balancer=None))
+    assert found.peak[1] == pytest.approx(np.abs(slower.torque + study.balancer_torque).max(), rel=1e-4)

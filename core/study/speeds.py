@@ -1,0 +1,37 @@
+"""A shaft at other speeds than its own: torque, motor and fluctuation against the machine's speed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+
+from core.design import Design
+from core.motion.turn import Place
+from core.shaft import AgainstSpeed, LoadCurve, against_speed, combined, separated
+from core.study.shaft_study import ShaftStudy
+from core.study.study import Study
+
+
+def at_speeds(design: Design, rpm: np.ndarray) -> AgainstSpeed:
+    """Figures of a design's shaft at machine speeds (n,) [rpm], all of its drives together; a balance cam is made for the design's own
+    speed and stays as it is. Raises NoAnswer where a drive has no torque.
+
+    Where nothing rubs the load is of a static part and of one that grows with the speed squared; else it is solved at each speed.
+    """
+    shaft = design.camshaft
+    own = shaft.speed_rpm * pi / 30.0
+    balance = ShaftStudy(design).balancer if design.listed else None
+    place = Place() if design.balancer is None else Place(float(np.deg2rad(design.balancer.phase_deg % 360.0)))
+
+    def cams(omega: float) -> LoadCurve:
+        there = replace(design, shaft=replace(shaft, speed_rpm=omega * 30.0 / pi))
+        return ShaftStudy(there).cams_load if design.listed else Study(there).load_curve
+
+    studies = list(ShaftStudy(design).drives.values()) if design.listed else [Study(design)]
+    load_at = cams if any(study.loading.rubs for study in studies) else separated(cams, own)
+    if balance is None:
+        return against_speed(load_at, shaft, rpm)
+    held = balance.load_curve
+    return against_speed(lambda omega: combined([(load_at(omega), Place()), (held, place)]), shaft, rpm)
