@@ -204,7 +204,10 @@ class FindView(View):
         self._foot.setCurrentIndex(0)
 
     def _show_progress(self) -> None:
+        """What stands there answers another question."""
         self._show_count()
+        self.plot.show_message("Searching …")
+        self.answer.setText("")
         self._foot.setCurrentIndex(1)
         self._tick.start()
 

@@ -20,6 +20,7 @@ _BOUNDS = {"_min": "\u2265", "_max": "\u2264"}
 DECIMALS = 4  # of what is reached
 START = MappingProxyType({True: 30.0, False: 1.0})  # of an upper limit, of a lower one, where the design has nothing to go by
 START_DIGITS = 2
+PRESENT_DIGITS = 6
 
 
 @frozen
@@ -118,7 +119,7 @@ def answer_html(design: Design, solution: Solution) -> str:
 
 def _present(design: Design, path: str, value: float | None) -> str:
     """What the design at hand has instead."""
-    return "none" if value is None else typed_text(value, _label_of(design, path)[1])
+    return "none" if value is None else with_unit(short(value, PRESENT_DIGITS), _label_of(design, path)[1].symbol)
 
 
 def _now(text: str) -> str:

@@ -19,6 +19,7 @@ from kindyna_gui.pictures.units import short
 
 DOT = 9  # pixels
 ROOM = 1.6  # of the highest value that is marked, shown of a curve that goes on rising
+MARK_DIGITS = 6  # of the answer beside its line
 BESIDE = 0.03  # of the width, left free on both sides
 APART = 3.0  # pixels between a line and its text
 
@@ -53,15 +54,15 @@ class TradePlot(XYPlot):
         self.show_lines([Line(x, _what_matters(y, [answer[1], now[1], limit]), colour)])
         beside = BESIDE * float(np.ptp(x))  # else a dot at the end of the curve is cut
         self._view.setRange(xRange=(float(x.min()) - beside, float(x.max()) + beside), padding=0.0)
-        self.points = {"answer": answer}
-        self._dot(answer, filled=True)
         if now[0] is not None and now[1] is not None and np.isfinite(now[1]):
             self.points["now"] = (now[0], now[1])
             self._dot(self.points["now"], filled=False)
+        self.points["answer"] = answer
+        self._dot(answer, filled=True)
         if limit is not None:
             text = f"limit {typed_text(limit, figure_of(design, key).unit)}" if limit else "undercut"
             self._limit = self._rule_off(text, limit, self._theme.limit)
-        self._answer = self._rule_off(short(answer[0], 6), answer[0], self._theme.ink)
+        self._answer = self._rule_off(short(answer[0], min(MARK_DIGITS, solution.digits)), answer[0], self._theme.ink)
         self._lay()
 
     def _rule_off(self, text: str, at: float, colour: str) -> Rule:

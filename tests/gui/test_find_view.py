@@ -95,6 +95,10 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     type_limit(view, "pressure_angle_rise_deg", "95")
     assert view.limits.message.text() == "Pressure angle, rise: outside its range; allowed: above 0 ... 90 °"
     assert view.limits.boxes["pressure_angle_rise_deg"].refused
+    press(view.limits.removers["pressure_angle_rise_deg"])  # type: ignore[arg-type]
+    assert list(rested(view).limits.boxes) == []
+    assert view.solution is not None
+    assert dict(view.solution.limits) == {"convex_radius_mm": 0.0}, "nothing but that the cam is not undercut"
 
 
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
@@ -137,6 +141,7 @@ def test_a_search_is_cancelled_and_begun_again(open_user: Open) -> None:
     view.what.activated.emit(view.what.currentIndex())
     wait_for(view.cancel.isVisible)
     assert not view.take.isVisible()
+    assert (view.plot.message, text_of(view)) == ("Searching …", ""), "what stood there answers another question"
     assert re.fullmatch(r"\d+ designs tried", view.counted.text())
     press(view.cancel)
     wait_for(lambda: not view.busy)
