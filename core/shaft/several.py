@@ -23,10 +23,9 @@ def combined(loads: Sequence[tuple[LoadCurve, Place]]) -> LoadCurve:
     for curve, place in loads:
         middle = place.own(start + 0.5 * width)
         at, r = placed(curve.start, curve.width, middle)
-        part = powers((r[:, None] + place.sense * inside / curve.width[at][:, None]).ravel())
-        at = np.repeat(at, NODES)
-        torque += (curve.torque[:, at] * part).sum(axis=0).reshape(inside.shape)
-        inertia += (curve.inertia[:, at] * part).sum(axis=0).reshape(inside.shape)
+        r = r[:, None] + place.sense * inside / curve.width[at][:, None]
+        torque += polyval(r, curve.torque[:, at, None], tensor=False)
+        inertia += polyval(r, curve.inertia[:, at, None], tensor=False)
     return fitted(start, width, torque, inertia)
 
 
