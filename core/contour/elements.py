@@ -198,11 +198,14 @@ def _line_circle(a: Element, b: Element) -> list[complex]:
 
 
 def _circles(a: Element, b: Element) -> list[complex]:
+    """Counted from the centre of the smaller circle, beside which the other may be nearly straight."""
+    if a.radius > b.radius:
+        a, b = b, a
     between = b.centre - a.centre
     d = abs(between)
     if d <= 1e-12 * max(a.radius, b.radius):
         return []
-    along = (d * d + (a.radius - b.radius) * (a.radius + b.radius)) / (2.0 * d)
+    along = (a.radius * a.radius + (d - b.radius) * (d + b.radius)) / (2.0 * d)
     square = (a.radius - along) * (a.radius + along)
     if square <= 0.0:
         return []

@@ -26,6 +26,7 @@ from core.measured import Fit
 TOLERANCE_MM = 2e-10
 """How far the tables may be from the closed form."""
 ALIKE = 1e-8  # relative: accelerations that differ by less go on
+_NO_ACCELERATION = 1e-10  # of the stroke, per deg²
 SHORTEST = 2e-6  # degrees: a shorter stretch belongs to its neighbours
 _CLOSE = 1e-9  # degrees: a join this close to 0 is there
 _MOST_HALVINGS = 12
@@ -207,7 +208,8 @@ def _rows(s: _Stretch, position: States, tolerance: float) -> tuple[np.ndarray, 
 def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_Stretch], still: Sequence[bool]) -> tuple[Jump, ...]:
     """Both sides of every join given the same values, as far as nothing jumps there; what does."""
     jumps = []
-    largest = max(float(np.abs(states[2]).max()) for _, states in rows)
+    heights = np.concatenate([states[0] for _, states in rows])
+    rounding = _NO_ACCELERATION * float(np.ptp(heights))
     for i, s in enumerate(stretches):
         left, right = rows[i - 1][1], rows[i][1]
         level = left[0, -1] if still[i - 1] else right[0, 0] if still[i] else 0.5 * (left[0, -1] + right[0, 0])
@@ -216,7 +218,7 @@ def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_
             jumps.append(Jump(s.low, 1, float(left[1, -1]), float(right[1, 0]), s.part.place))
             continue
         left[1, -1] = right[1, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[1, -1] + right[1, 0])
-        if abs(left[2, -1] - right[2, 0]) > ALIKE * largest:
+        if abs(left[2, -1] - right[2, 0]) > ALIKE * max(abs(left[2, -1]), abs(right[2, 0])) + rounding:
             jumps.append(Jump(s.low, 2, float(left[2, -1]), float(right[2, 0]), s.part.place))
         else:
             left[2, -1] = right[2, 0] = 0.0 if still[i - 1] or still[i] else 0.5 * (left[2, -1] + right[2, 0])

@@ -31,7 +31,7 @@ class Part:
     low, high  cam angles [rad], low < high; the whole turn where it is a circle
     driver     cam angles (n,) [rad] -> the driver's position, in mm or radians, with two derivatives
     breaks     the tangent of the face's path breaks where it begins, so that the velocity jumps there
-    corner     a round turns about a corner of the curve
+    corner     the face turns about a corner of the curve
     place      where it begins, as drawn at cam angle 0 [mm]: of a round's centre, of a flat face the middle of where it lies on
     """
 
@@ -158,7 +158,7 @@ def _support_piece(each: _Support, breaks: bool, begin: float, start: complex, r
         lambda part: row.angle(each.contact(part), each.normals(part)),
         each.contact,
         lambda theta: row.position(Taylor.turning(theta, sense) * each.centre, each.radius),
-        breaks, begin, _samples(each.sweep), start,
+        breaks, begin, _samples(each.sweep), start, each.radius == 0.0,
     )  # fmt: skip
 
 
