@@ -31,6 +31,8 @@ SHORTEST = 2e-6  # degrees: a shorter stretch belongs to its neighbours
 _CLOSE = 1e-9  # degrees: a join this close to 0 is there
 _MOST_HALVINGS = 12
 _AT_CORNERS = 0.02
+DROP = 1e-5
+"""More than the joints of a drawing, rounded as they are, let the motion differ on their two sides [mm or deg]."""
 _INSIDE = np.array([0.2, 0.5, 0.8])  # of a table's interval, where it is compared with the closed form
 
 
@@ -212,6 +214,11 @@ def _settle(rows: Sequence[tuple[np.ndarray, np.ndarray]], stretches: Sequence[_
     rounding = _NO_ACCELERATION * float(np.ptp(heights))
     for i, s in enumerate(stretches):
         left, right = rows[i - 1][1], rows[i][1]
+        if abs(left[0, -1] - right[0, 0]) > DROP:
+            raise DrawingError(
+                f"the follower cannot follow the curve at cam angle {s.low:.6g} deg: the pressure angle passes 90 deg there; choose "
+                "another follower or centre"
+            )
         level = left[0, -1] if still[i - 1] else right[0, 0] if still[i] else 0.5 * (left[0, -1] + right[0, 0])
         left[0, -1] = right[0, 0] = level
         if s.breaks:
