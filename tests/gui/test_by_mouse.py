@@ -373,7 +373,6 @@ def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(kin
         assert "No value serves" in view.answer.text()
         actor.pick(view.what, "pivot")
         actor.press_button(rested(view).take)
-        rested(view)
         actor.pick(view.what, "base-radius")
     actor.press_button(rested(view).take)
     actor.export_dxf(tmp_path / "cam.dxf")
