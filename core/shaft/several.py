@@ -9,8 +9,8 @@ from numpy.polynomial.polynomial import polyval
 
 from core.motion import TURN
 from core.motion.extremes import Extreme, Range
-from core.motion.turn import Place, all_ends
-from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed, powers
+from core.motion.turn import CLOSEST, Place, all_ends
+from core.shaft.curve import NODES, LoadCurve, fitted, nodes, placed
 
 
 def combined(loads: Sequence[tuple[LoadCurve, Place]]) -> LoadCurve:
@@ -31,8 +31,10 @@ def combined(loads: Sequence[tuple[LoadCurve, Place]]) -> LoadCurve:
 
 def value(curve: LoadCurve, theta: np.ndarray) -> np.ndarray:
     """T_c (n,) at machine angles (n,) [rad]; where it jumps the right-hand limit."""
-    at, r = placed(curve.start, curve.width, np.mod(theta, TURN))
-    return np.asarray((curve.torque[:, at] * powers(r)).sum(axis=0))
+    theta = np.mod(theta, TURN)
+    theta = np.where(theta >= TURN - CLOSEST, 0.0, theta)
+    at = np.searchsorted(curve.start - CLOSEST, theta, side="right") - 1
+    return np.asarray(polyval((theta - curve.start[at]) / curve.width[at], curve.torque[:, at], tensor=False))
 
 
 def rms(curve: LoadCurve) -> float:

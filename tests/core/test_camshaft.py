@@ -231,6 +231,19 @@ def test_between_samples_too_a_drive_runs_by_the_machine_angle_less_its_phase(un
     assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
 
 
+def test_where_a_torque_jumps_the_sum_has_its_right_hand_limit_whatever_the_phases() -> None:
+    design = RIGID
+    for i in (0, 2):
+        design = edited(design, f"drives[1].motion.segments[{i}].law", "parabolic")
+    for phase in (238.0, 33.1, 104.0 / 3.0):
+        study = ShaftStudy(with_phase(design, 1, phase), SAMPLES)
+        assert study.certificate(("dynamics",))["power_balance"].kept
+        assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
+        own = (study.angle_degrees - phase) % 360.0
+        alone = Study(only(design, 1)).at_theta(np.deg2rad(own)).dynamics.torque
+        assert np.abs(study.drive_torque("Clamp") - alone)[np.abs(own % 1.0) > 1e-6].max() <= 1e-12 * np.abs(alone).max()
+
+
 def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
     shaft = Shaft("cw", 30.0, flywheel_inertia_kg_m2=5.0)
     design = with_phase(replace(as_list(replace(CRANK, shaft=Shaft("cw", 30.0)), "Crank"), shaft=shaft), 0, 40.0)
