@@ -199,7 +199,8 @@ class _Balances(Trials):
 
     def with_values(self, values: tuple[float, float]) -> Design:  # type: ignore[override]
         shaft = self.design.camshaft
-        return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (balance_drive(self.load, self.part(*values)),))
+        drive = balance_drive(self.load, self.part(*values), shaft.speed_rpm * math.pi / 30.0)
+        return Design("balancer", Shaft(shaft.rotation, shaft.speed_rpm), (drive,))
 
     def least_force(self, rate: float, preload: float) -> float:
         """The least contact force [N]: the preload itself where the follower has no mass, for there the spring is longest."""

@@ -5,20 +5,22 @@ motion begins at x = 0:
 
     x = 2(E0 - W)/(F0 + √(F0² + 2K(E0 - W))),   x' = -(T - T̄)/(F0 + Kx),   x'' = -(T' + Kx'²)/(F0 + Kx).
 
-The torque of this follower is (F0 + Kx)x' = -(T - T̄). It balances one speed.
+The torque of this follower is (F0 + Kx)x' = -(T - T̄). It balances one speed. With a mass its kinetic energy joins the spring's: see
+``follower_mass``.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from core.design import Balancer, Computed, Drive, Motion, RollerCam, Segment, Translating, TranslatingLoads, si
 from core.errors import NoAnswer
-from core.frozen import frozen
 from core.laws import Piece, moved
 from core.motion import TURN
 from core.shaft.curve import NODES, LoadCurve, nodes, to_powers
 from core.shaft.energy import energy_range, unbalanced
+from core.shaft.follower_mass import Energy, heavy_panels
 
 JUMP = 1e-9  # of the torque's swing: more from one panel to the next is a jump
 RESOLVED = 1e-12  # of the torque's swing: what the last coefficients of a panel may add to it
@@ -28,40 +30,26 @@ LEAST_SWING = 1e-12  # of the torque's size: less is rounding, and nothing to be
 MM = 1e3
 
 
-@frozen(eq=False)
-class _Energy:
-    """E0 - W on the load's panels, coefficients of r**k (·, m): energy (NODES + 1), torque T - T̄ (NODES), slope of the torque T'
-    (NODES - 1); start, width (m,) [rad]; swing of the torque [N m]."""
-
-    start: np.ndarray
-    width: np.ndarray
-    energy: np.ndarray
-    torque: np.ndarray
-    slope: np.ndarray
-    swing: float
-
-
-def balance_drive(load: LoadCurve, balancer: Balancer) -> Drive:
+def balance_drive(load: LoadCurve, balancer: Balancer, omega: float) -> Drive:
     """The balance cam as a drive of its own, whose cam angle is the machine angle less the balancer's phase.
 
-    load: what is to be balanced. Raises NoAnswer where the torque jumps, or nothing follows it.
+    load: what is to be balanced at the speed omega [rad/s]. Raises NoAnswer where the torque jumps, or nothing follows it.
     """
     loads = TranslatingLoads(
         spring_rate_n_per_mm=balancer.spring_rate_n_per_mm, preload_n=balancer.preload_n, gravity_m_s2=0.0,
         follower_mass_kg=balancer.follower_mass_kg,
     )  # fmt: skip
     cam = RollerCam(base_radius_mm=balancer.base_radius_mm, roller_radius_mm=balancer.roller_radius_mm)
-    return Drive(motion=balance_motion(load, balancer), mechanism=Translating(), cam=cam, loads=loads)
+    return Drive(motion=balance_motion(load, balancer, omega), mechanism=Translating(), cam=cam, loads=loads)
 
 
-def balance_motion(load: LoadCurve, balancer: Balancer) -> Motion:
+def balance_motion(load: LoadCurve, balancer: Balancer, omega: float) -> Motion:
     """The motion [mm] by the cam's own angle: pieces of which x'' is fitted and x and x' are its integrals, so that the torque that
     it leaves is rounding. Raises NoAnswer as ``balance_drive`` does."""
-    if balancer.follower_mass_kg:
-        raise NoAnswer("the motion of a follower with a mass is not computed", "balancer.follower_mass_kg", "leave it out, or 0")
     _require_smooth(load)
     _require_preload(load, balancer)
-    start, width, coefficients = _panels(_energy(load), balancer)
+    energy = _energy(load)
+    start, width, coefficients = heavy_panels(energy, balancer, omega) if balancer.follower_mass_kg else _panels(energy, balancer)
     pieces = _by_own_angle(start, width, MM * coefficients, np.deg2rad(balancer.phase_deg) % TURN)
     first = pieces[0].polynomial[0]
     shifted = tuple(Piece(p.start, (p.polynomial[0] - first, *p.polynomial[1:])) for p in pieces)
@@ -95,26 +83,24 @@ def _require_preload(load: LoadCurve, balancer: Balancer) -> None:
 
 def _swing(load: LoadCurve) -> float:
     """How far the torque goes from its mean [N m]; at least what rounding makes of it."""
-    from numpy.polynomial.polynomial import polyval
-
     x, _ = nodes()
     values = polyval(x, unbalanced(load))
     return float(max(np.abs(values).max(), LEAST_SWING * np.abs(load.mean)))
 
 
-def _energy(load: LoadCurve) -> _Energy:
+def _energy(load: LoadCurve) -> Energy:
     torque = unbalanced(load)
     orders = np.arange(1, NODES + 1)[:, None]
     given = load.width * torque / orders
     gained = given.sum(axis=0)
     _, highest = energy_range(load)
     begins = highest - np.concatenate(([0.0], np.cumsum(gained)[:-1]))
-    return _Energy(
+    return Energy(
         load.start, load.width, np.vstack((begins, -given)), torque, orders[:-1] * torque[1:] / load.width, _swing(load)
     )  # fmt: skip
 
 
-def _panels(energy: _Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _panels(energy: Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Start, width (m,) [rad] and coefficients (NODES + 2, m) of r**k, of x [m]: the load's panels, halved where that takes more."""
     x, to_chebyshev = nodes()
     parent, low, share = np.arange(energy.start.size), np.zeros(energy.start.size), np.ones(energy.start.size)
@@ -138,7 +124,7 @@ def _panels(energy: _Energy, balancer: Balancer) -> tuple[np.ndarray, np.ndarray
 
 
 def _integrated(
-    energy: _Energy, parent: np.ndarray, low: np.ndarray, width: np.ndarray, chebyshev: np.ndarray, place: np.ndarray, rate: np.ndarray
+    energy: Energy, parent: np.ndarray, low: np.ndarray, width: np.ndarray, chebyshev: np.ndarray, place: np.ndarray, rate: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Start, width and coefficients of x, from the Chebyshev coefficients of x'', and x and x' where a panel begins."""
     bend = to_powers(NODES) @ chebyshev
@@ -146,10 +132,8 @@ def _integrated(
     return energy.start[parent] + low * energy.width[parent], width, np.vstack((place, width * rate, width**2 * bend / ((k + 1) * (k + 2))))
 
 
-def _motion(energy: _Energy, balancer: Balancer, panel: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, ...]:
+def _motion(energy: Energy, balancer: Balancer, panel: np.ndarray, r: np.ndarray) -> tuple[np.ndarray, ...]:
     """x [m], x', x'' and the spring's force [N] (n,) at places r of the load's panels."""
-    from numpy.polynomial.polynomial import polyval
-
     s = si(balancer)
     stored = np.maximum(polyval(r, energy.energy[:, panel], tensor=False), 0.0)
     torque, slope = (polyval(r, row[:, panel], tensor=False) for row in (energy.torque, energy.slope))

@@ -79,7 +79,7 @@ class _Panels:
 
 
 @lru_cache(maxsize=1)
-def _collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def collocation() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Radau's nodes x of 0...1, the last of them 1; from values at them (NODES,): their integrals from 0 to each node,
     their Chebyshev coefficients, and the power coefficients (NODES + 1,) of the integral."""
     from numpy.polynomial import chebyshev, legendre
@@ -130,7 +130,7 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
 
 
 def _parts(load: LoadCurve, parent: np.ndarray, low: np.ndarray, share: np.ndarray, flywheel: float) -> _Panels:
-    x, _, _, _ = _collocation()
+    x, _, _, _ = collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel())
     at = np.repeat(parent, NODES)
     torque = (load.torque[:, at] * r).sum(axis=0) - load.mean
@@ -146,7 +146,7 @@ def _solved(panels: _Panels, energy: np.ndarray, slope: float, mean: float) -> t
     with b it gives e = b p + q at the nodes, and b follows from panel to panel, closed over the turn. 1 - p at the end is
     taken from the integral of c p, so that no digit is lost where hardly anything decays.
     """
-    _, integrals, _, integral = _collocation()
+    _, integrals, _, integral = collocation()
     scaled = panels.width[:, None, None] * integrals
     for _ in range(ITERATIONS):
         deviation, gain = _above_mean(energy, panels.inertia, mean)
@@ -181,7 +181,7 @@ def _closed(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
 
 def _unresolved(torque: np.ndarray) -> np.ndarray:
     """Panels (m,) whose last two Chebyshev coefficients, of the motor's torque (m, NODES), still count."""
-    _, _, to_chebyshev, _ = _collocation()
+    _, _, to_chebyshev, _ = collocation()
     last = np.abs(torque @ to_chebyshev[-2:].T).max(axis=1)
     return last > RESOLVED * float(np.abs(torque).max())
 
@@ -208,6 +208,6 @@ def _cut(
     made = _parts(
         load, panels.parent[old], panels.low[old] + low * panels.share[old], share * panels.share[old], flywheel
     )
-    x, _, _, _ = _collocation()
+    x, _, _, _ = collocation()
     r = powers((low[:, None] + share[:, None] * x).ravel(), NODES + 1)
     return made, (power[:, np.repeat(old, NODES)] * r).sum(axis=0).reshape(-1, NODES)

@@ -192,7 +192,7 @@ class ShaftStudy:
         if part is None:
             return None
         key = self._key, part, self.omega
-        drive = memory.get("balance cam", key, lambda: balance_drive(self.cams_load, part))
+        drive = memory.get("balance cam", key, lambda: balance_drive(self.cams_load, part, self.omega))
         camshaft = self.design.camshaft
         alone = Design(BALANCER, Shaft(camshaft.rotation, camshaft.speed_rpm), (drive,))
         study = Study(alone, self.samples)

@@ -21,8 +21,8 @@ def curve_of(torque: object) -> LoadCurve:
     return load_curve(lambda a: np.array([torque(a), np.zeros(a.theta.size)]), HALVES)  # type: ignore[operator]
 
 
-def study_of(load: LoadCurve, balancer: Balancer, rotation: str = "ccw") -> Study:
-    return Study(Design("balancer", Shaft(rotation, 60.0), (balance_drive(load, balancer),)))
+def study_of(load: LoadCurve, balancer: Balancer, rotation: str = "ccw", speed_rpm: float = 60.0) -> Study:
+    return Study(Design("balancer", Shaft(rotation, speed_rpm), (balance_drive(load, balancer, speed_rpm * math.pi / 30.0),)))
 
 
 @pytest.mark.parametrize(("rate", "preload", "phase"), [(80.0, 500.0, 0.0), (0.0, 900.0, 100.0), (2.0, 3.0, -77.0)])
@@ -57,11 +57,29 @@ def test_a_torque_that_jumps_is_refused_at_its_angles() -> None:
         return np.where(angles.piece == 0, 5.0, -5.0)
 
     with pytest.raises(NoAnswer, match="jumps, by up to 10 N m, at cam angle 0, 180 deg"):
-        balance_drive(curve_of(step), SPRING)
+        balance_drive(curve_of(step), SPRING, 6.0)
 
 
 def test_a_spring_without_preload_is_refused_by_its_field() -> None:
     (fault,) = part_faults(replace(SPRING, preload_n=0.0), "balancer")
     assert str(fault) == "balancer.preload_n = 0.0: outside its range; allowed: > 0 N"
     with pytest.raises(NoAnswer, match=r"balancer.preload_n: with 1e-30 N .* kink .*; enlarge it, to 0.00632 N"):
-        balance_drive(curve_of(lambda angles: np.sin(angles.theta)), replace(SPRING, preload_n=1e-30))
+        balance_drive(curve_of(lambda angles: np.sin(angles.theta)), replace(SPRING, preload_n=1e-30), 6.0)
+
+
+@pytest.mark.parametrize("mass", [2.0, 200.0])
+def test_a_follower_with_a_mass_takes_part(mass: float) -> None:
+    """Its inertia at the lift's speed, by the forces on the follower; the motion is integrated, and left to some digits less."""
+    lift = Study(LIFT)
+    spring = replace(SPRING, follower_mass_kg=mass, phase_deg=33.0)
+    balance = study_of(lift.load_curve, spring, LIFT.shaft.rotation, LIFT.shaft.speed_rpm)
+    own = np.deg2rad(degrees(720))
+    torque = lift.at_theta(np.mod(own + math.radians(33.0), TURN)).shaft_torque
+    left = torque + balance.at_theta(own).shaft_torque - lift.flywheel.mean_torque
+    assert np.abs(left).max() <= 1e-8 * np.ptp(torque)
+    assert balance.motion.y[0].min() >= -1e-9
+
+
+def test_a_follower_too_heavy_for_its_spring_is_refused() -> None:
+    with pytest.raises(NoAnswer, match=r"balancer.follower_mass_kg: the follower is too heavy .* at cam angle"):
+        balance_drive(curve_of(lambda angles: 40.0 * np.sin(angles.theta)), replace(SPRING, preload_n=10.0, follower_mass_kg=1e4), 60.0)
