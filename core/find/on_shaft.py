@@ -38,6 +38,7 @@ ENDS = ("_min", "_max")
 KEPT = 1e-9  # by which a limit may be missed, as a part of it
 RATES = np.exp(np.linspace(-4.0, 4.0, 9))  # times the present rate
 FINEST, LAST = 1e-2, 1e-9  # of the preload: of the curve, of the answer
+STIFFEST = 1e7  # times the softest spring tried
 GROWTH, MOST = 1.6, 1e7  # steps towards a preload that serves; the most of it, times the least
 CURVE = 73
 
@@ -238,6 +239,10 @@ def _balancer(design: Design, wish: Wish) -> Solution:
     preloads: list[float] = []
     for rate in rates[::-1]:  # a softer spring mostly takes more preload
         preloads.insert(0, _least_preload(trials, rate, least, most, FINEST, near=preloads[0] if preloads else least))
+    stiffest = min(STIFFEST * rates[0], wish.high(RATE))
+    while least < preloads[-1] == min(preloads) < math.inf and rates[-1] < stiffest:
+        rates.append(min(math.e * rates[-1], stiffest))
+        preloads.append(_least_preload(trials, rates[-1], least, most, FINEST, near=least))
     if not np.isfinite(preloads).any():
         return _unserved(trials, rates, most)
     best = min(preloads)
@@ -251,7 +256,7 @@ def _balancer(design: Design, wish: Wish) -> Solution:
         )  # fmt: skip
     preload = _least_preload(trials, rate, least, most, LAST, refined=True, near=best / GROWTH)
     curve = [*zip(rates, preloads, strict=True), (rate, preload)]
-    bounds = (wish.low(RATE), wish.high(RATE))
+    bounds = (wish.low(RATE), wish.high(RATE), stiffest)
     return _sprung(trials, rate, preload, curve, (), f"{RATE} = {rate:.9g}" if rate in bounds else "")
 
 

@@ -82,6 +82,13 @@ def test_find_balancer_is_the_softest_spring_of_the_least_preload_by_a_scan() ->
         assert pressure(float(softer), preload) > 25.0
 
 
+def test_find_balancer_comes_to_the_same_spring_from_a_far_too_soft_one() -> None:
+    wish = {FORCE: 2000.0, "pressure_angle_deg": 25.0, "balancer.spring_rate_n_per_mm_min": 2.0}
+    soft = find(replace(UNIT, balancer=replace(UNIT.balancer, spring_rate_n_per_mm=2.0)), "balancer", wish)
+    assert soft.answer[PRELOAD] == 2000.0
+    assert pressure(soft.answer[RATE], 2000.0) == pytest.approx(25.0, abs=1e-3)
+
+
 def test_with_a_bounded_rate_find_balancer_gives_the_least_preload_by_a_scan() -> None:
     found = find(UNIT, "balancer", {FORCE: 2000.0, f"{RATE}_max": 60.0, "pressure_angle_deg": 25.0})
     rate, preload = found.answer[RATE], found.answer[PRELOAD]
