@@ -12,7 +12,7 @@ from core.design import Shaft, si
 from core.errors import NoAnswer
 from core.findings import ERROR, Finding
 from core.frozen import frozen
-from core.motion import Angles
+from core.motion import TURN, Angles
 from core.shaft.curve import LoadCurve
 from core.shaft.energy import energy_range
 from core.shaft.linear import filtered, lag, motor_inertia
@@ -31,11 +31,18 @@ class Flywheel:
     """Made of the load over one turn and the shaft; each figure when it is read.
 
     torque  call with Angles: that of the load at constant speed, T_c (n,) [N m]
+    load    by the angle that the shaft has turned through
+    sense   -1 of a crank whose angle falls as the shaft turns: then angles are turned round for the load
     """
 
     torque: Callable[[Angles], np.ndarray]
     load: LoadCurve
     shaft: Shaft
+    sense: float = 1.0
+
+    def _turned(self, angles: Angles) -> np.ndarray:
+        """How far the shaft has turned (n,) [rad]."""
+        return angles.theta if self.sense > 0.0 else np.mod(-angles.theta, TURN)
 
     # -- sizing -------------------------------------------------------------------------------------------
 
@@ -98,7 +105,7 @@ class Flywheel:
                 "the motor stalls, this flywheel does not carry the load over its peak", "shaft.flywheel_inertia_kg_m2",
                 "enlarge it, or motor_slope_nm_s_per_rad",
             )  # fmt: skip
-        return self._steady.deviation(angles.theta)
+        return self._steady.deviation(self._turned(angles))
 
     def speed(self, angles: Angles) -> np.ndarray:
         """ω (n,) [rad/s]. Raises NoAnswer where the motor stalls."""
@@ -115,7 +122,7 @@ class Flywheel:
         T_n/(1 + i n I ω̄/k) (Shin1995 Figs. 19, 20) (n,) [N m]."""
         if not levels(self.shaft):
             return self.torque(angles)
-        return self.load.mean + lag(self.shaft) * self._linear(angles.theta)
+        return self.load.mean + lag(self.shaft) * self._linear(self._turned(angles))
 
     @cached_property
     def _linear(self) -> Callable[[np.ndarray], np.ndarray]:

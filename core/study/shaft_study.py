@@ -144,8 +144,11 @@ class ShaftStudy:
         if name in self.failures:
             raise self.failures[name]
         parts = self.drives[name].depends_on("dynamics"), self.places[name]
-        curve: LoadCurve = memory.get("load on shaft", parts, lambda: combined([(self.drives[name].load_curve, self.places[name])]))
+        curve: LoadCurve = memory.get("load on shaft", parts, lambda: combined([self._turned_load(name)]))
         return curve
+
+    def _turned_load(self, name: str) -> tuple[LoadCurve, Place]:
+        return self.drives[name].load_curve, Place(self.places[name].phase)
 
     @property
     def cams_torque(self) -> np.ndarray:
@@ -169,7 +172,7 @@ class ShaftStudy:
 
         def compute() -> LoadCurve:
             evaluations["shaft load"] += 1
-            return combined([(self.drives[name].load_curve, self.places[name]) for name in self.carried])
+            return combined([self._turned_load(name) for name in self.carried])
 
         curve: LoadCurve = memory.get("shaft load", self._key, compute)
         return curve
@@ -392,7 +395,7 @@ class ShaftStudy:
 
 
 def _place(study: Study, phase_deg: float) -> Place:
-    return Place(float(np.deg2rad(phase_deg % 360.0)), study.sense if study.by_crank else 1.0)
+    return Place(float(np.deg2rad(phase_deg % 360.0)), study.turning)
 
 
 def _there(study: Study, place: Place, samples: int, theta: np.ndarray | None) -> Study:

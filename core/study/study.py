@@ -22,8 +22,9 @@ from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mec
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.extremes import Extreme, Range, find_above, find_extremes
+from core.motion.turn import Place
 from core.numerics.lazy import locked
-from core.shaft import Flywheel, LoadCurve, levels, load_curve
+from core.shaft import Flywheel, LoadCurve, combined, levels, load_curve
 from core.study import cam_checks
 from core.study.certificate import certificate
 from core.study.failures import failing_ranges
@@ -352,7 +353,7 @@ class Study:
     def _flywheel(self) -> Flywheel:
         evaluations["flywheel"] += 1
         assert self.design.shaft is not None
-        return Flywheel(lambda angles: self.at(angles).shaft_torque, self.load_curve, self.design.shaft)
+        return Flywheel(lambda angles: self.at(angles).shaft_torque, self.load_curve, self.design.shaft, self.turning)
 
     @property
     def shaft_torque(self) -> np.ndarray:
@@ -366,16 +367,26 @@ class Study:
         return "cam" in self.stages or self.by_crank
 
     @property
+    def turning(self) -> float:
+        """+1, or -1 of a crank whose angle, counted counter-clockwise, falls as the shaft turns."""
+        return self.sense if self.by_crank else 1.0
+
+    @property
     def load_curve(self) -> LoadCurve:
-        """What it asks of the shaft over one turn. Raises NoAnswer where friction jams, or a crank cannot turn fully."""
+        """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
+        friction jams, or a crank cannot turn fully."""
         if self.jam is not None:
             angle = float(np.rad2deg(self.jam.theta))
             what, field = ("contact", "loads.contact_friction") if self._contact_jams else ("guide", "loads.friction")
             raise NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
-        curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._fitted_load)
+        curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._turned_load)
         return curve
+
+    def _turned_load(self) -> LoadCurve:
+        curve = self._fitted_load()
+        return curve if self.turning > 0.0 else combined([(curve, Place(0.0, self.turning))])
 
     def _fitted_load(self) -> LoadCurve:
         there = lru_cache(maxsize=1)(self.at)  # load and guide are needed at the same angles

@@ -253,6 +253,9 @@ def test_a_crank_turns_with_a_shaft_that_runs_clockwise() -> None:
     assert np.array_equal(study.torque, there.shaft_torque[(40 - np.arange(360)) % 360])
     assert np.abs(value(study.load, study.theta) - study.torque).max() <= 1e-12 * np.abs(study.torque).max()
     assert study.certificate()["power_balance"].kept
+    alone = Study(edited(replace(CRANK, shaft=shaft), "shaft.speed_rpm", 40.0), 360)
+    speed = alone.flywheel.speed(alone.angles)
+    assert np.abs(study.speed - speed[(40 - np.arange(360)) % 360]).max() <= 1e-12 * study.omega
 
 
 def test_one_drive_in_a_list_has_the_numbers_that_it_has_alone(tmp_path: Path) -> None:
