@@ -163,9 +163,7 @@ def remove_drive(design: Design, index: int) -> Design:
     if len(design.drives) == 1:
         return design
     name = design.drives[index].name or ""
-    kept = [i for i, t in enumerate(design.timing) if name not in (drive_of(t.first), drive_of(t.second))]
-    marks = _followed(design.assumed, _OF_TIMING, kept)
-    fewer = replace(design, timing=tuple(design.timing[i] for i in kept), assumed=marks)
+    fewer = reorder_timing(design, [i for i, t in enumerate(design.timing) if name not in (drive_of(t.first), drive_of(t.second))])
     return _reordered(fewer, [i for i in range(len(design.drives)) if i != index])
 
 
@@ -189,6 +187,19 @@ def with_phase(design: Design, index: int, phase_deg: float) -> Design:
     drives = list(design.drives)
     drives[index] = replace(drives[index], phase_deg=phase_deg)
     return with_drives(design, drives)
+
+
+def with_timing(design: Design, index: int, row: Timing) -> Design:
+    """One row of the timing in place of the one there; behind the last it is one more."""
+    rows = list(design.timing)
+    rows[index : index + 1] = [row]
+    return replace(design, timing=tuple(rows))
+
+
+def reorder_timing(design: Design, order: Sequence[int]) -> Design:
+    """The rows of the timing of these numbers, in this order: one less, moved, or twice; marks of what is assumed go with them."""
+    marks = _followed(design.assumed, _OF_TIMING, order)
+    return _in_file_order(replace(design, timing=tuple(design.timing[i] for i in order), assumed=marks))
 
 
 def free_name(design: Design, name: str) -> str:

@@ -86,21 +86,21 @@ def distances(design: Design) -> tuple[Distance, ...]:
     at = events(design)
     made = []
     for row in design.timing:
-        first, second = at[_plain(design, row.first)], at[_plain(design, row.second)]
+        first, second = at[named_event(design, row.first)], at[named_event(design, row.second)]
         spare = (second - first - row.least_deg + 180.0) % 360.0 - 180.0
         made.append(Distance(first, second, spare + row.least_deg, spare))
     return tuple(made)
 
 
-def _plain(design: Design, event: str) -> str:
-    """The event by its drive's name, where it stands by its slug."""
+def named_event(design: Design, event: str) -> str:
+    """An event by its drive's name, where it is written by its slug."""
     name, by_slug = drive_of(event), dict(zip(slugs(design), drive_names(design), strict=True))
     return event if name in drive_names(design) or name not in by_slug else by_slug[name] + event.removeprefix(name)
 
 
 def known(design: Design, event: str) -> bool:
     """Whether the design has such an event."""
-    return _plain(design, event) in events(design)
+    return named_event(design, event) in events(design)
 
 
 def contradiction(design: Design) -> tuple[int, ...]:
@@ -112,7 +112,7 @@ def contradiction(design: Design) -> tuple[int, ...]:
     """
     rows = distances(design)
     names = list(drive_names(design))
-    arcs = [(names.index(drive_of(_plain(design, t.first))), names.index(drive_of(_plain(design, t.second))), -d.spare_deg)
+    arcs = [(names.index(drive_of(named_event(design, t.first))), names.index(drive_of(named_event(design, t.second))), -d.spare_deg)
             for t, d in zip(design.timing, rows, strict=True)]  # fmt: skip
     reach, by = [0.0] * len(names), [-1] * len(names)
     last = -1

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from core.design import CRANK, UNITS, distances, entries
+from core.design import CRANK, UNITS, Design, distances, entries
 from core.laws import find_law
 from core.output.channels import Channel, channels
 from core.output.lines import columns, digits, finding_line, printable
 from core.output.shaft_summary import shaft_flywheel, shaft_torque
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
+from core.output.timing import event_rows
 from core.shaft import peaks
 from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
@@ -257,7 +258,14 @@ def _timing(study: ShaftStudy) -> list[str]:
     for row, at in zip(study.design.timing, distances(study.design), strict=True):
         figures = (digits(at.first_deg), printable(row.second), digits(at.second_deg), digits(at.after_deg), digits(row.least_deg))
         rows.append((printable(row.first), *figures, "kept" if at.kept else "BROKEN"))
-    return _heading("Timing") + columns(rows) if len(rows) > 1 else []
+    return [*(_heading("Timing") + columns(rows) if len(rows) > 1 else []), *_events(study.design)]
+
+
+def _events(design: Design) -> list[str]:
+    """Where rises and returns start and end, in the order of the turn."""
+    rows: list[Sequence[str]] = [("Event", "at °", "ms")]
+    rows += [(printable(name), digits(angle), digits(time)) for name, angle, time in event_rows(design)]
+    return _heading("Events, by machine angle") + columns(rows) if len(rows) > 1 else []
 
 
 def _torque(study: ShaftStudy) -> list[str]:

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -448,3 +449,4 @@ def test_commands_on_one_drive_ask_which_one(tmp_path: Path, capsys: pytest.Capt
     text = capsys.readouterr().out
     assert "Drives, by machine angle" in text
     assert "Timing" in text
+    assert re.search(r"Clamp\.return\.1\.end +123\.0* +1025\.0*\n", text), "events by machine angle, with their times"
