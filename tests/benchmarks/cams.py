@@ -161,7 +161,7 @@ PROFILE = Kernel(
         Method("finite differences, places by hand", finite_differences, (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6), "step", special=True),
         Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table of the pitch curve", from_curve, FEW, "points", keeps=quintic),
-        by_table(at_knots),
+        *by_table(at_knots),
     ),
     roundings=34 + 10 + 12 + 24,  # as in the cam's own tests, and 24 of the motion
     digits=8e-15,
@@ -236,7 +236,7 @@ CURVATURE = Kernel(
         Method("finite differences, places by hand", bend_by_differences, STEPS, "step", special=True),
         Method("cubic spline of the pitch curve", bend_of_curve, POINTS, "points", keeps=cubic),
         Method("quintic table of the pitch curve", bend_of_curve, FEW, "points", keeps=quintic),
-        by_table(bend_at_knots),
+        *by_table(bend_at_knots),
     ),
     roundings=34 + 10 + 12 + 24,
     digits=1.2e-14,

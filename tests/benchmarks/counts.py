@@ -20,6 +20,7 @@ from core.study.stages import clear_caches
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
 MIB = 2**20
+CERTIFICATE = "certificate of 60 links"
 Run = Callable[[], object]
 
 
@@ -126,7 +127,7 @@ def cases(segments: int = 3000) -> tuple[Case, ...]:
     head, _ = _around_the_segments("transfer_lift")
     unknown = lift + "".join(f"key{i} = {i}\n" for i in range(60_000))
     return (
-        Case("certificate of 60 links", _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
+        Case(CERTIFICATE, _certificate(chain(60)), 200_000, 80 * MIB, 500.0),
         Case("check of a fall in 0.09°", _checked(short_fall(0.09)), 600_000, 300 * MIB, 3000.0),
         Case("check of a fall in 0.01°", _checked(short_fall(0.01)), 600_000, 300 * MIB, 3000.0),
         Case(f"check of {segments:,} segments", _checked(many_segments(segments)), 500_000 + 500 * segments, segments * MIB // 10, 2000.0),

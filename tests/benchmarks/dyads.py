@@ -188,6 +188,17 @@ def from_harmonics(there: Any, kept: Any) -> Channels:
     return list(told * np.exp(1j * numbers[0] * there.theta))
 
 
+def by_transform(there: Any, kept: Any) -> Channels:
+    """The same on an even grid over the turn, by inverse transforms of as many places."""
+    numbers, c = kept
+    theta, n = there.theta, there.theta.size
+    first = c * np.exp(1j * numbers * theta[0])
+    wide = np.zeros((3, n), dtype=complex)
+    where = numbers.astype(int)
+    wide[:, where] = n * np.stack((first, 1j * numbers * first, -numbers * numbers * first))
+    return list(np.fft.ifft(wide))
+
+
 KERNEL = Kernel(
     "dyads",
     "General linkage by dyads: a four-bar",
@@ -201,10 +212,11 @@ KERNEL = Kernel(
         Method("Newton (fsolve)", newton, (1e-10, 1e-2, 1e-5), "xtol", one_by_one=True),
         Method("finite differences", finite_differences, STEPS, "step", special=True),
         Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
-        by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
+        *by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
         Method("harmonics", from_harmonics, (64, 16, 24, 32, 40, 48, 56), "points", keeps=fourier),
+        Method("harmonics (FFT)", by_transform, (64, 32, 40, 48, 56), "points", keeps=fourier, on_grid=True),
         Method("pylinkage, numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),
         Method("pylinkage's formulas, numba", peers.dyad, needs=("pylinkage", "numba"), special=True),
         Method("pylinkage's formulas", peers.dyad_plain, needs=("pylinkage",), special=True, one_by_one=True),

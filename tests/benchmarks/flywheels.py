@@ -183,30 +183,102 @@ def _rate(stretch: Stretch) -> Callable[[float, Any], tuple[float]]:
     return rate
 
 
-def adaptive(there: Any, kept: Any) -> Channels:
-    """scipy's solve_ivp over one turn, stopped at the joins as ours is; the turn closed by secants, its own dense output."""
-    from scipy.integrate import solve_ivp
-
-    method, tolerance, mean, size, stretches, at_angles = kept
-    rates = [(stretch[:2], _rate(stretch)) for stretch in stretches]
-    solved: list[Any] = []
+def _turned(there: Any, kept: Any, through: Callable[[Any, Stretch, float, np.ndarray], np.ndarray]) -> Channels:
+    """One turn from join to join of the motion, closed by secants. through: (kept, stretch, e at its beginning, angles) -> e at
+    these and at its end."""
+    mean, size, stretches, at_angles = kept[2:]
+    theta = there.theta
+    where = np.searchsorted([stretch[0] for stretch in stretches], theta, side="right") - 1
+    inside = [where == i for i in range(len(stretches))]
+    at = [theta[rows] for rows in inside]
+    found = np.empty(theta.size)
 
     def once(e: float) -> float:
-        solved.clear()
-        for span, rate in rates:
-            told = solve_ivp(rate, span, [e], method, rtol=tolerance, atol=tolerance * size, dense_output=True)
-            solved.append(told.sol)
-            e = float(told.y[0, -1])
+        for stretch, rows, here in zip(stretches, inside, at, strict=True):
+            told = through(kept, stretch, e, here)
+            found[rows] = told[:-1]
+            e = float(told[-1])
         return e
 
-    closed(once, 3.0 * tolerance * size)
-    theta, e = there.theta, np.empty(there.theta.size)
-    where = np.searchsorted([stretch[0] for stretch in stretches], theta, side="right") - 1
-    for i, curve in enumerate(solved):
-        inside = where == i
-        if inside.any():
-            e[inside] = curve(theta[inside])[0]
-    return (mean - SLOPE * _above(e, at_angles),)
+    closed(once, 3.0 * kept[1] * size)
+    return (mean - SLOPE * _above(found, at_angles),)
+
+
+def adaptive(there: Any, kept: Any) -> Channels:
+    """scipy's solve_ivp with its own dense output."""
+    from scipy.integrate import solve_ivp
+
+    def through(kept: Any, stretch: Stretch, e: float, at: np.ndarray) -> np.ndarray:
+        method, tolerance, _, size = kept[:4]
+        span = stretch[:2]
+        told = solve_ivp(_rate(stretch), span, [e], method, rtol=tolerance, atol=tolerance * size, dense_output=True)
+        inside = told.sol(at)[0] if at.size else at
+        return np.append(inside, told.y[0, -1])
+
+    return _turned(there, kept, through)
+
+
+def compiled(there: Any, kept: Any) -> Channels:
+    """scipy's odeint, which calls Python for the slope alone."""
+    from scipy.integrate import odeint
+
+    def through(kept: Any, stretch: Stretch, e: float, at: np.ndarray) -> np.ndarray:
+        _, tolerance, _, size = kept[:4]
+        times = np.concatenate((stretch[:1], at, stretch[1:2]))
+        told = odeint(_rate(stretch), [e], times, tfirst=True, rtol=tolerance, atol=tolerance * size, mxstep=100_000)
+        return np.asarray(told[1:, 0])
+
+    return _turned(there, kept, through)
+
+
+# -- polynomials from join to join ------------------------------------------------------------------------
+
+
+def collocated(there: Any, nodes: int) -> Any:
+    """Torque and inertia at so many of Gauss's nodes between two joins of the motion, integrals to the nodes and values at the
+    given cam angles of the polynomial through values at them."""
+    from numpy.polynomial.legendre import leggauss, legvander
+
+    ends = np.append(np.asarray(there.program.starts, dtype=float), TURN)
+    half, middle = np.diff(ends) / 2.0, (ends[1:] + ends[:-1]) / 2.0
+    x, weights = leggauss(nodes)
+    number = np.arange(nodes)
+    values = legvander(x, nodes)
+    to_nodes = np.concatenate((x[:, None] + 1.0, (values[:, 2:] - values[:, :-2]) / (2 * number[1:] + 1)), axis=1)
+    coefficients = (values[:, :nodes] * weights[:, None]).T * (number[:, None] + 0.5)
+    theta = middle[:, None] + half[:, None] * x
+    torque, worth = (row.reshape(theta.shape) for row in _load(there, theta.ravel()))
+    mean = float((half[:, None] * weights * torque).sum()) / TURN
+    within, whole = half[:, None, None] * (to_nodes @ coefficients), half[:, None] * weights
+    where = np.searchsorted(ends, there.theta, side="right") - 1
+    at = [(there.theta[where == i] - middle[i]) / half[i] for i in range(half.size)]
+    between = [legvander(row, nodes - 1) @ coefficients for row in at]
+    return mean, torque - mean, worth, within, whole, between, _load(there, there.theta)[1]
+
+
+def collocation(there: Any, kept: Any) -> Channels:
+    """e' = -(T - T̄) - k (ω - ω̄) at the nodes by Newton's method, the stretches joined and the turn closed in every step."""
+    mean, drive, worth, within, whole, between, at_angles = kept
+    e, identity = np.zeros(drive.shape), np.eye(drive.shape[1])
+    for _ in range(12):
+        above = _above(e, worth)
+        slope = -SLOPE / (worth * (MEAN + above))
+        rest = -drive - SLOPE * above - slope * e
+        sides = np.stack((np.ones(e.shape), (within @ rest[:, :, None])[:, :, 0]), axis=-1)
+        solved = np.linalg.solve(identity - within * slope[:, None, :], sides)  # e is the first of its begin, and the second
+        gains = np.stack((1.0 + (whole * slope * solved[:, :, 0]).sum(1), (whole * (rest + slope * solved[:, :, 1])).sum(1)), axis=1)
+        kept_share, gained = 1.0, 0.0
+        for share, gain in gains.tolist():
+            kept_share, gained = kept_share * share, gained * share + gain
+        begins = [gained / (1.0 - kept_share)]
+        for share, gain in gains[:-1].tolist():
+            begins.append(begins[-1] * share + gain)
+        after = np.array(begins)[:, None] * solved[:, :, 0] + solved[:, :, 1]
+        moved, e = float(np.abs(after - e).max()), after
+        if moved <= 1e-8 * float(np.abs(e).max()):  # and the square of it is left
+            break
+    told = np.concatenate([rows @ row for rows, row in zip(between, e, strict=True)])
+    return (mean - SLOPE * _above(told, at_angles),)
 
 
 TOLERANCES = (1e-8, 1e-3, 3e-4, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
@@ -215,14 +287,15 @@ SAMPLES = ((1e-6, 720), (1e-8, 1440), (1e-9, 3600), (1e-10, 7200), (0.0, 14_400)
 """As few as a tolerance needs: the splines' error is below it."""
 
 
-def _by(method: str, least: float = 1e-13) -> Method:
+def _by(name: str, solve: Any) -> Method:
     pairs = [(t, next(count for below, count in SAMPLES if t >= below)) for t in TOLERANCES]
-    settings = tuple((method, *pair) for pair in pairs if pair[0] >= least)
-    return Method(f"solve_ivp {method}", adaptive, settings, "rtol, samples", keeps=splines, one_by_one=True)
+    settings = tuple((name.split()[-1], *pair) for pair in pairs)
+    return Method(name, solve, settings, "rtol, samples", keeps=splines, one_by_one=True)
 
 
-TRANSFORMS = ((1, 9), (0.05, 4), (0.1, 4), (0.25, 6), (0.5, 7), (1, 7), (2, 10), (4, 11), (10, 12), (14, 13), (16, 13), (20, 13))
-POINTS = (3600, 180, 360, 720, 1440, 1800, 2880, 5760, 7200, 11_520, 14_400, 36_000)
+TRANSFORMS = ((1, 9), (0.05, 4), (0.1, 4), (0.25, 6), (0.5, 7), (1, 7), (2, 10), (4, 11), (10, 12), (16, 13))
+NODES = (16, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 18, 20)
+POINTS = (3600, 180, 360, 720, 1440, 2880, 5760, 11_520)
 
 
 def of_as_many(setting: tuple[float, float], by: float) -> tuple[float, float] | None:
@@ -241,13 +314,15 @@ KERNEL = Kernel(
         Method("KINDYNA", ours, ours=True, keeps=our_load),
         Method("harmonics (FFT)", harmonics, TRANSFORMS, "samples by angles, digits", keeps=samples, on_grid=True, scaled=of_as_many),
         Method("RK4, fixed steps", fixed_steps, POINTS, "points", keeps=steps, one_by_one=True),
-        *(_by(method) for method in ("RK45", "DOP853", "LSODA")),
-        _by("Radau", 1e-10),
+        _by("solve_ivp DOP853", adaptive),
+        _by("odeint", compiled),
+        Method("collocation from join to join", collocation, NODES, "nodes", keeps=collocated),
     ),
     # the motor's torque is a mean of the cam's; between ten values and their polynomial stand two sums of ten and
     # Lebesgue's constant of 2.5, from panel to panel some 240 roundings
     roundings=34 + 22 + 30 + 24 + 2 * 10 * 2.5 + 240,
     digits=1.2e-14,
     handed="a function that gives the cam's torque and inertia at any cam angles, and the joins of the motion",
-    warm="torque and inertia: samples, splines, polynomials",
+    sizes=(360, 3600, 36_000, 1),
+    warm="torque and inertia: samples, splines, polynomials, matrices of integrals",
 )

@@ -172,7 +172,7 @@ KERNEL = Kernel(
             "differences between the given places, by hand", on_grid, ON_GRID, "order, every", special=True, on_grid=True,
             scaled=as_far_apart,
         ),
-        by_table(at_knots),
+        *by_table(at_knots),
         Method("cubic spline", lambda there, curve: curve(there.theta), POINTS[:7], "points", keeps=cubic),
     ),
     roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion

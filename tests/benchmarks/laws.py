@@ -68,7 +68,7 @@ KERNEL = Kernel(
         Method("numpy by hand", by_hand, special=True),
         Method("textbook branches", branches, special=True),
         Method("finite differences", differences, STEPS, "step", special=True),
-        by_table(lambda at: by_hand(at, None), where=lambda u: u, end=1.0),
+        *by_table(lambda at: by_hand(at, None), where=lambda u: u, end=1.0),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
     ),

@@ -201,7 +201,7 @@ KERNEL = Kernel(
         Method("Newton (fsolve)", newton, TOLERANCES, "xtol", one_by_one=True),
         Method("finite differences", finite_differences, STEPS, "step", special=True),
         Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
-        by_table(lambda at: by_hand(motion_at(at), None)),
+        *by_table(lambda at: by_hand(motion_at(at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
         Method("quintic table", from_curve, FEW, "points", keeps=quintic),
         Method("pylinkage's formulas, numba", peers.pylinkage, needs=("pylinkage", "numba"), special=True),

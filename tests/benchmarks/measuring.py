@@ -8,11 +8,11 @@ import io
 import math
 import time
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from benchmarks.table import Kernel, Method, forget, kernels
 from benchmarks.timing import Fresh, Run, measure, peak_memory
@@ -23,10 +23,11 @@ from core.project.files import write_all
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "out" / "bench"
 FEWEST = 36  # angles of an even grid; for fewer its differences mean nothing
-MOST_MEMORY_RUN = 0.6  # [s] longer ones are not repeated to measure their memory, ...
+MOST_MEMORY_RUN = 0.2  # [s] longer ones are not repeated to measure their memory, ...
 MOST_MEMORY_LOOP = 0.05  # ... nor loops of Python, which take many times as long then
 
 
+T = TypeVar("T")
 WARM, COLD = "warm", "cold"
 SMALL = -9  # power of ten: an error within which methods are compared at other sizes
 
@@ -52,7 +53,7 @@ class Row:
 
 WINDOW = (  # kernels of the window, which window.py measures
     "edit to paint", "drag to paint", "animation", "tables to paint, after a pause", "edit to paint, six-bar",
-    "drag to paint, six-bar", "animation, six-bar", "start",
+    "drag to paint, six-bar", "animation, six-bar", "animation, six-bar at 1920 x 1080", "start",
 )  # fmt: skip
 COLUMNS = tuple(field.name for field in fields(Row))
 
@@ -62,16 +63,21 @@ class Plan:
     """How long and how much: seconds for a method at the usual size, and for one at each other size; how many sizes and
     settings; the longest single run [s] that a size may be expected to take."""
 
-    usual: float = 0.1
-    growth: float = 0.05
+    usual: float = 0.04
+    growth: float = 0.03
     sizes: int = 99
     settings: int = 99
-    longest: float = 0.5
-    rounds: int = 15  # of the window
+    longest: float = 0.2
+    rounds: int = 11  # of the window
     starts: int = 5
+    targets: float = 1.5  # for those of kernels, once
+    large: bool = True  # exports of millions of angles
 
 
-FULL, QUICK = Plan(), Plan(usual=0.03, growth=0.02, sizes=2, settings=1, longest=0.1, rounds=3, starts=1)
+FULL = Plan()
+QUICK = Plan(
+    usual=0.03, growth=0.02, sizes=2, settings=1, longest=0.1, rounds=3, starts=1, targets=0.3, large=False,
+)  # fmt: skip
 
 
 def _text(setting: Any) -> str:
@@ -85,36 +91,40 @@ def _lacking(kernel: Kernel, method: Method) -> Row:
     return Row(kernel.name, method.name, kernel.usual, nan, nan, nan, "", nan, nan, f"{method.lacks} is not installed")
 
 
-def _memory(run: Any, seconds: float, method: Method) -> float:
+def _memory(run: Run | Fresh, seconds: float, method: Method) -> float:
+    run = run.make() if isinstance(run, Fresh) else run
     return peak_memory(run) if seconds <= (MOST_MEMORY_LOOP if method.one_by_one else MOST_MEMORY_RUN) else math.nan
 
 
-def warm_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Fresh:
-    """On what nobody has read yet, with what may be kept."""
+def warm_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Run | Fresh:
+    """With what may be kept; ours each time on what nobody has read yet, the others on what lies there read."""
     kept = method.kept(there, setting)
-
-    def make() -> Run:
-        return partial(method.solve, kernel.again(there), kept)
-
-    return Fresh(make)
+    if not method.ours:
+        return partial(method.solve, there, kept)
+    return Fresh(lambda: partial(method.solve, kernel.again(there), kept))
 
 
-def cold_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Fresh:
+def cold_run(kernel: Kernel, method: Method, there: Any, setting: Any) -> Run | Fresh:
     """The same with nothing kept: whatever is kept is made within the time."""
+    if not method.ours:
+        return partial(method.cold, there, setting)
 
     def make() -> Run:
         given = kernel.again(there)
-        if method.ours:
-            forget()
+        forget()
         return partial(method.cold, given, setting)
 
-    return Fresh(make, alone=method.ours)
+    return Fresh(make, alone=True)
+
+
+def once(run: Run | Fresh) -> object:
+    return run.make()() if isinstance(run, Fresh) else run()
 
 
 def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
     """Every method with each of its settings, warm and cold: time and true error. A method that keeps nothing is the same
     in both."""
-    there = kernel.given(kernel.grid(kernel.usual))
+    there = kernel.again(kernel.given(kernel.grid(kernel.usual)))
     told = [(m, s) for m in kernel.methods if not m.lacks for s in m.settings[: plan.settings]]
     runs = {}
     for i, (method, setting) in enumerate(told):
@@ -122,11 +132,12 @@ def at_usual_size(kernel: Kernel, plan: Plan) -> Iterator[Row]:
         if method.ours or method.keeps:
             runs[f"{COLD} {i}"] = cold_run(kernel, method, there, setting)
         if not method.one_by_one:
-            runs[f"{WARM} {i}"].make()()  # compile, import, fill caches
+            once(runs[f"{WARM} {i}"])  # compile, import, fill caches
     times = measure(runs, kernel.usual, plan.usual * len(runs))
     for i, (method, setting) in enumerate(told):
         error = kernel.error(method, setting)
-        memory = _memory(runs[f"{WARM} {i}"].make(), times.seconds[f"{WARM} {i}"], method)
+        usual = setting == method.settings[0]
+        memory = _memory(runs[f"{WARM} {i}"], times.seconds[f"{WARM} {i}"], method) if usual else math.nan
         for regime in (WARM, COLD):
             name = f"{regime} {i}" if f"{regime} {i}" in runs else f"{WARM} {i}"
             seconds = times.seconds[name]
@@ -160,7 +171,7 @@ def _grown(kernel: Kernel, plan: Plan, usual: Sequence[Row], n: int) -> Iterator
 def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
     """Methods at the other sizes, warm."""
     for n in [n for n in kernel.sizes[: plan.sizes] if n != kernel.usual]:
-        there = kernel.given(kernel.grid(n))
+        there = kernel.again(kernel.given(kernel.grid(n)))
         told = list(_grown(kernel, plan, usual, n))
         runs = {str(i): warm_run(kernel, method, there, setting) for i, (method, setting, _) in enumerate(told)}
         times = measure(runs, n, plan.growth * len(runs))
@@ -168,21 +179,27 @@ def growth(kernel: Kernel, plan: Plan, usual: Sequence[Row]) -> Iterator[Row]:
         for i, (method, setting, row) in enumerate(told):
             seconds = times.seconds[str(i)]
             yield Row(
-                kernel.name, method.name, n, seconds, row.error, _memory(runs[str(i)].make(), seconds, method),
+                kernel.name, method.name, n, seconds, row.error, _memory(runs[str(i)], seconds, method),
                 _text(setting), seconds / times.yardstick, seconds / ours, "", WARM, times.noise[str(i)],
             )  # fmt: skip
 
 
+def _told(what: str, run: Callable[[], T]) -> T:
+    """What comes of a run, and how long it took."""
+    began = time.perf_counter(), time.process_time()
+    made = run()
+    print(f"{what}: {time.perf_counter() - began[0]:.1f} s, {time.process_time() - began[1]:.1f} s of the processor", flush=True)
+    return made
+
+
 def measured(plan: Plan) -> list[Row]:
     keep_freed_memory()  # as every study does
-    rows: list[Row] = []
-    for kernel in kernels():
-        began = time.perf_counter()
+
+    def every(kernel: Kernel) -> list[Row]:
         usual = list(at_usual_size(kernel, plan))
-        rows += usual
-        rows += growth(kernel, plan, usual)
-        print(f"{kernel.name}: {time.perf_counter() - began:.1f} s", flush=True)
-    return rows
+        return [*usual, *growth(kernel, plan, usual)]
+
+    return [row for kernel in kernels() for row in _told(kernel.name, partial(every, kernel))]
 
 
 def in_the_window(plan: Plan) -> list[Row]:
@@ -217,17 +234,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     warnings.simplefilter("ignore")  # of methods that are made to fail
     began = time.perf_counter()
     plan = QUICK if asked.quick else FULL
-    rows = measured(plan) + in_the_window(plan)
+    rows = [*measured(plan), *_told("window", lambda: in_the_window(plan))]
     from benchmarks import counts, page, ratios, stress, targets
 
-    cases = stress.measured(asked.quick)
-    table, goals = ratios.markdown(rows), targets.as_csv(targets.told(rows))
-    bounds = counts.as_csv(list(counts.rows()))
+    cases = _told("stress", lambda: stress.measured(asked.quick))
+    large = _told("counts", lambda: list(counts.rows()))
+    found = _told("targets", lambda: targets.measured(rows, large, cases, plan.targets, plan.large))
+    table, goals, bounds = ratios.markdown(rows, targets.markdown(found)), targets.as_csv(found), counts.as_csv(large)
     texts = {"bench.csv": as_csv(rows), "targets.csv": goals, "counts.csv": bounds, "stress.csv": stress.as_csv(cases), "bench.md": table}
     write_all(asked.out, texts)
     write_all(asked.out, page.painted(rows, cases))
     if asked.readme:
-        ratios.into_page(ROOT / "README.md", f"{ratios.short(rows)}\n{ratios.noise(rows)}")
+        ratios.into_page(ROOT / "README.md", f"{ratios.short(rows)}{ratios.left_out(rows)}\n{ratios.noise(rows)}")
         ratios.into_page(ROOT / "resources/help/speed.md", table)
     print(table)
     print(goals)

@@ -146,7 +146,9 @@ def differences(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray,
 
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
 STEPS = (1e-4, 1e-2, 1e-3, 3e-4, 5e-5, 2e-5, 1e-5, 1e-6)
-POINTS = (3600, 90, 360, 1200, 6000, 12_000, 36_000, 120_000, 360_000)
+POINTS = (3600, 90, 360, 1200, 6000, 12_000, 36_000)
+EVEN = (3600, 360, 12_000, 36_000, 120_000)
+NEAREST = (120_000, 3600, 12_000, 36_000)
 FEW = (720, 90, 180, 360, 1440, 3600)
 
 
@@ -159,14 +161,33 @@ def looked_up(at: np.ndarray, table: tuple[np.ndarray, Sequence[np.ndarray]]) ->
     return [np.interp(at, table[0], column) for column in table[1]]
 
 
-def by_table(values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN) -> Method:
-    """Straight lines between exact values of every channel."""
+def by_table(values: Columns, where: Callable[[Any], np.ndarray] = attrgetter("theta"), end: float = TURN) -> tuple[Method, ...]:
+    """Exact values of every channel: straight lines between them by np.interp; the same with the place in the table by one
+    multiplication, as its steps are even; the nearest of them."""
 
     def keeps(there: Any, points: int) -> Any:
         at = knots(points, end)
         return at, values(at)
 
-    return Method("linear table", lambda there, kept: looked_up(where(there), kept), POINTS, "points", keeps=keeps)
+    def steps(there: Any, points: int) -> Any:
+        columns = [np.asarray(column) for column in values(knots(points, end))]
+        return points / end, [(column, np.diff(column)) for column in columns]
+
+    def between(there: Any, kept: Any) -> list[np.ndarray]:
+        after = where(there) * kept[0]
+        before = after.astype(np.intp)
+        after -= before
+        return [column.take(before) + after * steps.take(before) for column, steps in kept[1]]
+
+    def nearest(there: Any, kept: Any) -> list[np.ndarray]:
+        at = (where(there) * kept[0] + 0.5).astype(np.intp)
+        return [column.take(at) for column, _ in kept[1]]
+
+    return (
+        Method("linear table", lambda there, kept: looked_up(where(there), kept), POINTS, "points", keeps=keeps),
+        Method("linear table by even steps", between, EVEN, "points", keeps=steps),
+        Method("nearest value of a table", nearest, NEAREST, "points", keeps=steps),
+    )
 
 
 def splined(points: int, column: Callable[[np.ndarray], np.ndarray], end: float = TURN) -> Any:

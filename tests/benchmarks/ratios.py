@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks.measuring import COLD, FULL, SMALL, WARM, WINDOW, Row
-from benchmarks.table import SIZES, Kernel, kernels
+from benchmarks.table import SIZES, USUAL, Kernel, kernels
 
 from core.project.files import write_all
 
@@ -164,9 +164,21 @@ def _strongest(told: Told, exponent: int) -> str:
     return "; ".join(dict.fromkeys(texts)) or "no rival among those tried"
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """The ten lines; then for each kernel every method at every error, warm and cold; then the window."""
-    parts = [noise(rows), short(rows), *(_whole(Told.of(kernel, rows)) for kernel in kernels()), _sizes(rows), _window(rows)]
+def left_out(rows: Sequence[Row]) -> str:
+    """The same of the kernels that are not among the ten, as a sentence each."""
+    lines = []
+    for kernel in [k for k in kernels() if k.name not in TEN]:
+        told = Told.of(kernel, rows)
+        if told.of_method(kernel.ours.name, WARM):
+            cells = [f"within {power(e)} {_strongest(told, e)}" for e in SHORT]
+            lines.append(f"{kernel.title}: {'. '.join(cells)}.")
+    return "".join(f"\n{line}\n" for line in lines)
+
+
+def markdown(rows: Sequence[Row], goals: str = "") -> str:
+    """The ten lines; then for each kernel every method at every error, warm and cold; other sizes; the window; the targets."""
+    whole = (_whole(Told.of(kernel, rows)) for kernel in kernels())
+    parts = [noise(rows), short(rows), *whole, _sizes(rows), _other_units(rows), _window(rows), goals]
     return "\n".join(part for part in parts if part)
 
 
@@ -227,7 +239,7 @@ def _cold(told: Told) -> str:
 
 def _sizes(rows: Sequence[Row]) -> str:
     """At other numbers of cam angles: of the rivals within a small error the quickest, warm; sizes that were measured."""
-    told = [Told.of(kernel, rows) for kernel in kernels() if kernel.sizes == SIZES]
+    told = [Told.of(kernel, rows) for kernel in kernels() if kernel.usual == USUAL]
     cells = {n: [_at_size(t, rows, n) for t in told] for n in sorted(SIZES)}
     cells = {n: column for n, column in cells.items() if set(column) != {UNMEASURED}}
     if not cells:
@@ -235,12 +247,21 @@ def _sizes(rows: Sequence[Row]) -> str:
     table = [(t.kernel.title, [column[i] for column in cells.values()]) for i, t in enumerate(told)]
     lines = [_line([title, *row]) for title, row in table if set(row) != {UNMEASURED}]
     text = (
-        f"Warm only: the quickest rival of those that come within {power(SMALL)} at {SIZES[1]} cam angles, each in its quickest setting"
+        f"Warm only: the quickest rival of those that come within {power(SMALL)} at {USUAL} cam angles, each in its quickest setting"
         f" that does; differences between the given angles keep their neighbours as far apart. A run that would take longer than"
         f" {FULL.longest:g} s is not measured."
     )
     head = _head(["kernel", *(f"{n:,}".replace(",", " ") for n in cells)])
     return "\n".join(["### At other numbers of cam angles", "", text, "", *head, *lines]) + "\n"
+
+
+def _other_units(rows: Sequence[Row]) -> str:
+    """The same of the kernels that are not counted in cam angles."""
+    lines = []
+    for told in [Told.of(kernel, rows) for kernel in kernels() if kernel.usual != USUAL and len(kernel.sizes) > 1]:
+        cells = {n: _at_size(told, rows, n) for n in sorted(told.kernel.sizes)}
+        lines += [_line([told.kernel.title, f"{n} {told.kernel.unit}", cell]) for n, cell in cells.items() if cell != UNMEASURED]
+    return "\n".join([*_head(["kernel", "of", "quickest rival, warm"]), *lines]) + "\n" if lines else ""
 
 
 def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:

@@ -97,6 +97,19 @@ def adaptive(there: Any, setting: tuple[str, float]) -> Channels:
     return (_through(there, setting, SPEED),)
 
 
+def _compiled(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
+    from scipy.integrate import odeint
+
+    tolerance = setting[1]
+    given = {"rtol": tolerance, "atol": 1e-3 * tolerance, "hmax": 0.25, "mxstep": 100_000}
+    return np.asarray(odeint(either(eta), [0.0, 0.0], there.y, tfirst=True, **given)[:, 0])
+
+
+def compiled(there: Any, setting: tuple[str, float]) -> Channels:
+    """scipy's odeint, which calls Python for the slopes alone and finds the values between its steps itself."""
+    return (_compiled(there, setting, SPEED),)
+
+
 def _stopped(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
     from scipy.integrate import solve_ivp
 
@@ -176,9 +189,22 @@ def adaptive_of_many(there: Any, setting: tuple[str, float]) -> Channels:
     return list(solved.sol(there.y)[:m])
 
 
+def compiled_of_many(there: Any, setting: tuple[str, float]) -> Channels:
+    """scipy's odeint on all speeds as one vector."""
+    from scipy.integrate import odeint
+
+    m, tolerance = ETA.size, setting[1]
+
+    def rates(y: float, x: np.ndarray) -> np.ndarray:
+        return np.concatenate((x[m:], slopes_of_many(y, x[:m], x[m:])))
+
+    given = {"rtol": tolerance, "atol": 1e-3 * tolerance, "hmax": 0.25, "mxstep": 100_000}
+    return list(odeint(rates, np.zeros(2 * m), there.y, tfirst=True, **given)[:, :m].T)
+
+
 def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
-    """Each speed for itself."""
-    return [_through(there, setting, eta) for eta in SPEEDS]
+    """Each speed for itself by odeint."""
+    return [_compiled(there, setting, eta) for eta in SPEEDS]
 
 
 def one_piecewise_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
@@ -190,14 +216,14 @@ def one_piecewise_after_the_other(there: Any, setting: tuple[str, float]) -> Cha
 
 TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14)
 
-STEPS = (400, 50, 100, 200, 800, 1600, 3200, 6400)
+COARSE, FINE = TOLERANCES[:7], (1e-8, 1e-10, 1e-12, 1e-13)
+
+STEPS = (400, 50, 100, 200, 800, 1600, 3200)
 
 
-def _by(solve: Any, names: tuple[str, ...], what: str = "") -> list[Method]:
-    return [
-        Method(f"solve_ivp {name}{what}", solve, tuple((name, t) for t in TOLERANCES), "rtol", one_by_one=True, special=True)
-        for name in names
-    ]
+def _by(name: str, solve: Any, what: str = "", tolerances: tuple[float, ...] = TOLERANCES) -> Method:
+    settings = tuple((name.split()[-1], t) for t in tolerances)
+    return Method(f"{name}{what}", solve, settings, "rtol", one_by_one=True, special=True)
 
 
 HANDED = "the cam, Q, damping and speed; where β is wanted, 24 times a turn"
@@ -210,8 +236,9 @@ KERNEL = Kernel(
     methods=(
         Method("KINDYNA", ours, ours=True),
         Method("RK4, fixed steps", fixed_steps, STEPS, "steps a turn", one_by_one=True, special=True),
-        *_by(adaptive, ("DOP853", "LSODA")),
-        *_by(piecewise, ("DOP853", "LSODA"), ", stopped at the joins"),
+        _by("odeint", compiled),
+        _by("solve_ivp DOP853", adaptive),
+        _by("solve_ivp DOP853", piecewise, ", stopped at the joins"),
     ),
     # four roundings of the state a step of about twenty a turn
     roundings=4 * 20 / (2.0 * PI * SPEED),
@@ -231,15 +258,16 @@ MANY = Kernel(
     grid=lambda n: np.arange(OUTPUTS * n) / OUTPUTS,
     methods=(
         Method("KINDYNA", ours_of_many, ours=True),
-        Method("RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:6], "steps a turn", one_by_one=True, special=True),
-        *_by(adaptive_of_many, ("DOP853", "LSODA"), ", numpy"),
-        *_by(one_after_the_other, ("LSODA",), ", one after the other"),
-        *_by(one_piecewise_after_the_other, ("DOP853",), ", one after the other, stopped at the joins"),
+        Method("RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:5], "steps a turn", one_by_one=True, special=True),
+        _by("odeint", one_after_the_other, ", one after the other"),
+        _by("odeint", compiled_of_many, ", numpy", FINE),
+        _by("solve_ivp DOP853", adaptive_of_many, ", numpy", COARSE),
+        _by("solve_ivp DOP853", one_piecewise_after_the_other, ", one after the other, stopped at the joins", FINE),
     ),
     roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
     handed=HANDED,
     warm="what KINDYNA knows of its series",
-    sizes=(1, 5, 20),
+    sizes=(1, 5),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
