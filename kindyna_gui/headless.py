@@ -16,6 +16,7 @@ from types import MappingProxyType
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
 from core.commands.common import drive_option, verdict
+from core.design import distances
 from core.project import load, load_one
 from core.project.files import write, write_all
 from core.study import Study
@@ -65,6 +66,16 @@ def sheet(text: str) -> Path:
     return path
 
 
+def chart(text: str) -> Path:
+    """A file that a timing chart can be written to."""
+    from core.output.timing import ENDINGS
+
+    path = Path(text)
+    if path.suffix.lower() not in ENDINGS:
+        raise argparse.ArgumentTypeError(f"{text!r}: file of a timing chart; allowed endings: {', '.join(ENDINGS)}")
+    return path
+
+
 def _screenshot_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
     parser.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="folder to write to (out)")
@@ -92,6 +103,12 @@ def _drawing_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--flank", default="inner", choices=ALL_FLANKS, help="which side of the cam (inner)")
     drive_option(parser)
     parser.add_argument("--date", default="", metavar="TEXT", help="for the field of the title block, empty without it")
+
+
+def _timing_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("design", metavar="DESIGN", type=Path, help="design file (.toml)")
+    parser.add_argument("--out", type=chart, required=True, metavar="FILE", help=".pdf, .svg or .png; .csv: the events as a table")
+    parser.add_argument("--axis", choices=("deg", "ms"), default="deg", help="what its axis counts in (deg)")
 
 
 def never_shown() -> None:
@@ -164,6 +181,19 @@ def drawing(arguments: argparse.Namespace, painter: Painter | None) -> int:
     return verdict(study, ("cam",))
 
 
+def timing(arguments: argparse.Namespace, painter: Painter | None) -> int:
+    """The timing chart of a shaft, or its events as a table."""
+    design = load(arguments.design)
+    never_shown()
+    from kindyna_gui.pictures.timing_file import timing_file
+
+    with quiet():
+        data = timing_file(design, arguments.out.suffix.lower(), arguments.axis)
+    write(arguments.out, data)
+    print(arguments.out)
+    return DONE if all(row.kept for row in distances(design)) else DONE_WITH_ERRORS
+
+
 def selftest(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """Every example through the window: edit, undo, turn, export, compare."""
     never_shown()
@@ -182,6 +212,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "screenshots": Command("every view of the window as PNG", _screenshot_options, screenshots),
         "animation": Command("one turn of the mechanism as GIF or WebP", _animation_options, animation),
         "drawing": Command("the cam as a drawing for the workshop, PDF or SVG", _drawing_options, drawing),
+        "timing": Command("the timing chart of a shaft as PDF, SVG or PNG, or its events as CSV", _timing_options, timing),
         "selftest": Command("try every example through the window and compare with the core", _no_options, selftest),
     }
 )

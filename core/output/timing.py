@@ -12,6 +12,8 @@ from core.motion import program
 
 EVENTS = ("event", "machine_angle_deg", "time_ms")
 """Columns of the table of events."""
+ENDINGS = (".pdf", ".svg", ".png", ".csv")
+"""Files that the chart, or as .csv the table of events, can be written to."""
 SAMPLES = 360
 
 
@@ -76,4 +78,4 @@ def events_csv(design: Design) -> str:
     return "\n".join(lines) + "\n"
 
 
-__all__ = ["Band", "bands", "event_rows", "events_csv"]
+__all__ = ["ENDINGS", "Band", "bands", "event_rows", "events_csv"]

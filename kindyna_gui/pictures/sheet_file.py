@@ -132,10 +132,10 @@ def _font(height: float) -> QFont:
     return font(round(UNITS * height / CAPITALS))
 
 
-def _on(device: QPaintDevice, sheet: Sheet) -> None:
+def _on(device: QPaintDevice, paint: Callable[[QPainter], None]) -> None:
     painter = QPainter(device)
     try:
-        SheetPainter(painter, sheet.height).paint(sheet)
+        paint(painter)
     finally:
         painter.end()
 
@@ -152,42 +152,43 @@ def paint_sheet(painter: QPainter, sheet: Sheet, room: QRect) -> None:
     painter.restore()
 
 
-def _svg(sheet: Sheet) -> bytes:
+def vector_svg(title: str, about: str, width: float, height: float, paint: Callable[[QPainter], None]) -> bytes:
+    """A page of so many mm as SVG; ``paint`` paints in hundredths of a millimetre."""
     data = QByteArray()
     generator = QSvgGenerator()
     buffer = QBuffer(data)
     generator.setOutputDevice(buffer)
     generator.setResolution(DPI)
-    size = QSize(round(UNITS * sheet.width), round(UNITS * sheet.height))
+    size = QSize(round(UNITS * width), round(UNITS * height))
     generator.setSize(size)
     generator.setViewBox(QRect(0, 0, size.width(), size.height()))
-    generator.setTitle(sheet.title)
-    generator.setDescription(sheet.about)
-    _on(generator, sheet)
+    generator.setTitle(title)
+    generator.setDescription(about)
+    _on(generator, paint)
     return bytes(data.data())
 
 
-def _pdf(sheet: Sheet) -> bytes:
-    """Without the time at which it was written: the same sheet gives the same bytes."""
+def vector_pdf(title: str, about: str, width: float, height: float, paint: Callable[[QPainter], None]) -> bytes:
+    """The same as PDF, without the time at which it was written: the same page gives the same bytes."""
     data = QByteArray()
     buffer = QBuffer(data)
     buffer.open(QIODevice.OpenModeFlag.WriteOnly)
     writer = QPdfWriter(buffer)
     writer.setResolution(DPI)
-    writer.setPageSize(QPageSize(QSizeF(sheet.width, sheet.height), QPageSize.Unit.Millimeter, "", QPageSize.SizeMatchPolicy.ExactMatch))
+    writer.setPageSize(QPageSize(QSizeF(width, height), QPageSize.Unit.Millimeter, "", QPageSize.SizeMatchPolicy.ExactMatch))
     writer.setPageMargins(QMarginsF(0.0, 0.0, 0.0, 0.0))
-    writer.setTitle(sheet.title)
+    writer.setTitle(title)
     writer.setCreator("KINDYNA")
-    writer.setDocumentXmpMetadata(_xmp(sheet))
-    writer.setDocumentId(_identity(sheet))
-    _on(writer, sheet)
+    writer.setDocumentXmpMetadata(_xmp(title, about))
+    writer.setDocumentId(_identity(title, about))
+    _on(writer, paint)
     buffer.close()
     return DATES.sub(lambda found: b" " * len(found[0]), bytes(data.data()))
 
 
-def _xmp(sheet: Sheet) -> QByteArray:
+def _xmp(title: str, about: str) -> QByteArray:
     """Title and description, as readers of PDF look for them; Qt's own would hold the time."""
-    title, about = escape(sheet.title), escape(sheet.about)
+    title, about = escape(title), escape(about)
     text = (
         '<x:xmpmeta xmlns:x="adobe:ns:meta/"><rdf:RDF xmlns:rdf="http://www.w3.org/1999/02/22-rdf-syntax-ns#">'
         '<rdf:Description rdf:about="" xmlns:dc="http://purl.org/dc/elements/1.1/">'
@@ -198,19 +199,22 @@ def _xmp(sheet: Sheet) -> QByteArray:
     return QByteArray(text.encode("utf-8", "replace"))
 
 
-def _identity(sheet: Sheet) -> QUuid:
-    """By what the sheet is, not by chance."""
-    return QUuid(str(uuid.uuid5(uuid.NAMESPACE_OID, f"{sheet.title}\n{sheet.about}")))
+def _identity(title: str, about: str) -> QUuid:
+    """By what the page is, not by chance."""
+    return QUuid(str(uuid.uuid5(uuid.NAMESPACE_OID, f"{title}\n{about}")))
 
 
-FILES: Mapping[str, Callable[[Sheet], bytes]] = MappingProxyType({".pdf": _pdf, ".svg": _svg})
+Writer = Callable[[str, str, float, float, Callable[[QPainter], None]], bytes]
+FILES: Mapping[str, Writer] = MappingProxyType({".pdf": vector_pdf, ".svg": vector_svg})
 assert tuple(FILES) == ENDINGS
 
 
 def sheet_file(sheet: Sheet, ending: str) -> bytes:
     """The sheet as a file of a row of ``FILES``."""
     ensure_app(offscreen=True)
-    return FILES[ending](sheet)
+    return FILES[ending](
+        sheet.title, sheet.about, sheet.width, sheet.height, lambda painter: SheetPainter(painter, sheet.height).paint(sheet)
+    )
 
 
-__all__ = ["FILES", "paint_sheet", "sheet_file"]
+__all__ = ["FILES", "UNITS", "paint_sheet", "sheet_file"]

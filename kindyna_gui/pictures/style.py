@@ -39,6 +39,11 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
 """Family of a channel -> colour. Black turns white on dark paper."""
 
 
+DRIVES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+"""Colours of the drives on one shaft, in the order of their list."""
+BALANCE = "#5A6B7B"
+"""That of the balance cam."""
+
 THIN, OUTLINE = 1.0, 1.5  # widths in pixels at every zoom
 
 
@@ -84,6 +89,12 @@ class Theme:
         """The colour of a quantity on this paper."""
         colour = FAMILIES.get(name, self.quiet)
         return self.ink if colour == BLACK else colour
+
+
+def drive_colour(number: int) -> str:
+    """The colour of the drive of this number, from 0; those beyond the colours that can be told apart are shades of them."""
+    turn, place = divmod(number, len(DRIVES))
+    return shade(DRIVES[place], turn)
 
 
 LIGHT = Theme(

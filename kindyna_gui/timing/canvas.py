@@ -1,0 +1,381 @@
+"""The timing chart under the hand: drives and joins are turned with the mouse, and what must come after what is drawn there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
+from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
+
+from core.design import Design, Room, events_at, join_room, phase_room, turn_drive, turn_join
+from core.frozen import frozen
+from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.pictures.timing_chart import DEGREES, Shown, TimingChart, plain
+from kindyna_gui.pictures.units import short
+from kindyna_gui.timing.typed import TypedAngle
+
+STEP, FINE = 0.5, 0.1  # degrees; of the travel and of the step with Ctrl
+TREMBLE = 3.0  # pixels that a hand may tremble before it means to turn something
+
+HOW = (
+    "Draw a point to turn one start or end, a band to turn its drive against the others; both stop at what must be kept.\n"
+    "Ctrl is ten times finer, Esc takes it back. Double click on a point or a band to type the angle.\n"
+    "Draw from point to point with Shift: the second must come after the first."
+)
+
+
+@frozen
+class Held:
+    """What is held with the mouse: a drive, or a join of its motion; where its reference stood [deg], and how far it may be turned."""
+
+    drive: int
+    join: int | None
+    design: Design
+    at: float
+    room: Room
+
+    @property
+    def path(self) -> str:
+        return f"drives[{self.drive}].phase_deg" if self.join is None else f"drives[{self.drive}].motion.joins[{self.join}]"
+
+    def turned(self, by: float) -> Design:
+        if self.join is None:
+            return turn_drive(self.design, self.drive, self.at + by)
+        return turn_join(self.design, self.drive, self.join, by)
+
+
+class TimingCanvas(QWidget):
+    """The chart with its reactions.
+
+    put           puts a design in place as a step: (design, its name, path) -> whether that is possible
+    taken         something is held with the mouse; let_go (bool): no longer, True: it leaves nothing behind
+    drive_chosen  (int): a band was clicked at
+    row_chosen    (int): an arrow was clicked at
+    row_wanted    (str, str): drawn from the first event to the second
+    angle_wanted  (float): the machine angle [deg] that was clicked at on the axis
+    """
+
+    taken = Signal()
+    let_go = Signal(bool)
+    drive_chosen = Signal(int)
+    row_chosen = Signal(int)
+    row_wanted = Signal(str, str)
+    angle_wanted = Signal(float)
+
+    def __init__(self, put: Callable[[Design, str, str], bool], parent: QWidget | None = None) -> None:
+        super().__init__(parent)
+        self._put = put
+        self._design: Design | None = None
+        self._chart: TimingChart | None = None
+        self.unit = DEGREES
+        self.chosen, self.row = -1, -1
+        self.pair: tuple[int, ...] = ()
+        self.machine: float | None = None
+        self._over: tuple[int, int | None] | None = None
+        self._held: Held | None = None
+        self._link: tuple[tuple[int, int], QPointF] | None = None
+        self._at, self._begun = QPointF(), QPointF()
+        self._moved, self._means = 0.0, False
+        self._on_axis = False
+        self.label, self._wrong = "", False
+        self.typed = TypedAngle(self)
+        self.typed.entered.connect(self._enter)
+        self.setMouseTracking(True)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.setMinimumSize(260, 90)
+
+    # -- what is shown --------------------------------------------------------------------------------------
+
+    def show_design(self, design: Design | None) -> None:
+        """Show this design; None: none."""
+        if design is not self._design:
+            self._design, self._chart = design, None
+            if self._held is None:
+                self.typed.hide()
+        self.update()
+
+    def set_unit(self, unit: str) -> None:
+        """Let the axis count in this."""
+        self.unit, self._chart = unit, None
+        self.typed.hide()
+        self.update()
+
+    @property
+    def chart(self) -> TimingChart:
+        """Where everything stands."""
+        assert self._design is not None
+        chart = self._chart
+        if chart is None or (chart.width, chart.height) != (self.width(), self.height()):
+            chart = self._chart = TimingChart(self._design, self.width(), self.height(), self.unit, LIGHT)
+        return chart
+
+    @property
+    def holding(self) -> bool:
+        return self._held is not None
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        painter = QPainter(self)
+        painter.fillRect(self.rect(), QColor(LIGHT.paper))
+        if self._design is not None:
+            self.chart.paint(painter, self.shown())
+        painter.end()
+
+    def shown(self) -> Shown:
+        """What is pointed out."""
+        joins: tuple[tuple[int, int], ...] = ()
+        if self._over is not None:
+            drive, join = self._over
+            joins = ((drive, join),) if join is not None else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
+        label = self.label if self._held is not None or self._link is not None else ""
+        return Shown(self.chosen, self.row, joins, label, self._wrong, self.pair, self.machine, self._link)
+
+    # -- mouse ----------------------------------------------------------------------------------------------
+
+    def _grip(self, place: QPointF) -> tuple[int, int | None] | None:
+        """Drive and join at a place; the join is None where the band is meant. A drive alone has no others to be turned against."""
+        if self._design is None or place.y() > self.chart.height - 34.0:
+            return None
+        join = self.chart.join_at(place)
+        if join is not None:
+            return None if join[1] == 0 and not self._design.listed else join
+        band = self.chart.band_at(place)
+        return (band, None) if band is not None and self._design.listed else None
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if event.button() != Qt.MouseButton.LeftButton or self._design is None:
+            return
+        self._end()
+        place = event.position()
+        self._at = self._begun = place
+        grip, row = self._grip(place), self.chart.row_at(place)
+        if (grip is None or grip[1] is None) and row is not None:
+            self.row_chosen.emit(row)
+        elif grip is None:
+            self._on_axis = place.x() >= self.chart.left
+            self._go(place)
+        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and grip[1] is not None:
+            if events_at(self._design, grip[0], grip[1]):
+                self._link = (grip[0], grip[1]), place
+        else:
+            self._hold(*grip)
+        self._hover(grip)
+        self.update()
+
+    def _hold(self, drive: int, join: int | None) -> None:
+        design = self._design
+        assert design is not None
+        if join is None:
+            self._held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+        else:
+            self._held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
+        self._moved, self._means, self._wrong = 0.0, False, False
+        self.label = self._text(self._held, 0.0)
+        self.taken.emit()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        place = event.position()
+        if self._held is not None:
+            self._turn(place, bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier))
+        elif self._link is not None:
+            self._draw_link(place)
+        elif self._on_axis and event.buttons() & Qt.MouseButton.LeftButton:
+            self._go(place)
+        elif not event.buttons():
+            self._hover(self._grip(place))
+
+    def _turn(self, place: QPointF, fine: bool) -> None:
+        held = self._held
+        assert held is not None
+        self._moved += (place.x() - self._at.x()) * (FINE if fine else 1.0)
+        self._at = place
+        self._means = self._means or abs(place.x() - self._begun.x()) > TREMBLE
+        if not self._means:
+            return
+        step = STEP * (FINE if fine else 1.0)
+        wanted = round(round((held.at + self._moved / self.chart.degree) / step) * step - held.at, 9)
+        by, stop = held.room.within(wanted), held.room.stop(wanted)
+        possible = self._apply(held, by)
+        self.label, self._wrong = self._text(held, by), not possible or stop is not None
+        if not possible:
+            self.label += "  not possible"
+        elif stop is not None:
+            row = held.design.timing[stop]
+            self.label += f"  {plain(row.second)} {short(row.least_deg)}° after {plain(row.first)}"
+        self.update()
+
+    def _apply(self, held: Held, by: float) -> bool:
+        """One step that turns what is held so far."""
+        return self._put(held.turned(by), self._step(held, by), held.path)
+
+    def _step(self, held: Held, by: float) -> str:
+        """``Turn Feed to 330°``, ``Move Feed rise 1 end to 33.5°``."""
+        at = f"{short((held.at + by) % 360.0)}°"
+        if held.join is None:
+            return f"Turn {self.chart.bands[held.drive].name} to {at}"
+        return f"Move {self._name(held)} to {at}"
+
+    def _name(self, held: Held) -> str:
+        assert held.join is not None
+        events = events_at(held.design, held.drive, held.join)
+        return plain(events[0]) if events else f"join {held.join + 1} of {self.chart.bands[held.drive].name}"
+
+    def _text(self, held: Held, by: float) -> str:
+        what = f"{self.chart.bands[held.drive].name} phase" if held.join is None else self._name(held)
+        return f"{what}  {self.chart.both(round(held.at + by, 9) % 360.0)}"
+
+    def _draw_link(self, place: QPointF) -> None:
+        assert self._link is not None
+        self._link = self._link[0], place
+        names = self._link_names()
+        self.label = f"{plain(names[1])} after {plain(names[0])}" if names is not None else "to another point: what must come after this"
+        self._wrong = False
+        self.update()
+
+    def _link_names(self) -> tuple[str, str] | None:
+        """The events that are drawn from and to."""
+        assert self._link is not None
+        assert self._design is not None
+        target = self.chart.join_at(self._link[1])
+        if target is None or target == self._link[0]:
+            return None
+        first, second = events_at(self._design, *self._link[0]), events_at(self._design, *target)
+        return (first[0], second[-1]) if first and second else None
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        if event.button() != Qt.MouseButton.LeftButton:
+            return
+        self._on_axis = False
+        if self._link is not None:
+            names, self._link = self._link_names(), None
+            if names is not None:
+                self.row_wanted.emit(*names)
+        held, means = self._held, self._means
+        self._end()
+        if held is not None and not means:
+            self.drive_chosen.emit(held.drive)
+        self._hover(self._grip(event.position()))
+        self.update()
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        event.accept()
+        grip = self._grip(event.position())
+        if event.button() != Qt.MouseButton.LeftButton or grip is None:
+            return
+        drive, join = grip
+        assert self._design is not None
+        band = self.chart.bands[drive]
+        at = self._design.drives[drive].phase_deg % 360.0 if join is None else band.joins[join]
+        place = event.position() if join is None else self.chart.place(drive, join)
+        self.typed.ask(drive, join, self.chart.value(at), self.unit, place)
+
+    def _enter(self, drive: int, join: int | None, value: float) -> None:
+        """What was typed is taken as it is, also where it breaks a distance: that is then a finding."""
+        design = self._design
+        assert design is not None
+        angle = value / self.chart.value(360.0) * 360.0
+        if join is None:
+            held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
+            by, room = angle - held.at, Room(-3600.0, 3600.0)
+        else:
+            held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
+            by, room = (angle - held.at + 180.0) % 360.0 - 180.0, self._neighbours(design, drive, join)
+        by = round(by, 9)
+        if not room.low <= by <= room.high:
+            low, high = (self.chart.text((held.at + end) % 360.0) for end in (room.low, room.high))
+            self.typed.refuse(f"allowed: {low} ... {high}, between its neighbours")
+            return
+        self.taken.emit()
+        possible = self._apply(held, by)
+        self.let_go.emit(False)
+        if possible:
+            self.typed.hide()
+            self.setFocus()
+        else:
+            self.typed.refuse("not possible: the findings and the status line tell why")
+
+    @staticmethod
+    def _neighbours(design: Design, drive: int, join: int) -> Room:
+        """What a join's neighbours leave, whatever must be kept."""
+        return join_room(replace(design, timing=()), drive, join)
+
+    def _go(self, place: QPointF) -> None:
+        if self._on_axis:
+            self.angle_wanted.emit(self.chart.angle(place.x()))
+
+    def _end(self, back: bool = False) -> None:
+        """What was held is let go; back: it leaves nothing behind."""
+        self._link = None
+        if self._held is not None:
+            held, self._held = self._held, None
+            if back and self._means:
+                self._put(held.design, self._step(held, 0.0), held.path)
+            self.let_go.emit(back)
+        self._means = False
+
+    def void(self) -> None:
+        """The design has been changed from elsewhere: what is held is void."""
+        if self._held is not None:
+            self._held = None
+            self.let_go.emit(False)
+        self._link, self._over, self._means = None, None, False
+        self.typed.hide()
+
+    def forget(self) -> None:
+        """Another design has begun: what was chosen is void too."""
+        self.void()
+        self.row, self.pair = -1, ()
+
+    def _hover(self, grip: tuple[int, int | None] | None) -> None:
+        if grip != self._over:
+            self._over = grip
+            shapes = Qt.CursorShape
+            shape = shapes.ArrowCursor if grip is None else shapes.OpenHandCursor if grip[1] is None else shapes.SizeHorCursor
+            self.setCursor(shape)
+            self.update()
+
+    def leaveEvent(self, event: QEvent) -> None:
+        super().leaveEvent(event)
+        if self._held is None:
+            self._hover(None)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if event.key() == Qt.Key.Key_Escape and (self._held is not None or self._link is not None):
+            self._end(back=True)
+            self.update()
+        else:
+            event.ignore()
+
+    # -- tips -----------------------------------------------------------------------------------------------
+
+    def event(self, event: QEvent) -> bool:
+        if isinstance(event, QHelpEvent) and event.type() == QEvent.Type.ToolTip:
+            text = self.tip(QPointF(event.pos()))
+            QToolTip.showText(event.globalPos(), text, self, QRect(event.pos(), event.pos()))
+            return True
+        return super().event(event)
+
+    def tip(self, place: QPointF) -> str:
+        """What is at a place, and what can be done there."""
+        if self._design is None:
+            return ""
+        grip, row = self._grip(place), self.chart.row_at(place)
+        if grip is not None and grip[1] is not None:
+            drive, join = grip
+            events = events_at(self._design, drive, join or 0)
+            what = "\n".join(f"{plain(event)}: {self.chart.both(self.chart.bands[drive].joins[join or 0])}" for event in events)
+        elif row is not None:
+            timing = self._design.timing[row]
+            what = f"{plain(timing.second)} after {plain(timing.first)}: {self.chart.at_least(row)}"
+        elif grip is not None:
+            what = f"{self.chart.bands[grip[0]].name}: phase {self.chart.both(self._design.drives[grip[0]].phase_deg % 360.0)}"
+        else:
+            return HOW
+        return f"{what}\n\n{HOW}"
+
+
+__all__ = ["HOW", "TimingCanvas"]
