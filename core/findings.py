@@ -38,8 +38,10 @@ class Finding:
 
     @property
     def _row(self) -> str:
-        """Key of the sentence: some codes have another one for some faces, or where there is play."""
-        own = f"{self.code}.{'play' if 'play_mm' in self.values else self.values.get('face', '')}"
+        """Key of the sentence: some codes have another one for some faces, where there is play, or where a factor is infinite."""
+        factor = self.values.get("factor")
+        variant = "play" if "play_mm" in self.values else "endless" if factor == math.inf else self.values.get("face", "")
+        own = f"{self.code}.{variant}"
         return own if own in SENTENCES else self.code
 
     @property
@@ -96,7 +98,7 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "flank-change": "the contact changes to the {to}{at}",
         "flank-change.play": "the contact changes to the {to}{at}: over a play of {play_mm:.5g} mm it strikes with {impact_m_s:.4g} m/s",
         "face-too-narrow": "the contact leaves the flat face{at}: it runs to {contact_mm:.6g} mm, {needed_mm} mm from the face's "
-        "centre, its half width is {half_width_mm} mm",
+        "centre, its half width is {half_width_mm} mm: widen the face, or move its centre",
         "pressure-angle-rise": "pressure angle {value} deg on the rise{at}, your own limit {limit} deg: {remedy}",
         "pressure-angle-return": "pressure angle {value} deg on the return{at}, your own limit {limit} deg: {remedy}",
         "convex-radius": "the profile's smallest convex radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
@@ -115,9 +117,14 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "self-intersection": "the {which} crosses itself: it passes the same place{at} and at {other_deg:.5g} deg; make the cam "
         "larger, the roller smaller or the motion gentler",
         "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
-        "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1",
+        "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1; lower it, "
+        "or the pressure angle",
+        "jamming.endless": "friction jams the guide: what pushes stands across it, so that any friction holds it; lower the pressure "
+        "angle",
         "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "
         "has{at}, must stay below 1; lower it, or enlarge the base radius",
+        "contact-jamming.endless": "sliding friction of the contact jams the follower: the cam's force has no lever{at}, so that any "
+        "friction holds it; enlarge the base radius",
         "dead-centre": "rod and arm come close to one line (dead centre): sine of the angle between them {value:.3g}",
         "rod-across-guide": "the rod comes close to standing across the guide, where the arm cannot drive the slider: "
         "cosine of its angle {value:.3g}",

@@ -1,5 +1,6 @@
 """Cam shape from the follower's motion, its limits and its proof."""
 
+from core.cam.checks import keyway_corners, keyway_unknown
 from core.cam.crossings import Crossing, crossings
 from core.cam.faces import FACES, FaceRow, row_of
 from core.cam.forms import FORMS, FormRow, envelope, faces_of, form_row, forward_push
@@ -59,6 +60,8 @@ __all__ = [
     "forward_push",
     "further_findings",
     "gaps",
+    "keyway_corners",
+    "keyway_unknown",
     "limits_of",
     "relative_motion",
     "require_hold",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 from collections.abc import Callable, Iterable, Mapping
-from math import degrees, hypot, radians
+from math import degrees, hypot, radians, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -86,6 +86,25 @@ def core_findings(nearest: Extreme, cam: Any) -> list[Finding]:
             values: dict[str, float | str] = {"radius_mm": 1e3 * nearest.value, "limit_mm": radius, "what": what}
             return [Finding("profile-meets-hub", ERROR, field, degrees(nearest.theta), values)]
     return []
+
+
+KEYWAY = ("keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg")
+
+
+def keyway_unknown(cam: Any) -> tuple[str, ...]:
+    """What is not known of a keyway of which something is: names of the entries, without which it cannot be drawn."""
+    names = ("bore_mm", *KEYWAY) if any(getattr(cam, name) is not None for name in KEYWAY) else ()
+    return tuple(name for name in names if getattr(cam, name) is None)
+
+
+def keyway_corners(cam: Any) -> tuple[complex, ...]:
+    """A keyway's corners [mm], from the bore along one side, its bottom and the other side back to the bore; none where there is
+    none, or not all of it is known."""
+    if cam.keyway_width_mm is None or keyway_unknown(cam):
+        return ()
+    radius, half, turn = 0.5 * cam.bore_mm, 0.5 * cam.keyway_width_mm, cmath.rect(1.0, radians(cam.keyway_angle_deg))
+    inner, outer = sqrt(radius * radius - half * half), radius + cam.keyway_depth_mm
+    return tuple(turn * complex(x, y) for x, y in ((inner, -half), (outer, -half), (outer, half), (inner, half)))
 
 
 def keyway_reach(cam: Any) -> float:

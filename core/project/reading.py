@@ -99,7 +99,7 @@ def _of_one(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
     design = Design(table.get("name", ""), parts["shaft"], (drive,), _marks(table))
     found += reader.with_rules(faults(design), {e.path: e.in_file for name in design.tables for e in entries(design, name)})
     unsure = [name for name, each in classes.items() if each is None] + ([] if kind in table else ["linkage"])
-    found += _assumed_faults(table.get("assumed", ()), design, unsure)
+    found += _assumed_faults(table, design, unsure)
     tables = list(classes)  # in the order of the file, its head first
     return design, sorted(found, key=lambda fault: next((i for i, t in enumerate(tables, 1) if fault.path.startswith(t)), 0))
 
@@ -113,6 +113,7 @@ def _read_drive(
     face = _face_word(table, row)
     if row:
         reader.unit = row.motion_unit
+        reader.other_faces = _under_other_faces(row, face or Rolling.face)
     classes = {name: each for name, each in _classes(kind, row, face).items() if name != "shaft" or name in shared}
     known = [*(key for key in head if key not in _KINDS), *classes]
     found = [*(unknown_key(spelled(key), key, table[key], known) for key in table if key not in known and key not in head), *found]
@@ -170,7 +171,7 @@ def _of_several(table: Tables, kind: str) -> tuple[Design, list[Fault]]:
     known = (f for f in faults(design) if not (unread and f.path.startswith("timing")))
     of_it = reader.with_rules((f for f in known if not _OF_A_DRIVE.fullmatch(f.path)), {})
     if not any(path.endswith(".name") for path in broken):
-        found += _assumed_faults(table.get("assumed", ()), design, unsure)
+        found += _assumed_faults(table, design, unsure)
     return design, [*found, *of_it]
 
 
@@ -224,6 +225,7 @@ class Reader:
         self.unit = unit  # of the motion
         self.shaft_rpm: float | None = None  # of a shaft that is read, clockwise negative
         self.slides = False  # the face of the cam that is read
+        self.other_faces: Mapping[str, str] = {}  # path of an entry of the same follower under another face -> the face's word
         self.faults: list[Fault] = []
 
     def table(self, tables: Tables, name: str, kind: type | None, *, needed: bool) -> Any:
@@ -274,8 +276,9 @@ class Reader:
             known = [slot.key for slot in slots(kind, self.unit, inside_of_table(kind, table, possible=True))]
             for key in sorted(extra - (_CHOSEN_KEYS.keys() if unsure else set()), key=str):
                 at = f"{path}.{spelled(key)}"
-                if path in ("cam", "follower") and key in _CHOSEN_KEYS:
-                    self.faults.append(Fault(at, table[key], f"only with {_CHOSEN_KEYS[key]}", " | ".join(known)))
+                word = _CHOSEN_KEYS.get(key) if path in ("cam", "follower") else None
+                if word := word or self.other_faces.get(at):
+                    self.faults.append(Fault(at, table[key], f"only with {word}", " | ".join(known)))
                 else:
                     self.faults.append(unknown_key(at, key, table[key], known))
         own = values.pop("") | {name: part(**values[name]) for name, part in inside}
@@ -420,6 +423,16 @@ def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str,
     return {"motion": Motion, "follower": follower, "cam": cam_class, "shaft": Shaft, "loads": loads, "limits": Limits}
 
 
+def _under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:
+    """Paths of the entries that the tables of a follower have under other faces only -> the words that they take."""
+    found: dict[str, list[str]] = {}
+    for word in (each for each in row.faces if each != face):
+        for name, other, own in zip(("follower", "cam", "loads"), row.under(word), row.under(face), strict=True):
+            for key in {slot.key for slot in slots(other)} - {slot.key for slot in slots(own)}:
+                found.setdefault(f"{name}.{key}", []).append(f'"{word}"')
+    return {path: f"{FACE} = {' or '.join(words)}" for path, words in found.items()}
+
+
 def _follower_kind(table: Tables) -> tuple[FollowerKind | None, list[Fault]]:
     """The row of the follower's kind; where that is misspelt, the one probably meant."""
     follower = table.get("follower")
@@ -478,9 +491,10 @@ def _kind_faults(table: Tables) -> Iterator[Fault]:
         yield Fault(other, table[other], f"stands beside {kinds[0]}, but a design is of one kind", _ONE_KIND)
 
 
-def _assumed_faults(assumed: Any, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
+def _assumed_faults(table: Tables, design: Design, unsure: Sequence[str]) -> Iterator[Fault]:
     """Paths that lead to no entry; of a segment also those of another law's entries, which an edit may have left behind, and
     unsure: tables of which nothing is known."""
+    assumed = table.get("assumed", ())
     if not isinstance(assumed, list | tuple):
         yield Fault("assumed", assumed, "must be a list of field paths")
         return
@@ -489,7 +503,17 @@ def _assumed_faults(assumed: Any, design: Design, unsure: Sequence[str]) -> Iter
         if not isinstance(path, str):
             yield Fault(f"assumed[{i}]", path, "must be a field path, as text")
         elif path not in known and not path.startswith(tuple(unsure)) and not _of_another_law(design, path):
-            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{did_you_mean(path, known)}")
+            own = "; leave it out here too" if _stands(table, path) else did_you_mean(path, known)
+            yield Fault(f"assumed[{i}]", path, f"no such entry in this design{own}")
+
+
+def _stands(table: Any, path: str) -> bool:
+    """Whether the file has an entry there, right or not."""
+    for step in path.split("."):
+        if not isinstance(table, Mapping) or step not in table:
+            return False
+        table = table[step]
+    return True
 
 
 def _of_another_law(design: Design, path: str) -> bool:

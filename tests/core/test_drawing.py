@@ -101,6 +101,9 @@ def test_what_is_known_of_the_blank_is_drawn_and_stated() -> None:
     assert {"⌀ 20", "⌀ 34", "keyway 6 × 2.8", "0°"} <= named
     plain = {text.text for text in texts(drawing(Study(HOLLOW)))}
     assert not {text for text in plain if "⌀" in text or "eyway" in text}
+    anywhere = drawing(Study(with_cam(KEYED, keyway_angle_deg=None)))
+    assert beside(anywhere, "Keyway angle, °")[0] == "not given"
+    assert "keyway 6 × 2.8" not in {text.text for text in texts(anywhere)}
 
 
 def test_the_other_flanks_have_drawings() -> None:

@@ -386,6 +386,7 @@ def test_a_face_too_narrow_names_the_width_that_it_needs() -> None:
         for finding in found:
             assert finding.values["needed_mm"] == pytest.approx(reach, rel=1e-9)
             assert finding.field == "follower.face_half_width_mm"
+            assert finding.message.endswith("widen the face, or move its centre")
     moved = edited(edited(TAPPET, "follower.face_half_width_mm", reach), "follower.face_centre_mm", 3.0)
     (finding,) = Study(moved).findings(("cam",))
     assert finding.values["needed_mm"] == pytest.approx(reach + 3.0, rel=1e-9)
@@ -487,7 +488,9 @@ def test_what_belongs_to_another_face_is_a_fault() -> None:
     assert faults(loads(tomli_w.dumps(table | {"loads": table["loads"] | {"contact_friction": 0.0}}))) == [], "none is none"
     unrolled = {"roller_mass_kg": None, "roller_inertia_kg_m2": None}
     (arm,) = told("rocker_cam", follower={"face": "flat"}, cam={"roller_radius_mm": None}, loads=unrolled)
-    assert arm.startswith("follower.arm_mm = 90.0: unknown key")
+    assert arm.startswith('follower.arm_mm = 90.0: only with face = "roller" or "knife" or "shoe"; allowed: face | face_offset_mm')
+    rolled = told("rocker_cam", follower={"face": "flat", "arm_mm": None}, cam={"roller_radius_mm": None}, loads={"roller_mass_kg": 0.2})
+    assert any(fault.startswith('loads.roller_mass_kg = 0.2: only with face = "roller" or') for fault in rolled)
 
 
 def test_a_face_nobody_asks_for_curvature_computes_none() -> None:

@@ -304,6 +304,7 @@ def test_bore_and_keyway_are_drawn_where_they_are_known(tmp_path: Path) -> None:
     design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8))
     written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert "KEYWAY" not in {entity.layer for entity in drawings.entities(tmp_path / "cam.dxf")}, "nobody knows where"
+    assert "Keyway: not drawn, as not given: cam.keyway_angle_deg" in drawings.comments(tmp_path / "cam.dxf")
     design = saved(tmp_path, with_cam(PUSHER, bore_mm=20.0, keyway_width_mm=6.0, keyway_depth_mm=2.8, keyway_angle_deg=90.0))
     written(design, tmp_path / "cam.dxf", "--samples", 36)
     assert drawings.on_layer(tmp_path / "cam.dxf", "BORE").all(40).tolist() == [10.0]

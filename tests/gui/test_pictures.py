@@ -288,6 +288,10 @@ def test_hub_and_bore_are_drawn_where_they_are_known() -> None:
     cam = replace(PUSHER.drive.cam, hub_mm=24.0, bore_mm=10.0)
     scene.update_study(Study(with_drive(PUSHER, cam=cam), SAMPLES))
     assert [scene.item(name).boundingRect().width() for name in ("hub", "bore")] == pytest.approx([24.0, 10.0])
+    keyed = replace(cam, keyway_width_mm=3.0, keyway_depth_mm=1.5, keyway_angle_deg=90.0)
+    scene.update_study(Study(with_drive(PUSHER, cam=keyed), SAMPLES))
+    box = scene.item("bore").boundingRect()
+    assert (box.width(), box.top(), box.bottom()) == pytest.approx((10.0, -5.0, 6.5), abs=1e-2), "it turns with the cam"
 
 
 # -- vectors ----------------------------------------------------------------------------------------------

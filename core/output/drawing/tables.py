@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from core.cam import form_row
+from core.cam import form_row, keyway_unknown
 from core.design import FOLLOWER_KINDS, entries, kind_of
 from core.output.drawing.figures import Figures, Place
 from core.output.drawing.paper import Box, Layout
@@ -95,7 +95,8 @@ def dimension_rows(values: Figures) -> list[tuple[str, ...]]:
         ("base_radius_mm", "Base radius"), ("bore_mm", "Bore ⌀"), ("hub_mm", "Hub ⌀"), ("keyway_width_mm", "Keyway width"),
         ("keyway_depth_mm", "Keyway depth, from the bore"), ("keyway_angle_deg", "Keyway angle, °"), ("thickness_mm", "Thickness"),
     )  # fmt: skip
-    blank = [(label, number(values.cam[name]), "", "") for name, label in known if name in values.cam]
+    wanted = (*values.cam, *keyway_unknown(values.job.study.design.drive.cam))
+    blank = [(label, number(values.cam[name]) if name in values.cam else "not given", "", "") for name, label in known if name in wanted]
     return [
         ("Dimension", "mm", "at cam °", "Tolerance"),
         _placed("Smallest radius", values.smallest),

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import cmath
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import radians, sqrt
 from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
 
+from core.cam import keyway_corners, keyway_unknown
 from core.frozen import frozen
 from core.output.profile.curve import MM
 from core.output.profile.digits import rounded_up
@@ -95,15 +94,7 @@ def _bore(job: Job) -> Iterator[Shape]:
 
 def _keyway(job: Job) -> Iterator[Shape]:
     """The sides and the bottom of the keyway, from the bore outwards."""
-    cam = job.study.design.drive.cam
-    known = (cam.bore_mm, cam.keyway_width_mm, cam.keyway_depth_mm, cam.keyway_angle_deg)
-    if any(value is None for value in known):
-        return
-    diameter, width, depth, angle = known
-    radius, half, turn = 0.5 * diameter, 0.5 * width, cmath.rect(1.0, radians(angle))
-    inner, outer = sqrt(radius * radius - half * half), radius + depth
-    corners = [turn * complex(x, y) for x, y in ((inner, -half), (outer, -half), (outer, half), (inner, half))]
-    yield from (Line(start, end) for start, end in pairwise(corners))
+    yield from (Line(start, end) for start, end in pairwise(keyway_corners(job.study.design.drive.cam)))
 
 
 def _zero(job: Job) -> Iterator[Shape]:
@@ -180,6 +171,8 @@ def comment(job: Job) -> list[str]:
     stated = facts(job)
     radius = f", radius {job.request.cutter_mm!r} mm" if job.request.cutter_mm else ""
     allowed = "" if stated["tolerance_mm"] is None else f", tolerance {stated['tolerance_mm']!r} mm"
+    missing = ", ".join(f"cam.{name}" for name in keyway_unknown(job.study.design.drive.cam))
+    keyway = [f"Keyway: not drawn, as not given: {missing}"] if missing else []
     return [
         f"Design: {_one_line(stated['design'])}",
         f"Curve: {stated['curve']}{radius}, {stated['flank']} flank",
@@ -188,4 +181,5 @@ def comment(job: Job) -> list[str]:
         f"Points: {stated['points']}, {stated['sampling']}; {stated['fit']}",
         f"Length: {stated['length_mm']:.9g} mm",
         f"Deviation from the exact curve: at most {rounded_up(stated['deviation_mm'], 4)!r} mm{allowed}",
+        *keyway,
     ]

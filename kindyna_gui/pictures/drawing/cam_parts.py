@@ -3,11 +3,12 @@ touches: normal and instant centre."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtCore import QLineF
+from PySide6.QtGui import QPainterPath
 from PySide6.QtWidgets import QGraphicsLineItem
 
 from core.cam import OUTER, SECOND
@@ -31,7 +32,8 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
         for name, radius in geometry.bored:
-            yield Part(name, Outline(circle(radius), theme.pen(theme.cam_line, THIN)), ("cam",), Z_CURVES)
+            edge = Outline(_bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius), theme.pen(theme.cam_line, THIN))
+            yield Part(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.turned))
         for flank in geometry.further:
             yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
         if geometry.pitch.size:
@@ -41,6 +43,13 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         "base", Outline(circle(geometry.base_radius), theme.pen(theme.cam_line, THIN, DOTTED)), ("base",), Z_CURVES
     )
     yield from _shaft(geometry, theme)
+
+
+def _bore(keyway: Sequence[complex]) -> QPainterPath:
+    """A bore with its keyway, by the corners of that: round from its last to its first."""
+    first, last = keyway[0], keyway[-1]
+    span = float(np.mod(np.angle(first / last), 2.0 * np.pi))
+    return outline(np.append(last * np.exp(1j * np.linspace(0.0, span, 360)), keyway[:-1]))
 
 
 def _groove(profile: np.ndarray, geometry: Geometry, theme: Theme) -> Iterator[Part]:

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from core.cam import CamShape, FaceOutline, Flank, RoundFlank, row_of
+from core.cam import CamShape, FaceOutline, Flank, RoundFlank, keyway_corners, row_of
 from core.errors import NoAnswer
 from core.followers import FACE_PLACE
 from core.frozen import frozen
@@ -129,6 +129,11 @@ class Geometry:
         cam = self.study.design.drive.cam
         known = ((name, getattr(cam, f"{name}_mm", None)) for name in ("hub", "bore"))
         return tuple((name, 0.5 * diameter) for name, diameter in known if diameter)
+
+    @property
+    def keyway(self) -> tuple[complex, ...]:
+        """Its corners in the cam's own frame [mm], none where it is not known."""
+        return keyway_corners(self.study.design.drive.cam) if self.with_cam else ()
 
     def nearest(self, theta: float) -> int:
         """The sample nearest to an angle [rad]."""
@@ -286,6 +291,7 @@ class Geometry:
             self.kinematics is other.kinematics
             and self.shape is other.shape
             and (self.sense, self.base_radius, self.bored) == (other.sense, other.base_radius, other.bored)
+            and self.keyway == other.keyway
         )
 
     @cached_property
