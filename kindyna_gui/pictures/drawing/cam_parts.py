@@ -32,7 +32,8 @@ def cam(geometry: Geometry, theme: Theme) -> Iterator[Part]:
         yield Part("cam", item, ("cam",), Z_CAM, turning(item, geometry.turned))
         yield from _zero_mark(geometry, theme)
         for name, radius in geometry.bored:
-            edge = Outline(_bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius), theme.pen(theme.cam_line, THIN))
+            path = _bore(geometry.keyway) if name == "bore" and geometry.keyway else circle(radius)
+            edge = Outline(path, theme.pen(theme.cam_line, THIN))
             yield Part(name, edge, ("cam",), Z_CURVES, turning(edge, geometry.turned))
         for flank in geometry.further:
             yield from FURTHER[flank.name](flank.profile * MM, geometry, theme)
