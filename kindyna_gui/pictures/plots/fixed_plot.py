@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QBrush, QPainterPath, QResizeEvent, QWheelEvent
-from PySide6.QtWidgets import QFrame, QGraphicsItem, QWidget
+from PySide6.QtWidgets import QFrame, QGraphicsGridLayout, QGraphicsItem, QSizePolicy, QWidget
 
 from kindyna_gui.pictures.drawing.items import Outline, Tag, wrapped
 from kindyna_gui.pictures.plots.background import BOTTOM_HEIGHT, LEFT_WIDTH, TOP_HEIGHT, Axis, Paper, Span
@@ -20,10 +20,31 @@ TOP_MARGIN = 6  # where nothing stands above the plot
 BARE = 6  # height of an axis without numbers
 LEGEND_SHARE = 0.25  # of the height, for more than two lines of names
 MESSAGE_EDGE = 16.0  # left free beside a message
+PLACES = {"top": (1, 1), "bottom": (3, 1), "left": (2, 0)}  # row and column, in the order of drawing; the first row has the names
 Ticks = Sequence[tuple[float, str]]
 
 
-class FixedPlot(pg.PlotWidget):
+class Sheet(pg.GraphicsWidget):
+    """Axes around a picture, and the room above for names: ``pg.PlotItem`` without its menus, which take most of its time."""
+
+    def __init__(self, axes: Mapping[str, Axis]) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self.layout = QGraphicsGridLayout(self)
+        self.layout.setSpacing(0.0)
+        self.view = pg.ViewBox(parent=self, enableMenu=False)
+        self.layout.addItem(self.view, 2, 1)
+        for side in (side for side in PLACES if side in axes):
+            axis = axes[side]
+            axis.linkToView(self.view)
+            axis.setZValue(0.5)  # above what is filled, below what is to be read over it
+            axis.setFlag(QGraphicsItem.GraphicsItemFlag.ItemNegativeZStacksBehindParent)
+            self.layout.addItem(axis, *PLACES[side])
+        self.layout.setRowStretchFactor(2, 100)
+        self.layout.setColumnStretchFactor(1, 100)
+
+
+class FixedPlot(pg.GraphicsView):
     """Nothing zooms, pans, looks for its range or opens a menu, and the wheel is left to what is around.
 
     top      whether there is an axis above, for names
@@ -36,17 +57,16 @@ class FixedPlot(pg.PlotWidget):
     ) -> None:
         sides = ("left", "bottom", "top") if top else ("left", "bottom")
         axes = {side: Axis(side, theme, line=side != "top") for side in sides}
-        super().__init__(parent, background=theme.paper, axisItems=axes, enableMenu=False)
+        super().__init__(parent, background=theme.paper)
+        self._sheet = sheet = Sheet(axes)
+        self.setCentralItem(sheet)
         self.setCacheMode(self.CacheModeFlag.CacheNone)  # kept paper would stand in an SVG as pixels
         self.setFrameShape(QFrame.Shape.NoFrame)
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._theme, self._axes, self.corner = theme, axes, 0.0
-        plot = self.getPlotItem()
-        self._view: pg.ViewBox = plot.getViewBox()
-        plot.hideButtons()
+        self._view = sheet.view
         self._above = float(EDGE if top else TOP_MARGIN)
-        plot.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
-        plot.getAxis("right").unlinkFromView()  # never shown, it would still be laid out at each change
+        sheet.layout.setContentsMargins(EDGE, self._above, RIGHT_MARGIN, EDGE)
         self._view.setMouseEnabled(False, False)
         self._view.disableAutoRange()
         self._view.setDefaultPadding(0.0)
@@ -54,10 +74,9 @@ class FixedPlot(pg.PlotWidget):
         axes["left"].setWidth(LEFT_WIDTH)
         axes["bottom"].setHeight(BOTTOM_HEIGHT)
         if top:
-            plot.showAxis("top")
             axes["top"].setHeight(TOP_HEIGHT)
         self._paper = Paper(self._view, theme)
-        self._legend = Legend(plot, theme.ink, centred)
+        self._legend = Legend(sheet, theme.ink, centred)
         self._message = Tag("", theme.quiet, theme, TEXT)
         self._include(self._message)
         self._message_text = ""
@@ -81,6 +100,17 @@ class FixedPlot(pg.PlotWidget):
         axis.setStyle(showValues=on)
         axis.show_title(title if on else "", self._theme.ink)
 
+    def getViewBox(self) -> pg.ViewBox:
+        """What stands between the axes, in their numbers."""
+        return self._view
+
+    def getAxis(self, side: str) -> Axis:
+        return self._axes[side]
+
+    def close(self) -> bool:
+        """As of any widget, which can be shown again; pyqtgraph would take the scene apart."""
+        return QWidget.close(self)
+
     # -- legend ---------------------------------------------------------------------------------------------
 
     @property
@@ -102,7 +132,7 @@ class FixedPlot(pg.PlotWidget):
         left = float(EDGE + LEFT_WIDTH)
         width = self.width() - left - max(RIGHT_MARGIN, self.corner)
         self._legend.fit(QRectF(left, self._above, width, LEGEND_SHARE * self.height()))
-        layout = self.getPlotItem().layout
+        layout = self._sheet.layout
         if layout.rowMinimumHeight(0) != self._legend.height:
             layout.setRowFixedHeight(0, self._legend.height)
 
