@@ -4,7 +4,7 @@ import gc
 import sys
 import threading
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import TracebackType
 
@@ -14,13 +14,15 @@ from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
 
+from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.background import Worker
 from kindyna_gui.dialogs import Answer
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
-from kindyna_gui.places import example
-from kindyna_gui.window.main_window import open_window
+from kindyna_gui.places import default_design, example
+from kindyna_gui.window.layouts import first_task
+from kindyna_gui.window.main_window import MainWindow, open_window
 
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",
@@ -64,6 +66,17 @@ def nothing_unheard() -> Iterator[None]:
     assert heard == []
 
 
+def close(users: Iterable[User]) -> None:
+    """Close windows, and let them go with all that they have."""
+    for user in users:
+        user.session.drop_draft()
+        user.session.stack.setClean()
+        user.window.close()
+        user.window.deleteLater()
+    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
+    settle()
+
+
 @pytest.fixture
 def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
     """Opens windows, shown and active; at the end each is closed and gone."""
@@ -91,15 +104,14 @@ def open_user(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Op
 
     yield open
     monkeypatch.setattr(dialogs, "ask_to_save", lambda *_: Answer.DISCARD)  # of a file that the test has changed or removed
-    for user in users:
-        user.session.drop_draft()
-        user.session.stack.setClean()
-        user.window.close()
-        user.window.deleteLater()
+    close(users)
     users.clear()
-    QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete.value)
-    settle()
-    # pyqtgraph's menus stay until Python's next great tidying
+    nothing_left(before)
+
+
+def nothing_left(before: set[QWidget]) -> None:
+    """Closed windows are gone, with all that they had and did."""
+    # menus stay until Python's next great tidying
     now = (w for w in QApplication.topLevelWidgets() if not isinstance(w, QMenu))
     left = [type(w).__name__ for w in now if w not in before]
     assert left == [], "windows were left behind"
@@ -111,6 +123,71 @@ def still_computing() -> str:
     frames = sys._current_frames()
     working = [each.ident for each in threading.enumerate() if isinstance(each, Worker)]
     return "\n".join("".join(traceback.format_stack(frames[each])) for each in working if each in frames)
+
+
+@pytest.fixture(scope="module")
+def kept_windows(app: QApplication) -> Iterator[list[MainWindow]]:
+    """The window that the tests of a module share, once there is one."""
+    kept: list[MainWindow] = []
+    before = set(QApplication.topLevelWidgets())
+    yield kept
+    with pytest.MonkeyPatch.context() as patch:
+        close([User(window, patch) for window in kept])
+    kept.clear()
+    nothing_left(before)
+
+
+@pytest.fixture
+def same_window(kept_windows: list[MainWindow], app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
+    """As ``open_user``, for tests that have no eyes for how a window is opened or closed: their module shares one, in which
+    each begins with a design that is read anew, and with the drawing alone."""
+
+    def open(path: Path | None = None) -> User:
+        if not kept_windows:
+            kept_windows.append(open_window(app))
+            kept_windows[0].show()
+        user = User(kept_windows[0], monkeypatch)
+        begin_anew(user, path)
+        return user
+
+    yield open
+    for window in kept_windows:
+        end(User(window, monkeypatch))
+
+
+def begin_anew(user: User, path: Path | None) -> None:
+    """A design, at cam angle 0, and the first layout of its task, without docks."""
+    window, session = user.window, user.session
+    if path is None:
+        session.start(load(default_design()))
+    else:
+        session.open(path)
+    user.window.player.set_theta(0.0)
+    window.show_task(first_task(session.design))
+    window.reset_layout()
+    window.resize(1280, 800)
+    for dock in window.docks.values():
+        dock.hide()
+    window.activateWindow()
+    assert QTest.qWaitForWindowActive(window)
+    settle()
+
+
+def end(user: User) -> None:
+    """Let go of everything that a test has begun."""
+    window, session = user.window, user.session
+    assert QApplication.activeModalWidget() is None, "a dialog was left behind"
+    assert QApplication.activePopupWidget() is None, "a menu was left behind"
+    window.player.play(False)
+    window.player.set_forward(True)
+    session.release()
+    session.stages_on_screen = window.stages_on_screen
+    for dock in window.docks.values():
+        dock.hide()
+    session.start(load(default_design()))
+    session.choose_segment(0)
+    session.choose_step(None)
+    settle()
 
 
 @pytest.fixture

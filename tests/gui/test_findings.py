@@ -23,9 +23,9 @@ from kindyna_gui.window.findings_view import FindingsView
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user()
+    return same_window()
 
 
 def findings(user: User) -> FindingsView:
@@ -126,7 +126,8 @@ def test_the_status_line_counts(user: User) -> None:
     assert view.on_screen()
 
 
-def test_the_status_line_counts_only_what_is_on_screen(user: User) -> None:
+def test_the_status_line_counts_only_what_is_on_screen(open_user: Open) -> None:
+    user = open_user()
     user.enter("cam.base_radius_mm", "200")
     for dock in user.window.docks.values():
         dock.hide()
@@ -184,8 +185,8 @@ def test_the_flywheel_has_its_figures(user: User) -> None:
     assert float(told["Fluctuation reached"][0]) == pytest.approx(100 * (found.high.value - found.low.value) * 30 / pi / 20, rel=1e-3)
 
 
-def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(open_user: Open) -> None:
-    user = open_user()
+def test_a_flywheel_that_does_not_carry_the_load_is_said_to_stall(same_window: Open) -> None:
+    user = same_window()
     user.enter("shaft.flywheel_inertia_kg_m2", "500")
     user.choose("Dyna", "Flywheel")
     view = user.window.view("flywheel")
@@ -222,9 +223,9 @@ def test_the_flywheel_that_the_sizing_asks_for_is_fitted_by_one_click_and_taken_
     assert user.design == before
 
 
-def test_the_torque_of_the_lift_is_seen_with_and_without_its_flywheel(open_user: Open) -> None:
+def test_the_torque_of_the_lift_is_seen_with_and_without_its_flywheel(same_window: Open) -> None:
     """Shin1995 Figs. 19, 20: both torques, and dashed what the paper's linear equation gives."""
-    user = open_user()
+    user = same_window()
     user.choose("Dyna", "Torque")
     plot = user.window.view("torque")
     assert isinstance(plot, PlotView)
@@ -309,8 +310,8 @@ def test_the_angle_is_told_without_laying_out_the_line(user: User) -> None:
     assert asked == []
 
 
-def test_units_are_written_as_everywhere_in_the_window(open_user: Open) -> None:
-    user = open_user(example("kim_1990"))
+def test_units_are_written_as_everywhere_in_the_window(same_window: Open) -> None:
+    user = same_window(example("kim_1990"))
     table = findings(user).table
     texts = [str(table.rows.index(row, 0).data()) for row in range(table.rows.rowCount())]
     assert "Acceleration jumps by -18 mm/rad² at a join: infinite jerk" in texts

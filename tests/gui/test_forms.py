@@ -24,9 +24,9 @@ LIFT = load(example("transfer_lift"))
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user()
+    return same_window()
 
 
 def follower(user: User) -> CamSlider:
@@ -39,7 +39,8 @@ def follower(user: User) -> CamSlider:
 
 
 @pytest.mark.parametrize("name", ["transfer_lift", "card_picker"])
-def test_every_entry_has_its_row_in_the_order_of_the_file(user: User, name: str) -> None:
+def test_every_entry_has_its_row_in_the_order_of_the_file(open_user: Open, name: str) -> None:
+    user = open_user()
     user.window.documents.open_example(example(name))
     shown, text = user.parameters(), dumps(user.design)
     for form in shown.forms.values():
@@ -166,7 +167,8 @@ def test_the_name_is_typed_above(user: User) -> None:
 # -- stepping ---------------------------------------------------------------------------------------------
 
 
-def test_keys_step_live_and_are_one_step_back(user: User) -> None:
+def test_keys_step_live_and_are_one_step_back(open_user: Open) -> None:
+    user = open_user()
     box = user.number(ROD)
     rods = []
     user.session.design_changed.connect(lambda: rods.append(follower(user).rod_mm))
@@ -178,7 +180,8 @@ def test_keys_step_live_and_are_one_step_back(user: User) -> None:
     assert user.steps == ["Change rod L2 to 875 mm", "Change rod L2 to 885 mm"]
 
 
-def test_dragging_the_name_is_one_step(user: User) -> None:
+def test_dragging_the_name_is_one_step(open_user: Open) -> None:
+    user = open_user()
     label = user.field(ROD).label
     start = QPoint(5, 5)
     rods = []

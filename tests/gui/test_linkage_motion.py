@@ -24,9 +24,9 @@ COUPLER = load(example("four_bar_coupler_cam"))
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """At the four-bar with the roller on its coupler, without plots."""
-    return open_user(example("four_bar_coupler_cam"))
+    return same_window(example("four_bar_coupler_cam"))
 
 
 def profile(user: User) -> np.ndarray:
@@ -177,9 +177,9 @@ def test_a_measured_swing_becomes_the_motion(user: User, tmp_path: Path, monkeyp
     assert np.rad2deg(user.session.study.motion.y[0]).max() == pytest.approx(12.0, abs=0.01)
 
 
-def test_a_crank_at_speed_says_how_to_get_a_motion(open_user: Open) -> None:
+def test_a_crank_at_speed_says_how_to_get_a_motion(same_window: Open) -> None:
     """Every entry of the menu Make that needs one; the law table is there for any design."""
-    user = open_user(example("four_bar"))
+    user = same_window(example("four_bar"))
     motion = user.window.show_view("motion")
     wait_for(lambda: motion.up_to_date)
     assert "Compo > Driver" in motion.no_picture
@@ -212,8 +212,8 @@ def stands(user: User) -> dict[str, complex]:
     return {name: complex(z[0]) * 1e3 for name, (z, _) in study.points().items()}  # type: ignore[attr-defined]
 
 
-def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_another_link_leads_and_the_drawing_stays(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     user.window.player.set_theta(1.0)
     before, crank = stands(user), user.design
     assert user.entries("Compo", "Driver") == [
@@ -234,9 +234,9 @@ def test_another_link_leads_and_the_drawing_stays(open_user: Open) -> None:
     assert user.design == crank
 
 
-def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(open_user: Open) -> None:
+def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(same_window: Open) -> None:
     """The driver's ranges move the angle before the plots show the new design."""
-    user = open_user(example("four_bar_coupler_cam"))
+    user = same_window(example("four_bar_coupler_cam"))
     user.turn(270.0)
     before = user.design
     entry = ("Compo", "Driver", "Link 4 turns at speed")
@@ -252,8 +252,8 @@ def test_a_cam_that_goes_with_its_motion_is_named_and_comes_back(open_user: Open
     assert user.design.drive.cam is None
 
 
-def test_the_roller_asks_for_a_motion_first(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_the_roller_asks_for_a_motion_first(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     assert user.entries("Compo", "Cam roller") == ["No cam", "A on link 2", "B on link 3", "C on link 3"]
     action = user.action("Compo", "Cam roller", "C on link 3")
     assert not action.isEnabled()
@@ -270,8 +270,8 @@ Step = Callable[[User], None]
         ("slider_crank", "Link 4 follows a motion", "B on link 3"),
     ],
 )
-def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, open_user: Open) -> None:
-    user = open_user(example(name))
+def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, roller: str, same_window: Open) -> None:
+    user = same_window(example(name))
     user.window.player.set_theta(1.0)
     user.choose("Compo", "Driver", driver)
     user.choose("Compo", "Cam roller", roller)
@@ -292,14 +292,14 @@ def test_a_roller_rides_on_any_link_of_any_linkage(name: str, driver: str, rolle
     assert user.faults == []
 
 
-def test_menus_of_linkages_are_not_there_for_a_cam(open_user: Open) -> None:
-    user = open_user()
+def test_menus_of_linkages_are_not_there_for_a_cam(same_window: Open) -> None:
+    user = same_window()
     assert not {"Driver", "Cam roller"} & set(user.entries("Compo"))
 
 
-def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> None:
+def test_keys_of_a_motion_go_nowhere_where_there_is_none(same_window: Open) -> None:
     """The stroke that was shown for the design before is out of sight; Make > Stroke does not choose it."""
-    user = open_user(example("four_bar_coupler_cam"))
+    user = same_window(example("four_bar_coupler_cam"))
     box = user.number("motion.stroke_deg")
     user.window.documents.open_example(example("lecture_six_bar"))
     settle()
@@ -312,9 +312,9 @@ def test_keys_of_a_motion_go_nowhere_where_there_is_none(open_user: Open) -> Non
     assert user.design is before
 
 
-def test_a_driver_that_takes_long_can_be_given_up(open_user: Open) -> None:
+def test_a_driver_that_takes_long_can_be_given_up(same_window: Open) -> None:
     """The last link of Stephenson's chain leads a group of four: each way to put it together is followed all round."""
-    user = open_user(example("stephenson_six_bar"))
+    user = same_window(example("stephenson_six_bar"))
     user.turn(50.0)
     before = user.design
 

@@ -34,9 +34,9 @@ NONE, SHIFT, CTRL, ALT = (
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes, and without its mechanism's limits of reach."""
-    made = open_user()
+    made = same_window()
     made.session.stages_on_screen = tuple
     return made
 
@@ -306,9 +306,9 @@ def test_another_edit_in_the_middle_of_a_pull_ends_it(user: User) -> None:
     assert len(user.steps) == 2
 
 
-def test_what_cannot_be_is_told_and_the_last_good_motion_stays(open_user: Open) -> None:
+def test_what_cannot_be_is_told_and_the_last_good_motion_stays(same_window: Open) -> None:
     """With the mechanism in sight its reach is a limit."""
-    user = open_user()
+    user = same_window()
     hand = take_line(user, 180.0, 0.0)
     hand.move(0.0, -20.0)
     good = user.design

@@ -23,9 +23,9 @@ EDITING = QAbstractItemView.State.EditingState
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes."""
-    return open_user()
+    return same_window()
 
 
 def motion(user: User) -> Motion:
