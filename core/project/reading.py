@@ -426,8 +426,10 @@ def _classes(kind: str, row: FollowerKind | None, face: str | None) -> dict[str,
 def _under_other_faces(row: FollowerKind, face: str) -> dict[str, str]:
     """Paths of the entries that the tables of a follower have under other faces only -> the words that they take."""
     found: dict[str, list[str]] = {}
+    own_kinds: tuple[Any, ...] = row.under(face)
     for word in (each for each in row.faces if each != face):
-        for name, other, own in zip(("follower", "cam", "loads"), row.under(word), row.under(face), strict=True):
+        kinds: tuple[Any, ...] = row.under(word)
+        for name, other, own in zip(("follower", "cam", "loads"), kinds, own_kinds, strict=True):
             for key in {slot.key for slot in slots(other)} - {slot.key for slot in slots(own)}:
                 found.setdefault(f"{name}.{key}", []).append(f'"{word}"')
     return {path: f"{FACE} = {' or '.join(words)}" for path, words in found.items()}
