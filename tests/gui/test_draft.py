@@ -275,8 +275,8 @@ def rise_alone(user: User) -> None:
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
-    return open_user()
+def user(same_window: Open) -> User:
+    return same_window()
 
 
 def test_a_new_design_to_which_segments_are_added_keeps_what_is_typed(user: User) -> None:
@@ -388,8 +388,8 @@ def test_save_may_be_called_off(user: User, tmp_path: Path) -> None:
     assert column(user, RISE)[1] == "40"
 
 
-def test_a_linkage_has_drafts_too(open_user: Open) -> None:
-    user = open_user(example("four_bar_coupler_cam"))
+def test_a_linkage_has_drafts_too(same_window: Open) -> None:
+    user = same_window(example("four_bar_coupler_cam"))
     before, spans = user.design, column(user, SPAN)
     user.enter_cell(1, SPAN, "300")
     assert user.design == before

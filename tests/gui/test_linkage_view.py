@@ -38,9 +38,9 @@ def place(user: User, point: str) -> complex:
 
 
 @pytest.mark.parametrize("name", ["slider_crank", "lecture_six_bar", "four_bar_coupler_cam"])
-def test_a_linkage_opens_and_moves(name: str, open_user: Open) -> None:
+def test_a_linkage_opens_and_moves(name: str, same_window: Open) -> None:
     """Each link is drawn where the core has it, at every tenth of a turn."""
-    user = open_user(example(name))
+    user = same_window(example(name))
     view = user.drawing()
     assert not view.in_trouble
     for step in range(10):
@@ -56,8 +56,8 @@ def test_a_linkage_opens_and_moves(name: str, open_user: Open) -> None:
     assert {f"label.pin.{n}" for n in ("A", "B")} & set(view.scene.parts)
 
 
-def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> None:
-    user = open_user(example("inverted_slider_crank"))
+def test_a_slider_is_a_block_on_the_link_that_carries_it(same_window: Open) -> None:
+    user = same_window(example("inverted_slider_crank"))
     user.turn(70.0)
     block = user.drawing().scene.item("block.3")
     at = block.mapToScene(block.boundingRect().center())
@@ -65,9 +65,9 @@ def test_a_slider_is_a_block_on_the_link_that_carries_it(open_user: Open) -> Non
 
 
 def test_the_coupler_cam_is_drawn_and_exported(
-    open_user: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    same_window: Open, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    user = open_user(example("four_bar_coupler_cam"))
+    user = same_window(example("four_bar_coupler_cam"))
     view = user.drawing()
     for key in ("cam", "pitch", "roller", "normal", "centre"):
         assert view.scene.item(key).isVisible(), key
@@ -82,12 +82,12 @@ def test_the_coupler_cam_is_drawn_and_exported(
         assert (tmp_path / name).read_text(encoding="utf-8") == text
 
 
-def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path) -> None:
+def test_a_linkage_that_cannot_turn_fully_swings(same_window: Open, tmp_path: Path) -> None:
     """Crank longer than what lets it turn: the player stays where the linkage can stand, and turns back there."""
     path = tmp_path / "rocker.toml"
     text = example("four_bar").read_text(encoding="utf-8").replace("A = [30.0, 0.0]", "A = [95.0, 0.0]")
     path.write_text(text, encoding="utf-8")
-    user = open_user(path)
+    user = same_window(path)
     user.window.docks["centres"].hide()
     player = user.window.player
     (low, high), *_ = player.ranges
@@ -108,8 +108,8 @@ def test_a_linkage_that_cannot_turn_fully_swings(open_user: Open, tmp_path: Path
 # -- parameters and plots ---------------------------------------------------------------------------------
 
 
-def test_dimensions_are_edited_and_undone(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_dimensions_are_edited_and_undone(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     path = "linkage.links[3].points.B.x_mm"
     before = user.design
     user.enter(path, "75")
@@ -120,8 +120,8 @@ def test_dimensions_are_edited_and_undone(open_user: Open) -> None:
     assert user.design == before
 
 
-def test_a_length_that_cannot_be_is_refused_beside_its_field(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_a_length_that_cannot_be_is_refused_beside_its_field(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     before = user.design
     user.enter("linkage.links[2].points.B.x_mm", "300")
     assert user.design == before
@@ -132,8 +132,8 @@ def test_a_length_that_cannot_be_is_refused_beside_its_field(open_user: Open) ->
     assert user.steps == []
 
 
-def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_the_other_way_of_assembly_is_chosen(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     above = place(user, "B").imag
     editor = user.field("linkage.branch.B").editor
     editor.setCurrentIndex(editor.findData(-1))  # type: ignore[union-attr]
@@ -143,8 +143,8 @@ def test_the_other_way_of_assembly_is_chosen(open_user: Open) -> None:
     assert above > 0.0 > place(user, "B").imag
 
 
-def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
-    user = open_user(example("lecture_six_bar"))
+def test_the_plots_show_what_the_links_do(same_window: Open) -> None:
+    user = same_window(example("lecture_six_bar"))
     user.turn(45.0)
     view = user.window.show_view("velocity")
     wait_for(lambda: view.up_to_date and view.on_screen())
@@ -157,9 +157,9 @@ def test_the_plots_show_what_the_links_do(open_user: Open) -> None:
     assert "point.D_vx" in [row.quantity for row in graph.drawn]  # type: ignore[attr-defined]
 
 
-def test_empty_plots_name_the_angle_too(open_user: Open) -> None:
+def test_empty_plots_name_the_angle_too(same_window: Open) -> None:
     """A crank has no curvature: the plot says so over the driver's angle; back at a cam, over the cam's."""
-    user = open_user(example("four_bar"))
+    user = same_window(example("four_bar"))
     for name, told in (("four_bar", "Driver angle, °"), ("transfer_lift", "Cam angle, °"), ("slider_crank", "Driver angle, °")):
         user.session.start(load(example(name)))
         settle()
@@ -195,8 +195,8 @@ def test_docks_are_called_after_what_they_show(open_user: Open) -> None:
         assert f"{titles[0]}..." in user.entries("Graph", "Export picture")
 
 
-def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
-    user = open_user(example("lecture_six_bar"))
+def test_what_a_linkage_lacks_is_said_in_a_sentence(same_window: Open) -> None:
+    user = same_window(example("lecture_six_bar"))
     for name in ("motion", "flywheel"):
         view = user.window.show_view(name)
         wait_for(lambda view=view: view.up_to_date)  # type: ignore[misc]
@@ -211,9 +211,9 @@ def test_what_a_linkage_lacks_is_said_in_a_sentence(open_user: Open) -> None:
     ("name", "point", "way"), [("four_bar", "B", 8 + 5j), ("four_bar", "C", -9 + 4j), ("watt_six_bar", "D", 6 - 7j)]
 )
 def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
-    name: str, point: str, way: complex, open_user: Open
+    name: str, point: str, way: complex, same_window: Open
 ) -> None:
-    user = open_user(example(name))
+    user = same_window(example(name))
     view = user.drawing()
     user.turn(60.0)
     before, start = user.design, place(user, point)
@@ -225,8 +225,8 @@ def test_a_joint_that_is_dragged_follows_the_mouse_in_one_step(
     assert user.design == before
 
 
-def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_a_crank_is_lengthened_along_itself(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     user.turn(90.0)
     user.drag(place(user, "A"), place(user, "A") + 6.0 + 10.0j)
     assert place(user, "A") == pytest.approx(40.0j, abs=1.0)
@@ -235,9 +235,9 @@ def test_a_crank_is_lengthened_along_itself(open_user: Open) -> None:
     assert user.design.drive.mechanism.by_number[3].places["B"].imag == 0.0
 
 
-def test_a_joint_cannot_be_dragged_to_where_nothing_fits(open_user: Open) -> None:
+def test_a_joint_cannot_be_dragged_to_where_nothing_fits(same_window: Open) -> None:
     """The ground pivot goes as far as the links, which keep their lengths, can be put together; beyond it is refused."""
-    user = open_user(example("four_bar"))
+    user = same_window(example("four_bar"))
     view = user.drawing()
     view.canvas.zoom(0.3, QPointF(200.0, 200.0))
     refused: list[object] = []
@@ -312,8 +312,8 @@ def test_a_crank_carries_its_number_round_with_it(open_user: Open) -> None:
         assert 0.0 < min(b.real for b in beside) < max(b.real for b in beside) < abs(end - start)
 
 
-def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(open_user: Open) -> None:
-    user = open_user(example("four_bar"))
+def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
     user.session.edit("linkage.links[1].points.A.x_mm", 90.0, "A long crank")
     user.session.end_gesture()
     settle()
@@ -329,9 +329,9 @@ def test_a_label_finds_another_side_where_its_link_no_longer_goes_round(open_use
     assert labels(user.drawing().scene) == pytest.approx(labels(fresh), abs=0.1)
 
 
-def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -> None:
+def test_a_crank_that_can_hardly_move_is_refused_at_its_field(same_window: Open) -> None:
     """The last design that can be drawn stays, and every view with it."""
-    user = open_user(example("four_bar"))
+    user = same_window(example("four_bar"))
     before = user.design
     longest = 30.0 + 120.0 + 70.0
     user.session.edit("linkage.links[0].points.O4.y_mm", math.sqrt((longest - 1e-7) ** 2 - 100.0**2), "Far away")
@@ -341,8 +341,8 @@ def test_a_crank_that_can_hardly_move_is_refused_at_its_field(open_user: Open) -
     assert not user.drawing().in_trouble
 
 
-def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported(open_user: Open, tmp_path: Path) -> None:
-    user = open_user(example("four_bar"))
+def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported(same_window: Open, tmp_path: Path) -> None:
+    user = same_window(example("four_bar"))
     user.see("curvature")
     entry = user.action("Graph", "Export picture", "Curvature...")
     assert not entry.isEnabled()
@@ -355,8 +355,8 @@ def test_a_plot_with_nothing_to_show_says_so_in_the_menu_and_when_it_is_exported
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(open_user: Open) -> None:
-    user = open_user(example("watt_six_bar"))
+def test_the_flywheel_of_a_crank_shows_the_torque_of_the_driver(same_window: Open) -> None:
+    user = same_window(example("watt_six_bar"))
     user.choose("Stability", "Give it a shaft")
     view = user.see("flywheel")
     labels = [row.cells[0] for row in view.table.rows.rows]  # type: ignore[attr-defined]

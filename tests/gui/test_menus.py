@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QMenu, QToolButton, QWidget
-from window_user import User, plain, settle, wait_for
+from window_user import Open, User, plain, settle, wait_for
 
 from core.design import FOLLOWER_KINDS, LAYOUTS, faults, kind_of, stroke
 from kindyna_gui.places import examples
@@ -27,6 +27,11 @@ def all_actions(place: QWidget) -> Iterator[QAction]:
             yield from all_actions(menu)
         elif not action.isSeparator():
             yield action
+
+
+@pytest.fixture
+def user(same_window: Open) -> User:
+    return same_window()
 
 
 def test_the_menus_are_those_of_the_program_of_1995_and_every_entry_says_what_it_does(user: User) -> None:

@@ -30,9 +30,9 @@ EDITING = QAbstractItemView.State.EditingState
 
 
 @pytest.fixture
-def user(open_user: Open) -> User:
+def user(same_window: Open) -> User:
     """Without plots, for which no test here has eyes, and without its mechanism's limits of reach."""
-    made = open_user()
+    made = same_window()
     made.session.stages_on_screen = tuple
     return made
 
@@ -388,9 +388,9 @@ def test_a_point_that_cannot_be_is_told(user: User) -> None:
     assert not user.motion().message.isVisible()
 
 
-def test_points_on_top_of_one_another_are_refused(open_user: Open) -> None:
+def test_points_on_top_of_one_another_are_refused(same_window: Open) -> None:
     """There is no curve through them; with the motion in sight that is told, and nothing changes."""
-    user = open_user()
+    user = same_window()
     user.session.edit("motion.segments[1].law", "spline", "x")
     user.window.player.step(55.0)
     points(user).add()
