@@ -9,7 +9,15 @@ from pathlib import Path
 from types import TracebackType
 
 import pytest
-from PySide6.QtCore import QCoreApplication, QEvent, QMessageLogContext, QSettings, QtMsgType, qInstallMessageHandler
+from PySide6.QtCore import (
+    QByteArray,
+    QCoreApplication,
+    QEvent,
+    QMessageLogContext,
+    QSettings,
+    QtMsgType,
+    qInstallMessageHandler,
+)
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QMenu, QWidget
 from window_user import Alone, Open, Shown, User, settle
@@ -23,7 +31,9 @@ from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design, example
 from kindyna_gui.window.layouts import first_task
 from kindyna_gui.window.main_window import MainWindow, open_window
+from kindyna_gui.window.tasks import TASKS
 
+Kept = dict[MainWindow, dict[str, QByteArray]]
 HARMLESS = (
     "This plugin does not support propagateSizeHints()",
     "This plugin does not support raise()",
@@ -126,9 +136,9 @@ def still_computing() -> str:
 
 
 @pytest.fixture(scope="module")
-def kept_windows(app: QApplication) -> Iterator[list[MainWindow]]:
-    """The window that the tests of a module share, once there is one."""
-    kept: list[MainWindow] = []
+def kept_windows(app: QApplication) -> Iterator[Kept]:
+    """The window that the tests of a module share, once there is one, with the first layouts of its tasks."""
+    kept: Kept = {}
     before = set(QApplication.topLevelWidgets())
     yield kept
     with pytest.MonkeyPatch.context() as patch:
@@ -138,16 +148,17 @@ def kept_windows(app: QApplication) -> Iterator[list[MainWindow]]:
 
 
 @pytest.fixture
-def same_window(kept_windows: list[MainWindow], app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
+def same_window(kept_windows: Kept, app: QApplication, monkeypatch: pytest.MonkeyPatch) -> Iterator[Open]:
     """As ``open_user``, for tests that have no eyes for how a window is opened or closed: their module shares one, in which
     each begins with a design that is read anew, and with the drawing alone."""
 
     def open(path: Path | None = None) -> User:
         if not kept_windows:
-            kept_windows.append(open_window(app))
-            kept_windows[0].show()
-        user = User(kept_windows[0], monkeypatch)
-        begin_anew(user, path)
+            kept_windows[open_window(app)] = {}
+        ((window, layouts),) = kept_windows.items()
+        window.show()
+        user = User(window, monkeypatch)
+        begin_anew(user, path, layouts)
         return user
 
     yield open
@@ -155,7 +166,7 @@ def same_window(kept_windows: list[MainWindow], app: QApplication, monkeypatch: 
         end(User(window, monkeypatch))
 
 
-def begin_anew(user: User, path: Path | None) -> None:
+def begin_anew(user: User, path: Path | None, layouts: dict[str, QByteArray]) -> None:
     """A design, at cam angle 0, and the first layout of its task, without docks."""
     window, session = user.window, user.session
     if path is None:
@@ -163,11 +174,17 @@ def begin_anew(user: User, path: Path | None) -> None:
     else:
         session.open(path)
     user.window.player.set_theta(0.0)
-    window.show_task(first_task(session.design))
-    window.reset_layout()
+    task = first_task(session.design)
+    window.show_task(task)
     window.resize(1280, 800)
-    for dock in window.docks.values():
-        dock.hide()
+    if task in layouts:
+        window.restoreState(layouts[task])
+        window.centre.lay(TASKS[task].pages, TASKS[task].front)
+    else:
+        window.reset_layout()
+        for dock in window.docks.values():
+            dock.hide()
+        layouts[task] = window.saveState()
     window.activateWindow()
     assert QTest.qWaitForWindowActive(window)
     settle()
@@ -184,7 +201,6 @@ def end(user: User) -> None:
     session.stages_on_screen = window.stages_on_screen
     for dock in window.docks.values():
         dock.hide()
-    session.start(load(default_design()))
     session.choose_segment(0)
     session.choose_step(None)
     settle()
