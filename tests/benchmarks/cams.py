@@ -16,6 +16,7 @@ from benchmarks.plain import (
     ROLLER_RADIUS,
     SENSE,
     STEPS,
+    Quintic,
     again,
     as_far_apart,
     by_table,
@@ -133,6 +134,10 @@ def from_curve(there: Any, curve: Any) -> Channels:
     return _by_tangent(curve(there.theta), curve(there.theta, 1), there)
 
 
+def from_table(there: Any, table: Quintic) -> Channels:
+    return _by_tangent(*table.at(there.theta, 0, 1), there)
+
+
 def at_knots(theta: np.ndarray) -> Channels:
     """What a table of profile and pressure angle holds: all by hand."""
     r, v = linkage_by_hand(motion_at(theta), None)[3:5]
@@ -160,7 +165,7 @@ PROFILE = Kernel(
         Method("cubic spline through the given places", spline_on_grid, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart),
         Method("finite differences, places by hand", finite_differences, (1e-5, 1e-2, 1e-3, 3e-4, 1e-4, 3e-5, 1e-6), "step", special=True),
         Method("cubic spline of the pitch curve", from_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table of the pitch curve", from_curve, FEW, "points", keeps=quintic),
+        Method("quintic table of the pitch curve", from_table, FEW, "points", keeps=quintic),
         *by_table(at_knots),
     ),
     roundings=34 + 10 + 12 + 24,  # as in the cam's own tests, and 24 of the motion
@@ -212,6 +217,10 @@ def bend_of_curve(there: Any, curve: Any) -> Channels:
     return _bend(curve(there.theta, 1), curve(there.theta, 2))
 
 
+def bend_of_table(there: Any, table: Quintic) -> Channels:
+    return _bend(*table.at(there.theta, 1, 2))
+
+
 def bend_of_spline(there: Any, every: int) -> Channels:
     return bend_of_curve(there, _spline_on(there, every))
 
@@ -235,7 +244,7 @@ CURVATURE = Kernel(
         Method("cubic spline through the given places", bend_of_spline, ON_SPLINE, "every", on_grid=True, scaled=as_far_apart),
         Method("finite differences, places by hand", bend_by_differences, STEPS, "step", special=True),
         Method("cubic spline of the pitch curve", bend_of_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table of the pitch curve", bend_of_curve, FEW, "points", keeps=quintic),
+        Method("quintic table of the pitch curve", bend_of_table, FEW, "points", keeps=quintic),
         *by_table(bend_at_knots),
     ),
     roundings=34 + 10 + 12 + 24,

@@ -214,7 +214,7 @@ KERNEL = Kernel(
         Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
         *by_table(lambda at: by_hand(SimpleNamespace(theta=at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table", from_curve, FEW, "points", keeps=quintic),
+        Method("quintic table", lambda there, table: table.at(there.theta, 0, 1, 2), FEW, "points", keeps=quintic),
         Method("harmonics", from_harmonics, (64, 16, 24, 32, 40, 48, 56), "points", keeps=fourier),
         Method("harmonics (FFT)", by_transform, (64, 32, 40, 48, 56), "points", keeps=fourier, on_grid=True),
         Method("pylinkage, numba", peers.pylinkage_four_bar, needs=("pylinkage", "numba")),

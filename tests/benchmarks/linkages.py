@@ -203,7 +203,7 @@ KERNEL = Kernel(
         Method("differences between the given angles", on_grid, ON_GRID, "order, every", special=True, on_grid=True, scaled=as_far_apart),
         *by_table(lambda at: by_hand(motion_at(at), None)),
         Method("cubic spline", from_curve, POINTS, "points", keeps=cubic),
-        Method("quintic table", from_curve, FEW, "points", keeps=quintic),
+        Method("quintic table", lambda there, table: _with_roller(there, *table.at(there.theta, 0, 1, 2)), FEW, "points", keeps=quintic),
         Method("pylinkage's formulas, numba", peers.pylinkage, needs=("pylinkage", "numba"), special=True),
         Method("pylinkage's formulas", peers.pylinkage_plain, needs=("pylinkage",), special=True, one_by_one=True),
         Method("mechanism", peers.mechanism, needs=("mechanism", "matplotlib"), one_by_one=True),

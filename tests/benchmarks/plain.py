@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import perm
 from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any
@@ -198,15 +200,36 @@ def splined(points: int, column: Callable[[np.ndarray], np.ndarray], end: float 
     return CubicSpline(at, column(at))
 
 
-def hermite(at: np.ndarray, s: np.ndarray, v: np.ndarray, a: np.ndarray) -> Any:
-    """Pieces of degree five through values, velocities and accelerations at the knots."""
-    from scipy.interpolate import PPoly
+@dataclass(frozen=True)
+class Quintic:
+    """Pieces of degree five between knots at even steps: coefficients by falling powers of the part of a step, each (pieces,)."""
 
-    h = np.diff(at)
+    step: float
+    rows: tuple[np.ndarray, ...]
+
+    def at(self, where: np.ndarray, *orders: int) -> list[np.ndarray]:
+        """Value (order 0) and derivatives; the piece by one multiplication."""
+        x = where * (1.0 / self.step)
+        piece = x.astype(np.intp)
+        x -= piece
+        rows = [row.take(piece) for row in self.rows]
+        return [self._of(order, x, rows) for order in orders]
+
+    def _of(self, order: int, x: np.ndarray, rows: Sequence[np.ndarray]) -> np.ndarray:
+        weights = [perm(power, order) / self.step**order for power in range(5, order - 1, -1)]
+        told = weights[0] * rows[0]
+        for weight, row in zip(weights[1:], rows[1:], strict=False):
+            told *= x
+            told += row if weight == 1.0 else weight * row
+        return told
+
+
+def hermite(at: np.ndarray, s: np.ndarray, v: np.ndarray, a: np.ndarray) -> Quintic:
+    """Through values, velocities and accelerations at the knots, which are even."""
+    h = float(at[1] - at[0])
     s0, v0, a0 = s[:-1], v[:-1] * h, a[:-1] * h * h / 2.0
     d, e, f = s[1:] - s0 - v0 - a0, v[1:] * h - v0 - 2.0 * a0, a[1:] * h * h / 2.0 - a0
-    rows = (6.0 * d - 3.0 * e + f, 7.0 * e - 15.0 * d - 2.0 * f, 10.0 * d - 4.0 * e + f, a0, v0, s0)
-    return PPoly(np.array([row / h ** (5 - k) for k, row in enumerate(rows)]), at)
+    return Quintic(h, (6.0 * d - 3.0 * e + f, 7.0 * e - 15.0 * d - 2.0 * f, 10.0 * d - 4.0 * e + f, a0, v0, s0))
 
 
 def differences_on(grid: np.ndarray, step: float, order: int, every: int, orders: int = 2) -> list[np.ndarray]:
