@@ -69,8 +69,8 @@ class Plan:
     settings: int = 99
     longest: float = 0.2
     rounds: int = 11  # of the window
-    starts: int = 5
-    targets: float = 1.5  # for those of kernels, once
+    starts: int = 5  # of processes
+    targets: float = 1.5  # seconds for those of kernels
     large: bool = True  # exports of millions of angles
 
 
@@ -239,7 +239,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     cases = _told("stress", lambda: stress.measured(asked.quick))
     large = _told("counts", lambda: list(counts.rows()))
-    found = _told("targets", lambda: targets.measured(rows, large, cases, plan.targets, plan.large))
+    found = _told("targets", lambda: targets.measured(rows, large, cases, plan))
     table, goals, bounds = ratios.markdown(rows, targets.markdown(found)), targets.as_csv(found), counts.as_csv(large)
     texts = {"bench.csv": as_csv(rows), "targets.csv": goals, "counts.csv": bounds, "stress.csv": stress.as_csv(cases), "bench.md": table}
     write_all(asked.out, texts)

@@ -14,7 +14,23 @@ ROOT = Path(__file__).parents[2]
 LIFT = str(ROOT / "resources" / "examples" / "transfer_lift.toml")
 NUMPY = ("-c", "import numpy")
 CHECK = ("-m", "core", "check", LIFT)
-STARTS = 5
+AGAIN = f"""
+import time
+from core.__main__ import main
+from core.study.stages import clear_caches
+main(["check", {LIFT!r}])
+clear_caches()
+began = time.process_time()
+main(["check", {LIFT!r}])
+print(time.process_time() - began)
+"""
+# what a process holds at most includes what its parent held when it was made: so that has a small one of its own
+BESIDE = """
+import os, subprocess, sys
+process = subprocess.Popen([sys.executable, *sys.argv[1:]], stdout=subprocess.DEVNULL)
+_, status, spent = os.wait4(process.pid, 0)
+print(os.waitstatus_to_exitcode(status), spent.ru_utime + spent.ru_stime, spent.ru_maxrss / 1024.0)
+"""
 
 
 @dataclass(frozen=True)
@@ -25,26 +41,37 @@ class Used:
     peak_mib: float
 
 
-def used(words: Sequence[str]) -> Used:
-    """By Python with these words, its compiled modules kept from run to run. Raises RuntimeError where it fails."""
+@dataclass(frozen=True)
+class Checked:
+    """Seconds of ``check`` of the lift; of Python with numpy alone; of a second check in the same process, all forgotten."""
+
+    whole: float
+    bare: float
+    computed: float
+
+
+def _output(words: Sequence[str]) -> list[str]:
+    """The last line that Python prints with these words, its compiled modules kept from run to run."""
     env = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
-    process = subprocess.Popen([sys.executable, *words], cwd=ROOT, env=env, stdout=subprocess.DEVNULL)
-    _, status, spent = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode:
-        raise RuntimeError(f"{' '.join(words)}: exit code {process.returncode}")
-    return Used(spent.ru_utime + spent.ru_stime, spent.ru_maxrss / 1024.0)
+    told = subprocess.check_output([sys.executable, *words], cwd=ROOT, env=env, text=True)
+    return told.splitlines()[-1].split()
 
 
-def starts(times: int = STARTS) -> dict[tuple[str, ...], float]:
-    """Least seconds of ``check`` of the lift, and of Python with numpy alone; in turn, the first of each not counted."""
-    taken: dict[tuple[str, ...], list[float]] = {NUMPY: [], CHECK: []}
-    for count in range(times + 1):
-        for words, found in taken.items():
-            seconds = used(words).seconds
-            if count:
-                found.append(seconds)
-    return {words: min(found) for words, found in taken.items()}
+def used(words: Sequence[str]) -> Used:
+    """By Python with these words. Raises RuntimeError where it fails."""
+    code, seconds, peak = _output(("-c", BESIDE, *words))
+    if code != "0":
+        raise RuntimeError(f"{' '.join(words)}: exit code {code}")
+    return Used(float(seconds), float(peak))
+
+
+def check(times: int) -> Checked:
+    """Least of several, in turn, the first of each not counted."""
+    rows = []
+    for _ in range(times + 1):
+        whole, bare = (used(words).seconds for words in (CHECK, NUMPY))
+        rows.append((whole, bare, float(_output(("-c", AGAIN))[-1])))
+    return Checked(*map(min, zip(*rows[1:], strict=True)))
 
 
 def export(angles: int) -> Used:

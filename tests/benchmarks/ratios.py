@@ -260,8 +260,8 @@ def _other_units(rows: Sequence[Row]) -> str:
     lines = []
     for told in [Told.of(kernel, rows) for kernel in kernels() if kernel.usual != USUAL and len(kernel.sizes) > 1]:
         cells = {n: _at_size(told, rows, n) for n in sorted(told.kernel.sizes)}
-        lines += [_line([told.kernel.title, f"{n} {told.kernel.unit}", cell]) for n, cell in cells.items() if cell != UNMEASURED]
-    return "\n".join([*_head(["kernel", "of", "quickest rival, warm"]), *lines]) + "\n" if lines else ""
+        lines += [_line([told.kernel.title, f"{told.kernel.unit}: {n}", cell]) for n, cell in cells.items() if cell != UNMEASURED]
+    return "\n".join([*_head(["kernel", "how many", "quickest rival"]), *lines]) + "\n" if lines else ""
 
 
 def _at_size(told: Told, rows: Sequence[Row], n: int) -> str:

@@ -15,7 +15,7 @@ from benchmarks.exact import exact
 from core.motion import TURN
 from core.study.stages import clear_caches
 
-SIZES = (360, 3600, 36_000, 1_000_000, 1)
+SIZES = (360, 3600, 36_000, 360_000, 1)
 USUAL = 3600
 NO_SETTING = (None,)
 

@@ -327,9 +327,9 @@ def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_rea
     frames = [(kernel, 3, 0.009) for kernel in ("animation, six-bar", "animation, six-bar at 1920 x 1080")]
     six_bar = (("edit to paint, six-bar", 3, 0.02), ("drag to paint, six-bar", 3, 0.016), *frames)
     seen = (("edit to paint", 6, 0.031), ("animation", 12, 0.009), *six_bar, ("start", 0, 0.750))
-    rows = [Row(kernel, "x", n, seconds, *2 * [math.nan], "", *2 * [math.nan], "") for kernel, n, seconds in seen]
+    rows = [Row(kernel, "x", n, seconds, *2 * [math.nan], "", 4.0, math.nan, "") for kernel, n, seconds in seen]
     slower = replace(rows[0], seconds=0.04)
-    told = targets.measured([*rows, replace(slower, n=12)], seconds=0.02, large=False)
+    told = targets.measured([*rows, replace(slower, n=12)], plan=replace(TINY, targets=0.02, starts=1, large=False))
     assert all(t.taken >= 0.0 for t in told)
     lines = csv.DictReader(io.StringIO(targets.as_csv(told)))
     at = {line["what"]: (line["allowed"], line["taken"], line["unit"], line["met"]) for line in lines}
@@ -340,6 +340,7 @@ def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_rea
     missed = [replace(t, taken=2.0 * t.allowed) for t in told]
     shown = [line for line in targets.markdown(missed).splitlines() if "**missed**" in line]
     assert len(shown) == len(told)
+    assert "7.8 ms of it are a bare repaint" in next(line for line in shown if "six plots" in line)
     assert "Python with numpy alone" in next(line for line in shown if "`check`" in line)
 
 

@@ -216,7 +216,7 @@ def one_piecewise_after_the_other(there: Any, setting: tuple[str, float]) -> Cha
 
 TOLERANCES = (1e-8, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 3e-14)
 
-COARSE, FINE = TOLERANCES[:7], (1e-8, 1e-10, 1e-12, 1e-13)
+COARSE, FINE = TOLERANCES[:5], (1e-8, 1e-10, 1e-12, 1e-13)
 
 STEPS = (400, 50, 100, 200, 800, 1600, 3200)
 
@@ -244,7 +244,7 @@ KERNEL = Kernel(
     roundings=4 * 20 / (2.0 * PI * SPEED),
     handed=HANDED,
     warm="what KINDYNA knows of its series",
-    sizes=(1, 5, 20),
+    sizes=(TURNS,),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
@@ -267,7 +267,7 @@ MANY = Kernel(
     roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
     handed=HANDED,
     warm="what KINDYNA knows of its series",
-    sizes=(1, 5),
+    sizes=(TURNS,),
     usual=TURNS,
     between=TURNS,
     unit="turns of the shaft",
