@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks import check, measuring, ratios, stress, targets, timing
+from benchmarks import check, measuring, processes, ratios, stress, targets, timing
 from benchmarks.exact import FILE, MADE, exact
 from benchmarks.measuring import Plan, Row
 from benchmarks.table import Kernel, Method, kernels
@@ -323,13 +323,14 @@ def test_the_table_goes_between_its_markers_and_nowhere_else(tmp_path: Path) -> 
     assert (len(ratios.TEN), len(KERNELS)) == (10, 12)
 
 
-def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_reason() -> None:
+def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(processes, "check", lambda times: processes.Checked(0.211, 0.09, 0.035))
     frames = [(kernel, 3, 0.009) for kernel in ("animation, six-bar", "animation, six-bar at 1920 x 1080")]
     six_bar = (("edit to paint, six-bar", 3, 0.02), ("drag to paint, six-bar", 3, 0.016), *frames)
     seen = (("edit to paint", 6, 0.031), ("animation", 12, 0.009), *six_bar, ("start", 0, 0.750))
     rows = [Row(kernel, "x", n, seconds, *2 * [math.nan], "", 4.0, math.nan, "") for kernel, n, seconds in seen]
     slower = replace(rows[0], seconds=0.04)
-    told = targets.measured([*rows, replace(slower, n=12)], plan=replace(TINY, targets=0.02, starts=1, large=False))
+    told = targets.measured([*rows, replace(slower, n=12)], plan=replace(TINY, targets=0.02, large=False))
     assert all(t.taken >= 0.0 for t in told)
     lines = csv.DictReader(io.StringIO(targets.as_csv(told)))
     at = {line["what"]: (line["allowed"], line["taken"], line["unit"], line["met"]) for line in lines}
@@ -341,7 +342,15 @@ def test_every_target_is_told_with_what_it_takes_and_what_is_missed_with_its_rea
     shown = [line for line in targets.markdown(missed).splitlines() if "**missed**" in line]
     assert len(shown) == len(told)
     assert "7.8 ms of it are a bare repaint" in next(line for line in shown if "six plots" in line)
-    assert "Python with numpy alone" in next(line for line in shown if "`check`" in line)
+    words = "0.09 s are Python with numpy alone, 0.035 s the computation, the rest imports"
+    assert f"| `check` of the lift | ≤ 0.2 s | 0.4 s | **missed**; {words} |" in shown
+
+
+def test_what_a_process_holds_at_most_is_its_own() -> None:
+    held = np.ones(16 << 20)
+    assert 5.0 < processes.used(("-c", "pass")).peak_mib < 100.0 < held.nbytes / 2**20
+    with pytest.raises(RuntimeError, match="exit code 3"):
+        processes.used(("-c", "raise SystemExit(3)"))
 
 
 def test_every_stress_case_has_a_curve(monkeypatch: pytest.MonkeyPatch) -> None:
