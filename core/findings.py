@@ -106,6 +106,14 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "concave-radius": "the profile's smallest concave radius is {value} mm{at}, your own limit {limit} mm: make the cam larger, or "
         "its motion gentler",
         "contact-force": "contact force {value} N{at}, your own limit {limit} N: lower the speed, the masses or the closing force",
+        "contact-pressure": "contact pressure {value} MPa{at}, your own limit {limit} MPa: widen the cam, enlarge roller or base "
+        "radius, or lower the force",
+        "material-pressure": "contact pressure {value} MPa{at}, the {what}'s {material} bears {limit} MPa ({source}): widen the cam, "
+        "enlarge roller or base radius, or lower the force",
+        "no-contact-pressure": "no contact pressure: give {missing}",
+        "no-contact-pressure-edge": "no contact pressure: a {face} touches in a line without width, for which Hertz's equations do "
+        "not hold; take a roller or a shoe",
+        "no-contact-pressure-undercut": "no contact pressure: the profile is undercut, the {face} does not fit it",
         "profile-meets-hub": "the profile comes as near as {radius_mm} mm to the cam centre{at}, the {what} has a radius of "
         "{limit_mm} mm: make the cam larger, or the {what} smaller",
         "profile-meets-keyway": "the profile cuts {overlap_mm:.4g} mm into the keyway{at}: turn the keyway, make it shallower, or make "
@@ -178,6 +186,8 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "convex-radius": (5, ("value", "limit")),
         "concave-radius": (5, ("value", "limit")),
         "contact-force": (5, ("value", "limit")),
+        "contact-pressure": (5, ("value", "limit")),
+        "material-pressure": (5, ("value", "limit")),
         "profile-meets-hub": (5, ("radius_mm", "limit_mm")),
         "cutter-too-large": (5, ("cutter_mm", "radius_mm")),
         "cutter-wider-than-groove": (5, ("cutter_mm", "radius_mm")),

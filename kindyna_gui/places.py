@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-_PACKAGE = Path(__file__).resolve().parent
+from core.resources import resources
+
 FIRST_EXAMPLE = "transfer_lift"
-
-
-def resources() -> Path:
-    """The folder of examples, help, icons and translations."""
-    installed = _PACKAGE / "resources"
-    return installed if installed.is_dir() else _PACKAGE.parent / "resources"
 
 
 def example(name: str) -> Path:

@@ -64,10 +64,10 @@ class Info:
         return f"{'above ' if self.open_low else ''}{self.low:g} ... {self.high:g}{symbol}"
 
     def admits(self, value: Any) -> bool:
-        if self.choices or self.numbers:
-            return value in (self.choices or self.numbers)
         if value is None:
             return self.optional
+        if self.choices or self.numbers:
+            return value in (self.choices or self.numbers)
         if self.flag:
             return isinstance(value, bool)
         if self.whole and not isinstance(value, int):
@@ -130,8 +130,9 @@ def coordinate(label: str, *, help: str = "", default: Any = NOTHING, pair: str 
 
 
 def choice(label: str, choices: tuple[str, ...], *, default: Any = NOTHING, help: str = "", missing: str = "") -> Any:
-    """A dataclass field for one word of several."""
-    return field(default=default, metadata={_KEY: Info(label, help, choices=choices, missing=missing)})
+    """A dataclass field for one word of several; None where that is its default."""
+    info = Info(label, help, choices=choices, optional=default is None, missing=missing)
+    return field(default=default, metadata={_KEY: info})
 
 
 def info_of(field: dataclasses.Field[Any]) -> Info | None:

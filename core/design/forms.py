@@ -6,10 +6,12 @@ changes sides where its force would change its sign.
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any, ClassVar
 
-from core.design.fields import LONGEST_MM, Placing, chosen_by_word, length, number, placed, whole
+from core.design.fields import LARGEST, LONGEST_MM, Placing, choice, chosen_by_word, length, number, placed, whole
 from core.frozen import frozen
+from core.materials import MATERIALS
 
 FORM = "form"
 """Key of the word."""
@@ -36,15 +38,54 @@ class Groove:
     play_mm: float = _play("the groove is so much wider than the roller; the outer flank is the farther one")
 
 
+def _known(label: str, help: str, most: float = LONGEST_MM, otherwise: str = "not known") -> Any:
+    return number(label, 0.0, most, open_low=True, default=None, help=f"{help}; empty = {otherwise}")
+
+
+def _material(label: str, help: str) -> Any:
+    gives = "gives modulus, Poisson's ratio and, where known, the pressure that it bears"
+    return choice(label, tuple(MATERIALS), default=None, help=f"{help}; {gives}")
+
+
+def _ratio(label: str) -> Any:
+    return number(label, 0.0, 0.5, default=None, step=0.01, help="beside a typed modulus; empty = the material's, else 0.3")
+
+
 @frozen(kw_only=True)
-class SecondRoller:
+class Surfaces:
+    """What touches there, as far as it is known: materials of cam and of the roller, shoe or face on it, and the roller's bearing.
+    A typed modulus stands before that of the material."""
+
+    material: str | None = _material("Material", "of the cam")
+    roller_material: str | None = _material("Roller material", "of what touches the cam, roller or not")
+    youngs_modulus_gpa: float | None = _known("Young's modulus", "of the cam", LARGEST, "the material's")
+    poisson_ratio: float | None = _ratio("Poisson's ratio")
+    roller_youngs_modulus_gpa: float | None = _known("Roller's modulus", "Young's, of what touches the cam", LARGEST, "the material's")
+    roller_poisson_ratio: float | None = _ratio("Roller's Poisson's ratio")
+    roller_load_rating_n: float | None = _known(
+        "Roller's load rating C", "dynamic, of its bearing by ISO 281: then its life is computed", LARGEST
+    )
+
+
+@frozen(kw_only=True)
+class SecondSurfaces(Surfaces):
+    """The same of the second cam; what is empty is as of the first."""
+
+    thickness_mm: float | None = _known("Second thickness", "width of the second cam along the shaft", otherwise="as the first cam")
+
+
+OF_SECOND = tuple(field.name for field in fields(SecondSurfaces))
+
+
+@frozen(kw_only=True)
+class SecondRoller(SecondSurfaces):
     """The roller on the second cam of a conjugate pair; where it stands is the follower's entry."""
 
     roller_radius_mm: float = length("Second roller radius")
 
 
 @frozen(kw_only=True)
-class SecondLinkRoller:
+class SecondLinkRoller(SecondSurfaces):
     """The roller on the second cam of a conjugate pair, at a point of a link."""
 
     link: int = whole("Second roller on link", 2, 999)
@@ -84,12 +125,8 @@ def form_of(*classes: type[Form]) -> Any:
     return placed(chosen_by_word(FORM, words, "Form", otherwise=Open.form), Open())
 
 
-def _known(label: str, help: str) -> Any:
-    return number(label, 0.0, LONGEST_MM, open_low=True, default=None, help=f"{help}; empty = not known")
-
-
 @frozen(kw_only=True)
-class Blank:
+class Blank(Surfaces):
     """What the drawing of a cam may state besides its form, as far as it is known."""
 
     thickness_mm: float | None = _known("Thickness", "width of the profile along the shaft")

@@ -30,6 +30,7 @@ UNITS: Mapping[str, Unit] = MappingProxyType(
         "kg_m2": Unit("kg·m²", 1.0),
         "n": Unit("N", 1.0),
         "mpa": Unit("MPa", 1e6),
+        "gpa": Unit("GPa", 1e9),
         "nm": Unit("N·m", 1.0),
         "n_per_mm": Unit("N/mm", 1e3),
         "m_s2": Unit("m/s²", 1.0),

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from core.design.balancer import Balancer
 from core.design.faces import Face
 from core.design.fields import Placing, flag, number, placed
-from core.design.forms import Blank
+from core.design.forms import OF_SECOND, Blank
 from core.design.limits import NO_LIMITS, Limits
 from core.design.linkage import CRANK, Link, Linkage
 from core.design.parts import FOLLOWER_KINDS, Follower, Motion, Shaft, face_of, kind_of
@@ -92,7 +92,12 @@ class Drive:
     @property
     def bare_cam(self) -> Any:
         """The cam without what its profile does not depend on."""
-        return replace(self.cam, **dict.fromkeys(BLANK)) if self.cam is not None else None
+        if self.cam is None:
+            return None
+        bare, second = replace(self.cam, **dict.fromkeys(BLANK)), getattr(self.cam.form, "second", None)
+        if second is None:
+            return bare
+        return replace(bare, form=replace(bare.form, second=replace(second, **dict.fromkeys(OF_SECOND))))
 
     @property
     def face_path(self) -> str:

@@ -31,7 +31,7 @@ class Channel:
     quantity   row of ``QUANTITIES``
     label, symbol
     family     what sets its colour: displacement, velocity, speed, acceleration, jerk, pressure-angle, curvature,
-               force, torque, angle, length
+               force, torque, stress, angle, length
     table      CSV file it stands in
     equation   formula, with its source
     beside     quantity that it is an approximation of, to be compared with: drawn dashed
@@ -59,6 +59,16 @@ class Channel:
         """The channel in its own unit (n,)."""
         return quantity(self.quantity).value(study) / self.unit.factor + 0.0  # no minus zero in tables
 
+
+# slug, quantity, label, symbol, family, equation, source: of the first roller or face, and of the second roller
+_CONTACT = (
+    ("contact_pressure_mpa", "contact_pressure", "Contact pressure", "p", "stress", "√(F_c E* κ_rel/(π b))", "Hertz, line contact"),
+    ("subsurface_shear_mpa", "subsurface_shear", "Subsurface shear", "τ", "stress", "0.300283 p", "Hertz, line contact"),
+    ("subsurface_shear_depth_mm", "subsurface_shear_depth", "Depth of the largest shear", "z_τ", "length", "0.786151 a",
+     "Hertz, line contact"),
+    ("contact_half_width_mm", "contact_half_width", "Half width of the contact", "a", "length", "2p/(E* κ_rel)", "Hertz, line contact"),
+    ("roller_speed_rpm", "roller_speed", "Roller's own speed", "n_r", "speed", "ω(d - α' ∓ d|t|/Rr)", "rolling without slip"),
+)  # fmt: skip
 
 # {m} is the unit of the motion: mm where the output slides, deg where it swings
 _ROWS = (
@@ -139,6 +149,12 @@ _ROWS = (
     Channel("bearing_n", "bearing", "Camshaft bearing", "|O|", "force", DYNAMICS, "|F_c|", "-F_c n"),
     Channel("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", DYNAMICS,
             "μ|tan β|; jams from 1", "friction in closed form"),
+    *(
+        Channel(f"{key}{row[0]}", f"{key}{row[1]}", f"{name}{row[2] if not key else row[2].lower()}", f"{row[3]}{index}", row[4],
+                DYNAMICS, row[5], row[6])
+        for key, name, index in (("", "", ""), ("second_", "Second ", "₂"))
+        for row in _CONTACT
+    ),
     Channel("linear_motor_torque_nm", "linear_motor_torque", "Motor torque, linear, Shin1995", "T_m", "torque", DYNAMICS,
             "T_n/(1 + i n I ω̄/k) by harmonic", "Shin1995 Figs. 19, 20", beside="motor_torque"),
 )  # fmt: skip

@@ -123,6 +123,15 @@ def _limits(study: Study, stages: Sequence[str]) -> list[str]:
     return _heading("Limits of the cam") + columns(table, left=2) if len(table) > 1 else []
 
 
+def _life(study: Study) -> list[str]:
+    """Rolling life of every roller whose load rating is stated."""
+    rows: list[Sequence[str]] = [("Roller", "equivalent load N", "mean rpm", "million turns", "hours")]
+    for each in study.roller_lives:
+        figures = (each.load, each.rpm, each.million_turns, each.hours)
+        rows.append((each.roller, *(digits(value) if math.isfinite(value) else "no end" for value in figures)))
+    return _heading("Rolling life L10, ISO 281") + columns(rows) if len(rows) > 1 else []
+
+
 def _flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[str]:
     if not wheel:
         return []
@@ -224,7 +233,7 @@ def report(study: Study) -> str:
     lines = [name, "=" * len(name)]
     lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
-    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages)
+    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages) + _life(study)
     lines += _flywheel(study, flywheel(study)) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"
 

@@ -36,6 +36,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         "extremes": extremes(study, stages),
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
+        **({"rolling_life": rolling_life(study)} if "dynamics" in stages and study.roller_lives else {}),
         **({"stability": shaft} if shaft else {}),
         "findings": finding_rows(study.findings(tuple(stages))),
         "certificate": residual_rows(study.certificate(tuple(stages))),
@@ -105,6 +106,14 @@ def limits(study: Study, stages: Sequence[str]) -> list[dict[str, Any]]:
             "source": row.source or None,
         }
         for row in limit_rows(study, stages)
+    ]
+
+
+def rolling_life(study: Study) -> list[dict[str, Any]]:
+    """Of every roller whose load rating is stated: equivalent load, mean speed about its own axis, L10; null where nothing loads it."""
+    return [
+        {"roller": each.roller, "million_turns": each.million_turns, "hours": each.hours, "load_n": each.load, "mean_rpm": each.rpm}
+        for each in study.roller_lives
     ]
 
 

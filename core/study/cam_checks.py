@@ -14,6 +14,7 @@ from core.cam import checks
 from core.findings import Finding
 from core.motion import TURN, Angles
 from core.motion.extremes import Extreme, Range, find_extremes, piecewise_angles
+from core.study import contact_stress
 from core.study.stages import memory
 
 if TYPE_CHECKING:
@@ -174,6 +175,12 @@ def limit_rows(study: Study, stages: Sequence[str]) -> Iterator[LimitRow]:
     if "dynamics" in stages and (worst := greatest_force(study)) is not None:
         own = study.design.drive.limits.contact_force_n
         yield LimitRow("contact_force_n", "Contact force", "n", abs(worst.value), degrees(worst.theta), own, "own")
+    if "dynamics" in stages and (pressed := contact_stress.worst(study)):
+        most, (limit, source) = max(pressed.values(), key=lambda extreme: extreme.value), contact_stress.limit(study)
+        yield LimitRow(
+            "contact_pressure_mpa", "Contact pressure", "mpa", 1e-6 * most.value, degrees(most.theta),
+            None if limit is None else 1e-6 * limit, source,
+        )  # fmt: skip
 
 
 def _shape_rows(study: Study) -> Iterator[LimitRow]:

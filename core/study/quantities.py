@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from functools import lru_cache
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +22,8 @@ from core.mechanism import SINGULAR, mechanism_of
 from core.mechanism.kinematics import SLIDING, Kinematics
 from core.motion import Angles
 from core.shaft import Flywheel
+from core.stress import pairings, ratings
+from core.study import contact_stress
 
 if TYPE_CHECKING:
     from core.study.study import Study
@@ -32,6 +34,11 @@ SLIDER = frozenset({"cam-slider"})
 GUIDED = frozenset({"cam-slider", "translating"})
 PIVOTED = frozenset({"cam-slider", "oscillating"})
 
+
+def _is_rated(roller: str, design: Design) -> bool:
+    return design.drive.cam is not None and roller in ratings(design.drive.face, design.drive.cam)
+
+
 NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
     {
         "": lambda design: True,
@@ -41,6 +48,9 @@ NEEDS: Mapping[str, Callable[[Design], bool]] = MappingProxyType(
         "flat": lambda design: design.drive.cam is not None and "contact_on_face" in row_of(design.drive.face).limits,
         OUTER: lambda design: design.drive.cam is not None and OUTER in form_row(design.drive.cam.form).flanks,
         SECOND: lambda design: design.drive.cam is not None and SECOND in form_row(design.drive.cam.form).flanks,
+        "stress": lambda design: design.drive.cam is not None and bool(pairings(design.drive.face, design.drive.cam)),
+        "second stress": lambda design: NEEDS[SECOND](design) and NEEDS["stress"](design),
+        **{f"{roller} rating": partial(_is_rated, roller) for roller in contact_stress.ROLLERS},
         "shaft": lambda design: design.shaft is not None and (design.drive.cam is not None or design.by_crank),
     }
 )
@@ -150,6 +160,25 @@ def _second_push(study: Study) -> np.ndarray:
     return forward_push(study.linkage, shape.flank) * forward_push(study.linkage, flank_named(shape, SECOND))
 
 
+def _stress(part: str, second: bool = False) -> Quantity:
+    """Of what the first roller or face touches, in a groove the flank that carries; or of the second roller."""
+
+    def value(study: Study) -> np.ndarray:
+        parts = [getattr(each, part) for name, each in study.stress.items() if (name == SECOND) == second]
+        return np.asarray(sum(parts[1:], parts[0]))
+
+    return Quantity("dynamics", value, needs="second stress" if second else "stress", exists=contact_stress.fits)
+
+
+def _roller_speed(roller: str) -> Quantity:
+    return Quantity("dynamics", lambda s: contact_stress.roller_speed(s, roller), needs=f"{roller} rating")
+
+
+_STRESSES = {
+    "contact_pressure": "pressure", "subsurface_shear": "shear", "subsurface_shear_depth": "depth", "contact_half_width": "half_width",
+}  # fmt: skip
+
+
 def _polar_angle(study: Study) -> np.ndarray:
     """0 ... 2π, 2π itself never."""
     angle = np.mod(np.angle(study.cam.flank.profile), 2.0 * np.pi)
@@ -206,12 +235,18 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
             for what in ("x", "y")
         },
         **{name: Quantity("dynamics", _force_part(name, "size"), kinds) for name, kinds in _FORCES.items()},
+        **{name: _stress(part) for name, part in _STRESSES.items()},
+        **{f"second_{name}": _stress(part, second=True) for name, part in _STRESSES.items()},
+        "roller_speed": _roller_speed("first"),
+        "second_roller_speed": _roller_speed("second"),
     }
 )
 
 OF_MOTOR = frozenset({"motor_torque", "linear_motor_torque", "camshaft_speed"})
 """Those of the stage ``dynamics`` that flywheel and motor change; forces are those of a constant speed."""
 
+OF_CONTACT = frozenset({f"{of}{name}" for of in ("", "second_") for name in (*_STRESSES, "roller_speed")})
+"""Those of it that what cam and roller are made of changes."""
 
 
 # -- of a linkage, by name -----------------------------------------------------------------------------------

@@ -25,10 +25,11 @@ from core.motion.extremes import Extreme, Range, find_above, find_extremes
 from core.motion.turn import Place
 from core.numerics.lazy import locked
 from core.shaft import Flywheel, LoadCurve, combined, levels, load_curve
-from core.study import cam_checks
+from core.stress import ContactStress, RollerLife, contact_stresses
+from core.study import cam_checks, contact_stress
 from core.study.certificate import certificate
 from core.study.failures import failing_ranges
-from core.study.quantities import OF_MOTOR, Quantity, body_of, names_of, quantity
+from core.study.quantities import OF_CONTACT, OF_MOTOR, Quantity, body_of, names_of, quantity
 from core.study.stages import crank_grid, crank_state, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
@@ -311,6 +312,22 @@ class Study:
 
         return memory.get("flank changes", self.depends_on("dynamics"), compute)
 
+    @cached_property
+    def stress(self) -> Mapping[str, ContactStress]:
+        """By flank; empty where what touches is not known, or is an edge."""
+
+        def compute(shape: CamShape, forces: Forces, *pairs: Any) -> Mapping[str, ContactStress]:
+            rows = zip(shape.flanks, forces.contacts, pairs, strict=True)
+            return {flank.name: contact_stresses(flank, contact.force, pair) for flank, contact, pair in rows}
+
+        there = contact_stress.pairings(self)
+        return self._stage("stress", compute, self.cam, self.dynamics, *(there[f.name] for f in self.cam.flanks)) if there else {}
+
+    @property
+    def roller_lives(self) -> tuple[RollerLife, ...]:
+        """Of every roller whose load rating is stated (ISO 281)."""
+        return contact_stress.lives(self)
+
     @property
     def stability(self) -> Stability | None:
         self.require_stage("stability")
@@ -441,7 +458,9 @@ class Study:
         """Refined extremes of a stage's quantities (of those named only, where any are); raises NoSuchStage."""
         self.require_stage(stage)
         with_motor = stage == "dynamics" and (not only or not OF_MOTOR.isdisjoint(only))
-        key = self.depends_on(stage), self.design.shaft if with_motor else None
+        with_contact = stage == "dynamics" and (not only or not OF_CONTACT.isdisjoint(only))
+        touching = (tuple(contact_stress.pairings(self).items()), *contact_stress.ratings(self)) if with_contact else ()
+        key = self.depends_on(stage), self.design.shaft if with_motor else None, touching
         found: Mapping[str, Range] = memory.get(("extremes", stage, only), key, lambda: self._extremes(stage, only))
         return found
 
@@ -558,7 +577,7 @@ class Study:
             found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
             if self.holds and self.jam is None and not self.loading.empty:
                 found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
-            found += cam_checks.force_findings(self)
+            found += cam_checks.force_findings(self) + contact_stress.findings(self)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     def undercut_on(self, flank: str) -> bool:

@@ -30,6 +30,7 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
         "pressure-angle": ORANGE,
         "force": BLACK,
         "torque": SKY,
+        "stress": "#9E2A63",
         "curvature": "#8C6D1F",
         "length": "#5A6B7B",
         "angle": "#6A51A3",

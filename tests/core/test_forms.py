@@ -488,7 +488,9 @@ def told(design: Design, **tables: dict[str, object]) -> list[str]:
 def test_what_a_form_needs_and_what_belongs_to_another_is_named() -> None:
     assert told(GROOVE, cam={"form": "open"}) == [
         'cam.play_mm = 0.05: only with form = "groove" or "conjugate"; allowed: base_radius_mm | roller_radius_mm | form | '
-        "thickness_mm | bore_mm | hub_mm | keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm"
+        "thickness_mm | bore_mm | hub_mm | keyway_width_mm | keyway_depth_mm | keyway_angle_deg | cutter_radius_mm | "
+        "material | roller_material | youngs_modulus_gpa | poisson_ratio | roller_youngs_modulus_gpa | roller_poisson_ratio | "
+        "roller_load_rating_n"
     ]
     assert told(GROOVE, cam={"play_mm": -1.0}) == ["cam.play_mm = -1.0: outside its range; allowed: 0 ... 1e+09 mm"]
     assert told(PAIR, follower={"second": None}) == [

@@ -18,7 +18,11 @@ SECTIONS = {CAM: ("motion", "follower", "cam", "shaft", "loads"), LINKAGE: ("mot
 ALL = ("motion", "linkage", "cam", "dynamics", "stability")
 
 STATED = ("kim_1990", "four_bar_coupler_cam")  # in which fields are tried that no example states
-BLANK = ("thickness_mm", "bore_mm", "hub_mm", "keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg", "cutter_radius_mm")
+BLANK = (
+    "thickness_mm", "bore_mm", "hub_mm", "keyway_width_mm", "keyway_depth_mm", "keyway_angle_deg", "cutter_radius_mm", "material",
+    "roller_material", "youngs_modulus_gpa", "poisson_ratio", "roller_youngs_modulus_gpa", "roller_poisson_ratio",
+    "roller_load_rating_n",
+)  # fmt: skip
 
 # path, or the beginning of it: the stages that depend on what stands there; the longest that fits counts
 DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
@@ -70,7 +74,7 @@ def other_value(entry: Entry) -> object:
     if isinstance(value, int):  # the number of a link
         return None
     if value is None:
-        return 12.0
+        return 12.0 if info.admits(12.0) else 0.25
     tried = [value * 1.001, value + 0.01, value - 0.01]
     return next(t for t in tried if t != value and info.admits(t))
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from core.cam import form_row, keyway_unknown
-from core.design import FOLLOWER_KINDS, entries, kind_of
+from core.design import FOLLOWER_KINDS, kind_of
+from core.materials import MATERIALS
 from core.output.drawing.figures import Figures, Place
 from core.output.drawing.paper import Box, Layout
 from core.output.drawing.sheet import FRAME, THIN, Item, Line, Text
@@ -130,8 +131,8 @@ def face_text(values: Figures) -> str:
 
 
 def _material(study: Study) -> str:
-    found = [entry.value for entry in entries(study.design, "cam") if entry.path == "cam.material" and entry.value is not None]
-    return str(found[0]) if found else ""
+    slug = study.design.drive.cam.material
+    return "" if slug is None else MATERIALS[slug].name
 
 
 def title_rows(values: Figures, scale: str, paper: str, date: str) -> list[list[tuple[str, str, float]]]:

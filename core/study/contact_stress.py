@@ -1,0 +1,106 @@
+"""Stress where the follower touches the cam, over the turn of a study: its worst, its limits, and the life of the rollers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from core import stress
+from core.cam import INNER, OUTER, SECOND
+from core.findings import Finding
+from core.motion.extremes import Extreme
+from core.stress import Pairing, RollerLife
+from core.study.stages import memory
+
+if TYPE_CHECKING:
+    from core.study.study import Study
+
+PRESSURES: Mapping[str, str] = {INNER: "contact_pressure", SECOND: "second_contact_pressure"}
+"""First flank of each roller -> the quantity; of a groove both flanks together."""
+ROLLERS: Mapping[str, tuple[str, ...]] = {"first": (INNER, OUTER), "second": (SECOND,)}
+
+
+def pairings(study: Study) -> Mapping[str, Pairing]:
+    """Flank -> what touches there; empty where a stress is not asked for, or not all is known."""
+    drive = study.design.drive
+    return stress.pairings(drive.face, drive.cam) if drive.cam is not None else {}
+
+
+def ratings(study: Study) -> Mapping[str, float]:
+    """Roller -> load rating [N], as far as stated."""
+    drive = study.design.drive
+    return stress.ratings(drive.face, drive.cam) if drive.cam is not None else {}
+
+
+def fits(study: Study) -> bool:
+    """Whether what touches fits the profile everywhere: no flank is undercut."""
+    return not any(study.undercut_on(flank.name) for flank in study.cam.flanks)
+
+
+def worst(study: Study) -> Mapping[str, Extreme]:
+    """First flank of each roller -> the greatest contact pressure [Pa], refined; empty where there is none."""
+    there = pairings(study)
+    if not there or study.loading.empty or study.jam is not None or not fits(study):
+        return {}
+    names = {flank: name for flank, name in PRESSURES.items() if flank in there}
+    found = study.extremes("dynamics", tuple(names.values()))
+    return {flank: found[name].high for flank, name in names.items()}
+
+
+def findings(study: Study) -> list[Finding]:
+    """Pressures beyond their limits, or why there are none where they are asked for."""
+    drive = study.design.drive
+    if study.loading.empty or study.jam is not None:
+        return []
+    if lacking := stress.missing_findings(drive.face, drive.cam, drive.limits):
+        return lacking
+    there = pairings(study)
+    if not there:
+        return []
+    if not fits(study):
+        return [stress.unfit_finding(drive.face.noun, drive.limits)] if stress.asked_for(drive.cam, drive.limits) else []
+    return stress.pressure_findings(worst(study), there, drive.limits)
+
+
+def limit(study: Study) -> tuple[float | None, str]:
+    """The limit of the contact pressure [Pa] and whose it is: the user's own, else the least that one of the materials bears."""
+    own = study.design.drive.limits.contact_pressure_mpa
+    if own is not None:
+        return 1e6 * own, "own"
+    borne = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]
+    least = min(borne, key=lambda each: each.allowable or 0.0, default=None)
+    return (None, "") if least is None else (least.allowable, least.source)
+
+
+def roller_speed(study: Study, roller: str) -> np.ndarray:
+    """ω_r (n,) [rad/s] about its own axis, on the flank that carries."""
+    flanks = [(flank, contact) for flank, contact in zip(study.cam.flanks, study.dynamics.contacts, strict=True)
+              if flank.name in ROLLERS[roller]]  # fmt: skip
+    speed = stress.roller_speed(study.linkage, flanks[0][0], study.sense)
+    for flank, contact in flanks[1:]:
+        speed = np.where(contact.force > 0.0, stress.roller_speed(study.linkage, flank, study.sense), speed)
+    return speed * study.omega
+
+
+def lives(study: Study) -> tuple[RollerLife, ...]:
+    """The life of every roller whose load rating is stated; none where nothing loads the cam, or friction jams."""
+    stated = ratings(study)
+    if not stated or study.loading.empty or study.jam is not None:
+        return ()
+
+    def compute() -> tuple[RollerLife, ...]:
+        angles, weight = stress.turn_nodes(study.program, tuple(change.theta for change in study.flank_changes))
+        there = study.at(angles)
+        found = []
+        for roller, rating in stated.items():
+            pressed = [c.force for f, c in zip(there.cam.flanks, there.dynamics.contacts, strict=True) if f.name in ROLLERS[roller]]
+            force = np.sum([np.maximum(each, 0.0) for each in pressed], axis=0)
+            speed = roller_speed(there, roller) / study.omega
+            found.append(stress.life_of(roller, rating, force, speed, weight, study.omega))
+        return tuple(found)
+
+    key = study.depends_on("dynamics"), tuple(stated.items())
+    found: tuple[RollerLife, ...] = memory.get("rolling life", key, compute)
+    return found
