@@ -13,6 +13,7 @@ from core.design import CRANK, CURVES, Design, Driver, Entry, Unit, entries
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import find_law
+from core.materials import MATERIALS
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
@@ -69,11 +70,15 @@ def sentence(text: str) -> str:
 
 def choice_text(word: str) -> str:
     """A choice, as shown."""
-    return _CHOICES.get(str(word), str(word))
+    material = MATERIALS.get(str(word))
+    return _CHOICES.get(str(word), str(word)) if material is None else material.name
 
 
 def choice_tip(word: str) -> str:
     """What a choice means; empty where its name is clear."""
+    if material := MATERIALS.get(word):
+        borne = f"; bears {material.contact_pressure_mpa:g} MPa ({material.pressure_source})" if material.contact_pressure_mpa else ""
+        return f"{material.youngs_modulus_gpa:g} GPa, ν {material.poisson_ratio:g} ({material.source}){borne}"
     row = LAYOUT_TABLE.get(word)
     if row is None:
         return ""

@@ -1,10 +1,13 @@
-"""What a view needs of a design: a motion, a shaft, links that are listed one by one. Where it is missing, NotHere carries
-a sentence for the user."""
+"""What a view needs of a design: a motion, a shaft, links that are listed one by one, what a contact pressure
+takes. Where it is missing, there is a sentence for the user; NotHere carries it."""
 
 from __future__ import annotations
 
 from core.design import Design, Motion, motion_of
 from core.errors import DesignError, Fault, KindynaError
+from core.stress import has_width, missing
+from core.study import Study
+from core.study.contact_stress import fits
 
 NO_MOTION = (
     "The crank turns at constant speed: there is no motion to lay out. Compo > Driver lets a link follow one."
@@ -50,3 +53,19 @@ def require_motion(design: Design) -> Motion:
     if motion is None:
         raise NotHere(NO_MOTION)
     return motion
+
+
+def why_no_pressure(study: Study) -> str:
+    """Why there is no contact pressure, in a sentence that says what to give; empty where there is one."""
+    drive = study.design.drive
+    if drive.cam is None:
+        return "No cam makes this linkage move: there is no contact pressure."
+    if not has_width(drive.face):
+        return f"A {drive.face.noun} touches in a line without width: it has no contact pressure."
+    if lacking := missing(drive.face, drive.cam):
+        return f"Contact pressure: give {', and '.join(lacking.values())}, in the form of the cam."
+    if study.loading.empty:
+        return "Contact pressure: no masses and no forces are given, so nothing presses."
+    if study.jam is not None:
+        return "No contact pressure: friction jams, the forces are infinite."
+    return "" if fits(study) else f"No contact pressure: the profile is undercut, the {drive.face.noun} does not fit it."

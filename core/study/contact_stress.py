@@ -67,10 +67,13 @@ def findings(study: Study) -> list[Finding]:
 def limit(study: Study) -> tuple[float | None, str]:
     """The limit of the contact pressure [Pa] and whose it is: the user's own, else the least that one of the materials bears."""
     own = study.design.drive.limits.contact_pressure_mpa
-    if own is not None:
-        return 1e6 * own, "own"
-    borne = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]
-    least = min(borne, key=lambda each: each.allowable or 0.0, default=None)
+    return borne(study) if own is None else (1e6 * own, "own")
+
+
+def borne(study: Study) -> tuple[float | None, str]:
+    """The least pressure [Pa] that one of the materials bears, and where that stands; None where none is known."""
+    rows = [each for pair in pairings(study).values() for each in pair.surfaces if each.allowable is not None]
+    least = min(rows, key=lambda each: each.allowable or 0.0, default=None)
     return (None, "") if least is None else (least.allowable, least.source)
 
 

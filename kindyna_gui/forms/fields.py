@@ -21,6 +21,7 @@ from kindyna_gui.labels import choice_text, choice_tip, no_number, sentence, ste
 from kindyna_gui.look import QUIET, WRONG, coloured
 
 COLUMNS = 4  # of a form: name, editor, unit, mark
+NOT_KNOWN = "–"  # of a word that may be left out
 
 
 @frozen
@@ -93,6 +94,8 @@ class Field(QObject):
 
     def _word_box(self) -> WordBox:
         box = WordBox()
+        if self.spec.info.optional:
+            box.addItem(NOT_KNOWN, None)
         for word in self.spec.info.choices:
             box.addItem(choice_text(word), word)
             if choice_tip(word):
@@ -136,7 +139,8 @@ class Field(QObject):
         if isinstance(self.editor, NumberBox):
             self.editor.show_value(value)
         else:
-            self.editor.setCurrentIndex(self.editor.findData(value))
+            words = [self.editor.itemData(i) for i in range(self.editor.count())]
+            self.editor.setCurrentIndex(words.index(value) if value in words else -1)
             self.editor.set_refused(False)
             tip = choice_tip(value)
             self.editor.setToolTip(f"{value}: {tip}<br>{self.label.toolTip()}" if tip else self.label.toolTip())

@@ -62,7 +62,7 @@ class PlotView(MarkedView):
 
     def refresh(self, study: Study) -> None:
         quantities = self.quantities
-        if not quantities:
+        if not quantities and study.design.drive.links:
             _ = study.linkage  # where it stands nowhere, that is the reason
         drawn, missing = split(study, rows_of(study, quantities))
         self.rows = tuple(drawn)

@@ -17,6 +17,7 @@ from core.study import STAGES, Study, quantity
 from core.study.quantities import names_of
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.curves import different
+from kindyna_gui.requirements import why_no_pressure
 
 NO_TURN = 1e-9  # [rad] a link that turns less than this does not turn
 MOST = 4  # curves in one plot that can still be told apart
@@ -75,9 +76,8 @@ def quantities_for(study: Study, usual: Sequence[str]) -> tuple[str, ...]:
     possible = names_of(study.design)
     if usual[0] in possible:
         return tuple(n for n in usual if n in possible)
-    available = _names(study)
     pick = _PLOTS.get(usual[0])
-    chosen = pick(available) if pick is not None else [n for n in usual if n in available]
+    chosen = pick(_names(study)) if pick is not None else [n for n in usual if n in possible]
     return tuple([n for n in chosen if n][:MOST])
 
 
@@ -138,6 +138,8 @@ def why_empty(study: Study, usual: Sequence[str]) -> str:
         led = "motion" in study.stages
         hint = "Compo > Cam roller puts one under a point" if led else "Compo > Driver lets a link follow a motion first"
         return f"No cam makes this linkage move: there is no {name}. {hint}."
+    if usual[0] == "contact_pressure":
+        return why_no_pressure(study)
     if usual[0] == "jerk":
         return "No motion drives this linkage: the graph shows what its links and points do."
     return f"This mechanism has no {names}."

@@ -17,9 +17,10 @@ from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
 from kindyna_gui.pictures.drawing.geometry import MM
-from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_STEP
+from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_FORCES, OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
 from kindyna_gui.pictures.style import LIGHT
+from kindyna_gui.requirements import why_no_pressure
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
@@ -61,7 +62,7 @@ class MechanismView(View):
     @property
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces are computed only while they are drawn."""
-        return STAGES_OF_VIEWS["mechanism with forces" if self._layers_wanted["forces"] else "mechanism"]
+        return STAGES_OF_VIEWS["mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"]
 
     # -- what is drawn ------------------------------------------------------------------------------------
 
@@ -78,10 +79,11 @@ class MechanismView(View):
             self.canvas.show_again()
 
     def _show_missing_cam(self, study: Study) -> None:
-        """A linkage without a cam is still drawn, with the reason below it."""
+        """A linkage without a cam is still drawn, with the reason below it; so is a cam whose pressure cannot be shown."""
         text = ""
         try:
             _ = study.cam if "cam" in study.stages else None
+            text = why_no_pressure(study) if self._layers_wanted["stress_colours"] and "cam" in study.stages else ""
         except NoAnswer as error:
             text = f"No cam: {reason(study.design, error)}"
         self.note.show_message(text)
@@ -148,6 +150,8 @@ class MechanismView(View):
         for name, shown in self._layers_wanted.items():
             if self.scene.layer_wanted(name) != shown:
                 self.scene.set_layer(name, shown)
+                if name in OF_FORCES:
+                    self._show_missing_cam(self.session.study)
                 if self.canvas.fitted and name in (*CHAINS, DIMENSIONS):  # they need room beside or above the mechanism
                     self.canvas.fit(keep_labels=True)
 

@@ -74,6 +74,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "torque": _plot("Torque", "drive_torque", "motor_torque", "linear_motor_torque"),
         "camshaft_speed": _plot("Camshaft speed", "camshaft_speed"),
         "contact_force": _plot("Contact force", "contact_force", "second_contact_force"),
+        "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure"),
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),

@@ -176,6 +176,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             _field("&Loads", "loads", "Masses, springs and forces"),
             SEPARATOR,
             _view("&Contact force", "contact_force", "Force between roller and cam"),
+            _view("Contact &pressure", "contact_pressure", "Hertz pressure between follower and cam, with what its materials bear"),
             _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
             _view("&Flywheel", "flywheel", "Size of the flywheel for the wanted evenness of speed"),
             _view("Camshaft &speed", "camshaft_speed", "Speed over the cam angle, which the flywheel evens out"),

@@ -24,6 +24,7 @@ from kindyna_gui.places import example
 pytestmark = pytest.mark.usefixtures("app")
 
 BY_PRESSURE, BY_CURVATURE = "Profile coloured by pressure angle", "Profile coloured by curvature"
+BY_STRESS = "Profile coloured by contact pressure"
 WIDTH, HEIGHT = 900, 675
 
 
@@ -71,6 +72,28 @@ def test_each_flank_has_the_colour_of_its_pressure_angle(changes: dict[str, str]
         assert unlike(colour_at(scene, complex(beyond)), QColor(LIGHT.limit)) < 25
     assert scene.overlay is not None
     assert scene.overlay.colours["pressure_colours"].texts == ["Pressure angle to the usual limit", "0°", "15°", "30°"]
+
+
+def test_each_flank_has_the_colour_of_its_contact_pressure_and_other_loads_change_it() -> None:
+    design = load(example("groove"))
+    pressed = {"cam.material": "16mncr5", "cam.roller_material": "100cr6", "cam.thickness_mm": 20.0, "limits.contact_pressure_mpa": 100.0}
+    for path, value in pressed.items():
+        design = edited(design, path, value)
+    scene, study = scene_of(design, "stress_colours"), Study(design, 720)
+    for layer in ("pitch", "base", "roller", "linkage", "normal", "centre", "labels"):
+        scene.set_layer(layer, False)
+    for flank in study.cam.flanks:
+        pressure = study.stress[flank.name].pressure / 1e6
+        for wanted, value in ((SKY, 25.0), (VERMILION, 99.0), (LIGHT.limit, pressure.max())):
+            place = flank.profile[int(np.abs(pressure - value).argmin())] * 1e3
+            assert unlike(colour_at(scene, complex(place)), QColor(wanted)) < 60, (flank.name, wanted)
+    assert scene.overlay is not None
+    assert scene.overlay.colours["stress_colours"].texts == ["Contact pressure to what is allowed", "0", "50", "100 MPa"]
+    before = set(scene.item("stress_colours.inner").colours)
+    scene.update_study(Study(edited(design, "cam.thickness_mm", 200.0), 720))
+    assert set(scene.item("stress_colours.inner").colours) != before
+    scene.update_study(Study(edited(design, "cam.thickness_mm", None), 720))
+    assert not any(key.startswith("stress_colours") for key in scene.parts), "nothing to show"
 
 
 def test_curvature_tells_concave_from_convex_by_its_radius() -> None:
@@ -125,7 +148,7 @@ def test_colours_are_chosen_one_at_a_time_in_the_menu_of_layers(user: User) -> N
     settle()
     user.drawing()
     assert not any(part.item.isVisible() for key, part in scene.parts.items() if "_colours" in key), "plain again"
-    assert user.entries("Kine", "Colour the profile") == [BY_PRESSURE, BY_CURVATURE], "and where the task is"
+    assert user.entries("Kine", "Colour the profile") == [BY_PRESSURE, BY_CURVATURE, BY_STRESS], "and where the task is"
 
 
 # -- values under the mouse -----------------------------------------------------------------------------------
@@ -244,3 +267,27 @@ def test_dimensions_are_in_the_picture_when_they_are_shown(user: User) -> None:
     assert standing
     assert all(drawing.canvas.visible.contains(item.sceneBoundingRect()) for item in standing)
     QTest.keyClick(drawing.canvas, Qt.Key.Key_F)
+
+
+def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen_in_the_form_shows_it(user: User) -> None:
+    user.action("View", "Layers of the drawing", BY_STRESS).trigger()
+    settle()
+    view = user.drawing()
+    plot = user.see("contact_pressure")
+    said = "give the thickness of the cam, and the material of the cam, or its Young's modulus, and the material of the roller"
+    assert said in view.note.text()
+    assert said in plot.message
+    user.enter("cam.thickness_mm", "80")
+    for path in ("cam.material", "cam.roller_material"):
+        box = user.field(path).editor
+        assert (box.itemText(0), box.currentData()) == ("–", None)
+        box.setFocus()
+        QTest.keyClicks(box, "16Mn")
+        assert get(user.design, path) == "16mncr5"
+        assert "ISO 6336-2" in box.toolTip()
+    view, plot = user.drawing(), user.see("contact_pressure")
+    assert not view.note.isVisible()
+    assert view.scene.overlay.colours["stress_colours"].texts[-1] == "1500 MPa"
+    assert [row.slug for row in plot.rows] == ["contact_pressure_mpa"]
+    QTest.keyClicks(box, "–")
+    assert get(user.design, "cam.roller_material") is None, "and not known again"

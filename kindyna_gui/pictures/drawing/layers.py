@@ -35,6 +35,7 @@ LAYERS: Mapping[str, Layer] = MappingProxyType(
         "forces": Layer("Forces", shown=False),
         "pressure_colours": Layer("Profile coloured by pressure angle", shown=False),
         "curvature_colours": Layer("Profile coloured by curvature", shown=False),
+        "stress_colours": Layer("Profile coloured by contact pressure", shown=False),
         DIMENSIONS: Layer("Dimensions", shown=False),
         "labels": Layer("Labels"),
         "scale": Layer("Scale bar"),
@@ -55,8 +56,11 @@ LINKAGE_LAYERS: Mapping[str, Layer] = MappingProxyType(
 OF_STEP = ("centres", "kennedy")
 """Layers that a step of the circle diagram needs."""
 
-COLOURS = ("pressure_colours", "curvature_colours")
+COLOURS = ("pressure_colours", "curvature_colours", "stress_colours")
 """Layers of which one at most is shown at a time."""
+
+OF_FORCES = ("forces", "stress_colours")
+"""Layers that follow from the forces."""
 
 _OF_CAMS = ("cam", "pitch", "base", "roller", "normal", "centre", *COLOURS)
 EVERY_LAYER: Mapping[str, Layer] = MappingProxyType({**LAYERS, **LINKAGE_LAYERS})

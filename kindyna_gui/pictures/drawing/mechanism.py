@@ -25,6 +25,7 @@ from kindyna_gui.pictures.drawing.layers import (
     EVERY_LAYER,
     LAYERS,
     LINKAGE_LAYERS,
+    OF_FORCES,
     OF_STEP,
     Layer,
     layers_of,
@@ -114,7 +115,8 @@ class MechanismScene(QGraphicsScene):
         sides = self._labels.sides if self._labels is not None and keep_labels else {}
         drew = bool(self._fields)
         self._drop_vectors()
-        same = before is not None and geometry.same_places(before)
+        by_forces = not self._made.isdisjoint(OF_FORCES)  # colours that other loads change
+        same = before is not None and geometry.same_places(before) and not by_forces
         if not same:
             self._rebuild(geometry)
         if geometry.numbered:

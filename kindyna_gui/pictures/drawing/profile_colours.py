@@ -1,4 +1,4 @@
-"""The profile coloured by what it asks of follower and tool: pressure angle or curvature, each with its scale of colours."""
+"""The profile coloured by pressure angle, curvature or contact pressure, each with its scale of colours."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from PySide6.QtGui import QBrush, QColor, QLinearGradient, QPainter, QPainterPat
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from core.cam import PRESSURE_LIMITS, Flank
+from core.errors import KindynaError
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE
+from core.study.contact_stress import fits, limit
 from kindyna_gui.pictures.drawing.geometry import MM, Geometry
 from kindyna_gui.pictures.drawing.items import Part, text_size, turning
 from kindyna_gui.pictures.drawing.shapes import outline
@@ -24,6 +26,7 @@ COLOURS = 24  # between the ends of a scale
 WIDTH = 4.0  # of the coloured line, pixels
 MOST = 720  # pieces of a coloured line
 DIGITS = 2  # of the radius at the end of a scale
+MPA = 1e6  # Pa in one
 USUAL_PART = 98.0  # per cent of the profile whose curvature lies on the scale; a tip has the colour of its end
 NEUTRAL = "#B4BCC3"
 APART = 8.0  # between the texts of a scale, pixels
@@ -79,7 +82,7 @@ def _pressure_scale(geometry: Geometry, theme: Theme) -> ColourScale:
 def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
     """From concave to convex, named by the radii at the ends; only the convex half where nothing is concave."""
     assert geometry.shape is not None
-    bends = np.concatenate([_curvature(flank) for flank in geometry.shape.flanks])
+    bends = np.concatenate([_curvature(geometry, flank) for flank in geometry.shape.flanks])
     bends = bends[np.isfinite(bends)]
     size = float(np.percentile(np.abs(bends), USUAL_PART)) if bends.size else 0.0
     radius = float(f"{1.0 / size:.{DIGITS}g}") if size else 1.0
@@ -92,27 +95,50 @@ def _curvature_scale(geometry: Geometry, theme: Theme) -> ColourScale:
     return ColourScale("Radius of curvature, mm", -1.0 / radius, 1.0 / radius, both, ticks)
 
 
-def _pressure_angle(flank: Flank) -> np.ndarray:
+def _stress_scale(geometry: Geometry, theme: Theme) -> ColourScale | None:
+    """From 0 to what the user or the materials allow, beyond which is the colour of limits; to the highest where none is known."""
+    study = geometry.study
+    try:
+        if not study.stress or not fits(study) or study.jam is not None:
+            return None
+        highest = max((float(np.max(each.pressure)) for each in study.stress.values()), default=0.0) / MPA
+    except KindynaError:
+        return None
+    allowed = limit(study)[0]
+    top = float(f"{highest:.{DIGITS}g}") or 1.0 if allowed is None else allowed / MPA  # 1: nothing presses
+    ticks = tuple((part * top, f"{short(part * top, 4)} MPa" if part == 1.0 else short(part * top, 4)) for part in (0.0, 0.5, 1.0))
+    stops = ((0.0, NEUTRAL), (0.25, SKY), (0.5, YELLOW), (0.75, ORANGE), (1.0, VERMILION))
+    title = "Contact pressure" if allowed is None else "Contact pressure to what is allowed"
+    return ColourScale(title, 0.0, top, stops, ticks, "" if allowed is None else theme.limit)
+
+
+def _stress(geometry: Geometry, flank: Flank) -> np.ndarray:
+    """[MPa]"""
+    return np.asarray(geometry.study.stress[flank.name].pressure / MPA)
+
+
+def _pressure_angle(geometry: Geometry, flank: Flank) -> np.ndarray:
     return np.rad2deg(flank.pressure_angle)
 
 
-def _curvature(flank: Flank) -> np.ndarray:
+def _curvature(geometry: Geometry, flank: Flank) -> np.ndarray:
     """[1/mm]"""
     return np.asarray(flank.profile_curvature / MM)
 
 
 @frozen
 class Colouring:
-    """scale: of a study's cam; values: of a flank, on that scale (n,)."""
+    """scale: of a study's cam, None where it has no such values; values: of a flank, on that scale (n,)."""
 
-    scale: Callable[[Geometry, Theme], ColourScale]
-    values: Callable[[Flank], np.ndarray]
+    scale: Callable[[Geometry, Theme], ColourScale | None]
+    values: Callable[[Geometry, Flank], np.ndarray]
 
 
 COLOURINGS: Mapping[str, Colouring] = MappingProxyType(
     {
         "pressure_colours": Colouring(_pressure_scale, _pressure_angle),
         "curvature_colours": Colouring(_curvature_scale, _curvature),
+        "stress_colours": Colouring(_stress_scale, _stress),
     }
 )
 """Layer -> what the profile is coloured by."""
@@ -178,7 +204,7 @@ def coloured(layer: str, geometry: Geometry, theme: Theme) -> Iterator[Part]:
     if scale is None or geometry.shape is None:
         return
     for flank in geometry.shape.flanks:
-        item = ColouredLoop(flank.profile * MM, scale.part(COLOURINGS[layer].values(flank)), scale)
+        item = ColouredLoop(flank.profile * MM, scale.part(COLOURINGS[layer].values(geometry, flank)), scale)
         yield Part(f"{layer}.{flank.name}", item, ("cam", layer), Z_COLOURS, turning(item, geometry.turned))
 
 

@@ -17,6 +17,7 @@ from core.mechanism.kinematics import REVOLUTE
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
+from core.study.contact_stress import borne
 from kindyna_gui.pictures.sizes import floor_of, without_noise
 from kindyna_gui.pictures.style import Theme, shade
 
@@ -51,6 +52,12 @@ def _own(field: str) -> Callable[[Study], float]:
     return value
 
 
+def _borne(study: Study) -> float:
+    """The least pressure that a material of the contact bears [Pa]; infinite where none is known."""
+    least = borne(study)[0]
+    return np.inf if least is None else least
+
+
 LIMITS: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = MappingProxyType(
     {
         "pressure_angle": (
@@ -63,6 +70,10 @@ LIMITS: Mapping[str, tuple[tuple[str, Callable[[Study], float]], ...]] = Mapping
             ("lifts off below {}", lambda study: np.inf if study.holds else 0.0),
             ("limit {}", _own("contact_force")),
         ),
+        **{
+            name: (("material bears {}", _borne), ("limit {}", _own("contact_pressure")))
+            for name in ("contact_pressure", "second_contact_pressure")
+        },
         "jam_factor": (("jams from {}", lambda study: 1.0),),
     }
 )
