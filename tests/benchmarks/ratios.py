@@ -281,7 +281,12 @@ def _window(rows: Sequence[Row]) -> str:
     told = [r for r in rows if r.kernel in WINDOW]
     if not told:
         return ""
-    lines = ["### In the window", "", "Time by a bare repaint of the same widgets.", ""]
+    text = (
+        "Processor time of the window's thread by that of a bare repaint of the same widgets; of the start, that of the whole process"
+        " by an empty window's. What other threads compute beside it is not in it, nor what waits until editing pauses, which is a row"
+        " of its own. Milliseconds stand under *Targets*."
+    )
+    lines = ["### In the window", "", text, ""]
     lines += _head(["what", "plots beside the drawing", "time"])
     for row in told:
         ratio = Ratio(row.times_yardstick, max(NOISE, row.noise))

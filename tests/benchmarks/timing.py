@@ -20,6 +20,7 @@ import numpy as np
 Run = Callable[[], object]
 LEAST = 2e-3  # [s] a run that takes less is repeated, and the mean taken; ...
 LEAST_FRESH = 3e-4  # ... less often where it is made anew each time, which takes its own
+LONG = 1.0  # [s] a run that takes more is taken once
 UNKNOWN = 0.3  # noise of a time that was taken once
 
 
@@ -62,7 +63,7 @@ def _once(run: Run | Fresh, times: int) -> float:
 
 
 def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int = 60) -> Times:
-    """All runs in turn, round by round, until ``seconds`` are used up; each at least twice, slow ones as often as fits."""
+    """All runs in turn, round by round, until ``seconds`` are used up; each at least twice, if it is no long one."""
     every: dict[str, Run | Fresh] = {"": yardstick(n), **runs}
     halves: dict[str, list[float]] = {}
     repeats = {}
@@ -71,7 +72,7 @@ def measure(runs: Mapping[str, Run | Fresh], n: int, seconds: float, rounds: int
     try:
         for name, run in every.items():
             first = _once(run, 1)
-            halves[name] = [first, _once(run, 1)] if first < max(seconds, 0.01) else [first]
+            halves[name] = [first, _once(run, 1)] if first < min(max(seconds, 0.01), LONG) else [first]
             least = LEAST_FRESH if isinstance(run, Fresh) else LEAST
             alone = isinstance(run, Fresh) and run.alone
             repeats[name] = 1 if alone else max(1, min(1000, round(least / min(halves[name]))))
