@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
+    ALSO,
     FEW,
     ON_GRID,
     PIVOT,
@@ -148,7 +149,7 @@ def at_knots(theta: np.ndarray) -> Channels:
 
 
 ON_SPLINE = (1, 2, 4, 10)
-HANDED = "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}"
+HANDED = "of the solved linkage the roller's centre with velocity and acceleration, its direction of travel, and e^{iθ}" + ALSO
 KEPT = "tables and splines"
 
 PROFILE = Kernel(

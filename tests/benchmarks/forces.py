@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from benchmarks.linkages import by_hand as linkage_by_hand
 from benchmarks.plain import (
+    ALSO,
     L0,
     ON_GRID,
     PIVOT,
@@ -177,6 +178,6 @@ KERNEL = Kernel(
     ),
     roundings=34 + 22 + 30 + 24,  # as in the forces' own tests, and 24 of the motion
     digits=5e-15,
-    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads",
+    handed="the solved linkage: places, angles, velocities and accelerations of all bodies; normal of the cam, masses, loads" + ALSO,
     warm="tables and splines",
 )

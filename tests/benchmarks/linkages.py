@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from benchmarks import peers
 from benchmarks.plain import (
+    ALSO,
     BETA0,
     FEW,
     L0,
@@ -210,6 +211,6 @@ KERNEL = Kernel(
     ),
     roundings=2 + 6 + 6 + 4 * 4 + 24,  # of the linkage's own tests, and 24 of the motion
     digits=1.2e-14,
-    handed="displacement, velocity and acceleration of the slider; lengths and the base position",
+    handed="displacement, velocity and acceleration of the slider; lengths and the base position" + ALSO,
     warm="tables and splines; what KINDYNA knows of the plan by which a linkage is solved",
 )

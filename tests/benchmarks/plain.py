@@ -146,6 +146,9 @@ def differences(function: Callable[[np.ndarray], np.ndarray], theta: np.ndarray,
 
 # -- tables, which are kept ---------------------------------------------------------------------------------
 
+ALSO = "; tables, splines and differences also the cam angles"
+"""What these are handed besides: they know the motion by hand."""
+
 Columns = Callable[[np.ndarray], Sequence[np.ndarray]]
 STEPS = (1e-4, 1e-2, 1e-3, 3e-4, 5e-5, 2e-5, 1e-5, 1e-6)
 POINTS = (3600, 90, 360, 1200, 6000, 12_000, 36_000)
