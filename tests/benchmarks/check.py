@@ -21,7 +21,7 @@ WORSE = 1.3  # times a limit that is too much
 TRIES = 6
 SECONDS = 0.4  # for one kernel at one size
 SIZES = (360, 3600, 36_000)  # of cam angles; of anything else the usual number
-ROUNDS = 9  # of the window
+ROUNDS = 7  # of the window
 
 Limits = Mapping[str, float]
 

@@ -68,7 +68,7 @@ class Plan:
     sizes: int = 99
     settings: int = 99
     longest: float = 0.2
-    rounds: int = 11  # of the window
+    rounds: int = 9  # of the window
     starts: int = 5  # of processes
     targets: float = 1.5  # seconds for those of kernels
     large: bool = True  # exports of millions of angles
