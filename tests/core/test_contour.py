@@ -195,14 +195,14 @@ def test_one_polyline_backwards_in_inches_elsewhere_is_the_same_cam() -> None:
 
 def test_a_profile_written_as_arcs_comes_in_again(tmp_path: Path) -> None:
     save(PUSHER, tmp_path / "pusher.toml")
-    command = ["profile", str(tmp_path / "pusher.toml"), "--out", str(tmp_path / "cam.dxf"), "--as", "arcs", "--tolerance", "1e-4"]
+    command = ["profile", str(tmp_path / "pusher.toml"), "--out", str(tmp_path / "cam.dxf"), "--as", "arcs", "--tolerance", "1e-3"]
     assert main(command) == 0
     result = traced(PUSHER, (tmp_path / "cam.dxf").read_bytes())
     assert result.fit is None
     assert result.contour.layer == "PROFILE"
     slope = math.cos(math.radians(40.0))  # of the pressure angle, which is less
     before = program(PUSHER.drive.motion).state(program(PUSHER.drive.motion).angles(ANGLES)).y[0] * 1e3
-    assert np.abs(lifts(result) + result.base_radius_mm - before - 45.0).max() < 2.5e-4 / slope
+    assert np.abs(lifts(result) + result.base_radius_mm - before - 45.0).max() < 2.5e-3 / slope
     assert all(jump.order == 2 for jump in result.jumps)
 
 

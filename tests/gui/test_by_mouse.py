@@ -345,10 +345,16 @@ def highest(design: Any, name: str) -> float:
     return float(limits[name].high.value)
 
 
-@pytest.mark.parametrize("kind", ["Translating follower", "Oscillating follower", "Flat face"])
-def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(kind: str, open_user: Open, tmp_path: Path) -> None:
+def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(open_user: Open, tmp_path: Path) -> None:
     """A stroke of 40 mm; a pressure angle of 30° under a roller, a least radius of 25 mm under a flat face."""
     user = open_user(size=(1440, 900), whole=True)
+    for kind in ("Translating follower", "Oscillating follower", "Flat face"):
+        size_and_export(user, kind, tmp_path)
+        user.window.docks["find"].hide()
+        user.session.stack.setIndex(0)  # or it would ask whether to save
+
+
+def size_and_export(user: User, kind: str, tmp_path: Path) -> None:
     actor, flat = Actions(user), kind == "Flat face"
     if flat:
         begin_by_picture(actor, "Translating follower", kind)
