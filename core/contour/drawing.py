@@ -117,7 +117,7 @@ def _entities(drawing: Any, name: str) -> tuple[str, list[Any]]:
         if each.dxftype() in _REFUSED:
             raise DrawingError(
                 f"{name}: {each.dxftype()} on layer {each.dxf.layer!r}: only lines, arcs, circles and polylines are read; save the curve "
-                "as arcs or as a polyline"
+                "as arcs or as a polyline (a profile from here: as tangent arcs)"
             )
     if not chosen:
         raise DrawingError(f"{name}: no closed curve: no line, arc, circle or polyline in the model space; explode blocks")

@@ -241,6 +241,7 @@ HOLLOW = ("lwpolyline", [(40, -30, 0.2), (40, 30, 0.0), (-40, 30, 0.0), (-40, -3
         (UP, drawn(*TANGENT.shapes, unit=13), "states the unit 13 in $INSUNITS"),
         (UP, drawn(("circle", (50, 0), 40.0)), "the cam centre (0, 0) mm lies outside the curve"),
         (UP, drawn(("ellipse", (0, 0), (30, 0), 0.5)), "ELLIPSE on layer '0': only lines, arcs, circles and polylines are read"),
+        (UP, drawn(("open_spline", [(40, 0), (0, 40), (-40, 0), (0, -40)])), "as a polyline (a profile from here: as tangent arcs)"),
         (flat(), drawn(HOLLOW), "the curve is hollow at (0, -18) mm"),
         (ARM, drawn(("circle", (10, 0), 250.0)), "the roller cannot reach the curve"),
         (with_follower(UP, offset_mm=60.0), ECCENTRIC, "the roller cannot reach the curve"),
