@@ -20,7 +20,6 @@ from core.design import distances
 from core.project import load, load_one
 from core.project.files import write, write_all
 from core.study import Study
-from kindyna_gui.requirements import require_one_drive
 
 USUAL_SIZE = (1440, 900)
 LEAST_SIDE, MOST_SIDE = 320, 8000
@@ -134,7 +133,7 @@ def quiet() -> Iterator[None]:
 
 def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
-    design = require_one_drive(load(arguments.design))
+    design = load(arguments.design)
     code = verdict(Study(design))
     never_shown()
     from kindyna_gui.screenshots import shots
@@ -149,7 +148,7 @@ def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
 
 def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
-    design = require_one_drive(load(arguments.design))
+    design = load(arguments.design)
     study = Study(design)
     code = verdict(study)
     never_shown()

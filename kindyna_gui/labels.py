@@ -9,7 +9,7 @@ from decimal import Decimal
 from types import MappingProxyType
 from typing import Any
 
-from core.design import CRANK, CURVES, Design, Driver, Entry, Unit, entries
+from core.design import CRANK, CURVES, Design, Driver, Entry, Unit, drive_at, entries, only
 from core.errors import KindynaError
 from core.followers import LAYOUT_TABLE
 from core.laws import find_law
@@ -17,12 +17,13 @@ from core.materials import MATERIALS
 
 SECTION_NAMES: Mapping[str, str] = MappingProxyType(
     {"motion": "Motion", "follower": "Follower", "cam": "Cam", "shaft": "Shaft", "linkage": "Linkage", "loads": "Loads",
-     "limits": "Limits"}
+     "limits": "Limits", "balancer": "Balance cam"}
 )
 
 _CHOICES: Mapping[str, str] = MappingProxyType(
     {"ccw": "counter-clockwise", "cw": "clockwise", "roller": "roller", "flat": "flat face", "knife": "knife edge",
      "shoe": "curved shoe", "open": "open (disk)", "conjugate": "conjugate pair",
+     "True": "seen from the other end", "False": "seen from this end",
      "1": "left (+1)", "-1": "right (\u22121)"}
 )
 """Words of the file that read better otherwise."""
@@ -160,6 +161,9 @@ def entry_label(design: Design, entry: Entry) -> str:
 
 def name_of(design: Design, path: str) -> str:
     """A field's name for the reader: ``Rod L2``, ``Segment 3, span``; the path itself where it has none."""
+    own = drive_at(path) if design.listed else None
+    if own is not None and own[0] < len(design.drives):
+        return f"{design.drives[own[0]].name}: {name_of(only(design, own[0]), own[1])}"
     number = segment_of(path)
     prefix = "" if number is None else f"Segment {number + 1}"
     top = path.partition(".")[0]

@@ -15,10 +15,14 @@ def example(name: str) -> Path:
 
 
 def examples() -> list[tuple[str, Path]]:
-    """All designs of one drive that come with the program, in the order of their names: name for the user, file."""
-    every = sorted((resources() / "examples").glob("*.toml"))
-    paths = [path for path in every if "\n[[drives]]\n" not in path.read_text("utf-8")]
+    """All designs that come with the program, in the order of their names: name for the user, file."""
+    paths = sorted((resources() / "examples").glob("*.toml"))
     return [(path.stem.replace("_", " ").capitalize(), path) for path in paths]
+
+
+def single_examples() -> list[tuple[str, Path]]:
+    """Those of one drive."""
+    return [(name, path) for name, path in examples() if "\n[[drives]]\n" not in path.read_text("utf-8")]
 
 
 def default_design() -> Path:

@@ -4,7 +4,7 @@ takes. Where it is missing, there is a sentence for the user; NotHere carries it
 from __future__ import annotations
 
 from core.design import Design, Motion, motion_of
-from core.errors import DesignError, Fault, KindynaError
+from core.errors import KindynaError
 from core.stress import has_width, missing
 from core.study import Study
 from core.study.contact_stress import fits
@@ -30,14 +30,6 @@ def require_links(design: Design, instead: str) -> None:
     """Raises NotHere, with the sentence, where the links have no numbers."""
     if not lists_links(design):
         raise NotHere(instead)
-
-
-def require_one_drive(design: Design) -> Design:
-    """The design, of one drive. Raises DesignError for a file that lists several, which the window does not show."""
-    if not design.listed:
-        return design
-    problem, instead = "the window shows designs of one drive", "check, report and export of this file, without the window"
-    raise DesignError([Fault("drives", f"{len(design.drives)} drives", problem, instead)])
 
 
 def with_shaft(design: Design, instead: str) -> Design:

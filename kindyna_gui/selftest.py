@@ -10,10 +10,10 @@ from PySide6.QtWidgets import QApplication
 
 from core.design import stroke
 from core.errors import KindynaError
-from core.output.export import files
+from core.output.export import texts
 from core.project import load, save
-from core.study import Study, clear_caches
-from kindyna_gui.documents.exports import write_tables
+from core.study import clear_caches
+from kindyna_gui.documents.exports import tables_of, write_tables
 from kindyna_gui.places import examples
 from kindyna_gui.screenshots import dismiss, hidden_window, rest
 from kindyna_gui.view import View
@@ -50,7 +50,7 @@ def _try(path: Path) -> str:
     window = hidden_window(design, SIZE)
     try:
         _edit_and_undo(window)
-        _must(window.session.design == design, "undo did not bring the design back")
+        _must(window.session.whole == design, "undo did not bring the design back")
         drawn = _turn(window)
         count = _export(window, path)
     finally:
@@ -113,13 +113,13 @@ def _turn(window: MainWindow) -> int:
 
 def _export(window: MainWindow, path: Path) -> int:
     with tempfile.TemporaryDirectory() as folder:
-        written = write_tables(window.session.design, Path(folder))
+        written = write_tables(window.session.whole, Path(folder))
         copy = Path(folder) / "copy.toml"
-        save(window.session.design, copy)
+        save(window.session.whole, copy)
         clear_caches()  # the core computes anew
-        wanted = files(Study(load(copy)))
+        wanted = texts(tables_of(load(copy)))
         _must(set(written) == set(wanted), "other files than the core writes")
         for name, text in wanted.items():
             _must((Path(folder) / name).read_text(encoding="utf-8") == text, f"{name} differs from the core's")
-    _must(load(path) == window.session.design, "the design is no longer the example")
+    _must(load(path) == window.session.whole, "the design is no longer the example")
     return len(wanted)

@@ -14,18 +14,20 @@ MOST_RECENT = 8
 
 @frozen
 class Layout:
-    """How a task was left: the docks, the pages in the middle and the one in front, whether docks of linkages are there."""
+    """How a task was left: the docks, the pages in the middle and the one in front, whether docks of linkages are there, and of
+    several drives."""
 
     state: QByteArray
     pages: tuple[str, ...]
     front: str
     links: bool
+    several: bool = False
 
 
 class Settings:
     """A thin layer over QSettings."""
 
-    VERSION = 3
+    VERSION = 4
     """Of the layouts, raised whenever docks come or go: those of another version are left alone, and not used."""
 
     def __init__(self) -> None:
@@ -53,6 +55,7 @@ class Settings:
         self._kept.setValue(f"{key}/docks", layout.state)
         self._kept.setValue(f"{key}/pages", " ".join((layout.front, *layout.pages)))
         self._kept.setValue(f"{key}/links", int(layout.links))
+        self._kept.setValue(f"{key}/several", int(layout.several))
 
     def layout(self, task: str) -> Layout | None:
         """The layout of a task; None where none of this version was kept."""
@@ -60,7 +63,8 @@ class Settings:
         state, names = self._kept.value(f"{key}/docks"), str(self._kept.value(f"{key}/pages") or "").split()
         if not isinstance(state, QByteArray) or not names:
             return None
-        return Layout(state, tuple(names[1:]), names[0], str(self._kept.value(f"{key}/links")) == "1")
+        links, several = (str(self._kept.value(f"{key}/{kind}")) == "1" for kind in ("links", "several"))
+        return Layout(state, tuple(names[1:]), names[0], links, several)
 
     @property
     def recent(self) -> list[Path]:

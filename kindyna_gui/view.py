@@ -62,6 +62,7 @@ class View(QWidget):
 
     status_message (str): what has been done, for the status line
 
+    ``of_whole``: it shows something of all drives, so that it follows each step, though the drive at hand stays the same.
     ``not_here``: this kind of design has nothing for the view, which shows a sentence instead.
     ``pause_ms``: a view that is read rather than watched may wait until editing pauses that long; 0 follows each step.
     ``keeps_pace``: False where it may leave out designs while something is drawn with the mouse: then it follows once no further
@@ -74,6 +75,7 @@ class View(QWidget):
     pause_ms: int = 0
     reading_ms: int = 0
     keeps_pace: bool = True
+    of_whole: bool = False
 
     def __init__(self, session: Session, player: Player, content: QWidget | None = None) -> None:
         super().__init__()
@@ -101,7 +103,8 @@ class View(QWidget):
         self._reading.timeout.connect(self._catch_up)
         self._followed = player.theta
         session.started.connect(self._forget_fault)
-        session.design_changed.connect(self.invalidate)
+        session.drive_chosen.connect(self._forget_fault)
+        (session.whole_changed if self.of_whole else session.design_changed).connect(self.invalidate)
         session.let_go.connect(self._follow_soon)
         player.angle_changed.connect(self._angle_changed)
         player.playing_changed.connect(self._cam_rests)

@@ -36,7 +36,7 @@ EXCEPTIONS: dict[str, tuple[str, ...]] = {
         "kindyna_gui.pictures.drawing.layers.layers_of",
         "kindyna_gui.pictures.drawing.geometry.Geometry.__init__",
         "kindyna_gui.requirements.require_links",
-        "kindyna_gui.window.layouts.Layouts._suit_links",
+        "kindyna_gui.window.layouts.Layouts._suit_kinds",
     ),
     "a menu or a group of the gallery belongs to one kind: the links of a linkage": (
         "kindyna_gui.linkage.menus._linkage",

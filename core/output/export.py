@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -115,8 +115,12 @@ def streams(
 
 def files(study: Study, stages: Sequence[str] = ()) -> dict[str, str]:
     """The same as texts."""
-    made = streams(study, stages).items()
-    return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in made}
+    return texts(streams(study, stages))
+
+
+def texts(made: Mapping[str, str | Iterator[bytes]]) -> dict[str, str]:
+    """Tables that are computed part by part, as texts."""
+    return {name: parts if isinstance(parts, str) else b"".join(parts).decode() for name, parts in made.items()}
 
 
 def export(study: Study, folder: Path, stages: Sequence[str] = ()) -> list[Path]:

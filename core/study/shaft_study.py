@@ -150,6 +150,10 @@ class ShaftStudy:
     def _turned_load(self, name: str) -> tuple[LoadCurve, Place]:
         return self.drives[name].load_curve, Place(self.places[name].phase)
 
+    def drive_peak(self, name: str) -> Extreme:
+        """That of the greatest size of what one drive asks of the shaft [N m], by machine angle. Raises NoAnswer as ``drive_load``."""
+        return _greatest(peaks(self.drive_load(name)))
+
     @property
     def cams_torque(self) -> np.ndarray:
         """That of all drives, without the balance cam (n,) [N m]. Raises NoAnswer, which names the drive that is missing."""
@@ -208,6 +212,18 @@ class ShaftStudy:
         return None if self._balance is None else self._balance[0]
 
     @property
+    def balancer_place(self) -> Place:
+        """Where the balance cam stands on the shaft. Raises NoAnswer as ``balancer``."""
+        assert self._balance is not None, "a design without [balancer]"
+        return self._balance[1]
+
+    @property
+    def balancer_peak(self) -> Extreme:
+        """The torque of the greatest size that the balance cam asks of the shaft [N m], by its own angle."""
+        assert self._balance is not None, "a design without [balancer]"
+        return _greatest(peaks(self._balance[0].load_curve))
+
+    @property
     def balancer_torque(self) -> np.ndarray:
         """That of the balance cam (n,) [N m], of a design that has one."""
         assert self._balance is not None, "a design without [balancer]"
@@ -234,7 +250,7 @@ class ShaftStudy:
     @property
     def peak_torque(self) -> Extreme:
         """That of the greatest size."""
-        return max((self.peaks.low, self.peaks.high), key=lambda extreme: abs(extreme.value))
+        return _greatest(self.peaks)
 
     @property
     def peak_power(self) -> float:
@@ -392,6 +408,10 @@ class ShaftStudy:
         given = shaft.value(self.cams_load, self.theta) * self.omega
         peak = max(float(np.abs(term).max(initial=0.0)) for term in [*terms, given]) or 1.0
         return Residual(float(np.abs(given - sum(terms)).max()) / peak, derived)
+
+
+def _greatest(found: Range) -> Extreme:
+    return max((found.low, found.high), key=lambda extreme: abs(extreme.value))
 
 
 def _place(study: Study, phase_deg: float) -> Place:

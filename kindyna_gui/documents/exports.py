@@ -6,7 +6,7 @@ when something is to be written: the window need not wait for it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 from pathlib import Path
 from typing import TypeVar
@@ -19,7 +19,7 @@ from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import Channel
 from core.project.files import write, write_all
-from core.study import SAMPLES, Study
+from core.study import SAMPLES, ShaftStudy, Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents.session import Session
 from kindyna_gui.pictures.drawing.mechanism import LAYERS
@@ -40,11 +40,17 @@ def numbers(design: Design, rows: Sequence[Channel]) -> str:
     return csv(names, [study.angle_degrees, *(row.values(study) for row in rows)])
 
 
+def tables_of(design: Design, samples: int = SAMPLES) -> dict[str, str | Iterator[bytes]]:
+    """File name -> text, or its parts, of tables and summary, of a shaft with those of each of its drives. Raises NoAnswer."""
+    from core.output.export import streams
+    from core.output.shaft_files import shaft_streams
+
+    return shaft_streams(ShaftStudy(design, samples)) if design.listed else streams(Study(design, samples))
+
+
 def write_tables(design: Design, folder: Path, samples: int = SAMPLES) -> list[str]:
     """Write tables and summary into a folder; their names. Raises NoAnswer, FileError, and then writes nothing."""
-    from core.output.export import streams
-
-    made = streams(Study(design, samples))
+    made = tables_of(design, samples)
     checkpoint()  # the last at which it may be cancelled
     write_all(folder, made)
     return list(made)
@@ -122,7 +128,7 @@ class Exports(QObject):
     def _name(self) -> str:
         """A name for files: that of the design's own file, else of the design."""
         path = self._session.path
-        stem = path.stem if path is not None else self._session.design.name
+        stem = path.stem if path is not None else self._session.whole.name
         return "".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_") or "design"
 
     def tables(self) -> None:
@@ -132,7 +138,7 @@ class Exports(QObject):
         wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
         if wanted is None:
             return
-        design = self._session.design
+        design = self._session.whole
         try:
             made = export_dialogs.beside(
                 self._window, "Writing the tables", lambda: write_tables(design, wanted.folder, wanted.samples)
@@ -148,11 +154,12 @@ class Exports(QObject):
 
     def report(self) -> None:
         """The report as plain text."""
-        from core.output.report import report
+        from core.output.report import report, shaft_report
 
         path = dialogs.report_to_save(self._window, self._settings.folder / f"{self._name}.txt")
-        design = self._session.design
-        self._report(written(self._window, path, lambda: report(Study(design))))
+        design = self._session.whole
+        make = (lambda: shaft_report(ShaftStudy(design))) if design.listed else (lambda: report(Study(design)))
+        self._report(written(self._window, path, make))
 
     def profile(self) -> None:
         """The cam's profile, or the path of a cutter, for machines and drawings."""

@@ -39,7 +39,7 @@ class Documents(QObject):
     def name(self) -> str:
         """Of the file, else of the design."""
         path = self._session.path
-        return path.name if path is not None else self._session.design.name
+        return path.name if path is not None else self._session.whole.name
 
     # -- leaving ------------------------------------------------------------------------------------------
 
@@ -142,7 +142,7 @@ class Documents(QObject):
         return session.close_draft() if answer is Unfinished.CLOSE else answer is Unfinished.LAST_WHOLE
 
     def _save_as(self) -> bool:
-        stem = self._session.design.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
+        stem = self._session.whole.name.replace("/", "-").replace("\\", "-").strip(". ") or "design"
         suggestion = self._session.path or self._settings.folder / f"{stem}.toml"
         path = dialogs.design_to_save(self._window, suggestion)
         if path is None:
@@ -179,7 +179,7 @@ class Documents(QObject):
 
     def _differences(self, path: Path) -> list[str]:
         """What differs between a file and the design, a line each."""
-        design = self._session.design
+        design = self._session.whole
         try:
             on_disk = load(path)
         except KindynaError as error:

@@ -33,8 +33,8 @@ def recovery_folder() -> Path:
     return state_folder() / "recovery"
 
 
-def _unsaved(design: Design, path: Path | None, draft: Draft | None) -> Unsaved:
-    return recovery.now(dumps(design), path, None if draft is None else draft.state())
+def _unsaved(design: Design, path: Path | None, draft: Draft | None, chosen: int) -> Unsaved:
+    return recovery.now(dumps(design), path, None if draft is None else {**draft.state(), "drive": chosen})
 
 
 def _end(writer: RecoveryWriter, *_: object) -> None:
@@ -62,14 +62,14 @@ class Recovery(QObject):
 
     def begin(self) -> None:
         """Keep unsaved work from now on."""
-        for changed in (self._session.design_changed, self._session.draft_changed, self._session.file_changed):
+        for changed in (self._session.whole_changed, self._session.draft_changed, self._session.file_changed):
             changed.connect(self.note)
 
     def note(self) -> None:
         """The design, its file, or what is unsaved has changed."""
         session = self._session
         path = session.path.absolute() if session.path is not None else None
-        state = (session.design, path, session.draft) if session.modified else None
+        state = (session.whole, path, session.draft, session.chosen if session.draft is not None else 0) if session.modified else None
         if state == self._handed:
             return
         self._handed = state
@@ -146,7 +146,8 @@ class Recovery(QObject):
         unsaved = chosen.unsaved
         path = None if unsaved.path is None else str(unsaved.path)
         try:
-            self._session.restore({"design": unsaved.design, "path": path, "modified": True, "draft": unsaved.draft})
+            self._session.restore({"design": unsaved.design, "path": path, "modified": True, "draft": unsaved.draft,
+                                   "drive": (unsaved.draft or {}).get("drive", 0)})  # fmt: skip
         except KindynaError as error:
             dialogs.show_faults(self._window, "This work cannot be recovered.", str(error).splitlines())
             return False

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import localtime, strftime
+from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import (
@@ -21,7 +22,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from core.design import Design
+from core.design import Design, only, with_only
 from core.errors import KindynaError
 from core.frozen import frozen
 from core.project import differences, load, loads
@@ -51,13 +52,19 @@ class Comparison:
     lost: bool = True
 
 
+def _with_draft(design: Design, state: Mapping[str, Any]) -> Design:
+    """The design with the unfinished motion of one of its drives. Raises DesignError."""
+    index = int(state.get("drive", 0))
+    return with_only(design, index, Draft.from_state(state).applied(only(design, index)))
+
+
 def compare(unsaved: Unsaved) -> Comparison:
     """Unsaved work beside what its file holds; beside nothing where it has no file."""
     when = strftime("%Y-%m-%d %H:%M", localtime(unsaved.time)) if unsaved.time else ""
     path = unsaved.path
     try:
         design = loads(unsaved.design, source="the recovery file")
-        typed = design if unsaved.draft is None else Draft.from_state(unsaved.draft).applied(design)
+        typed = design if unsaved.draft is None else _with_draft(design, unsaved.draft)
     except KindynaError as error:
         return Comparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
     title = f"{design.name if path is None else path.name}, {when}".rstrip(", ")

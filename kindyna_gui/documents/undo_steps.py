@@ -13,8 +13,9 @@ from kindyna_gui.documents.draft import Draft
 if TYPE_CHECKING:
     from kindyna_gui.documents.session import Session
 
-Work = tuple[Design, Draft | None]
-"""A design, and what has been typed of a motion that is not finished; one step of the undo stack changes both."""
+Work = tuple[Design, Draft | None, int]
+"""A whole design, what has been typed of a motion that is not finished, and the number of the drive that it was typed in; one step
+of the undo stack changes all, so that undo shows the drive that it changes."""
 
 
 class ChangeDesign(QUndoCommand):
@@ -23,7 +24,7 @@ class ChangeDesign(QUndoCommand):
     def __init__(self, session: Session, after: Work, text: str, path: str, gesture: int) -> None:
         super().__init__(text)
         self._session = session
-        self._before, self._after = (session.design, session.draft), after
+        self._before, self._after = (session.whole, session.draft, session.chosen), after
         self._path, self._gesture = path, gesture
         self._new = True
 
@@ -54,7 +55,7 @@ class BeginDesign(QUndoCommand):
     def __init__(self, session: Session, design: Design, path: Path | None, text: str) -> None:
         super().__init__(text)
         self._session, self._after = session, (design, path)
-        self._before = (session.design, session.path, session.draft)
+        self._before = (session.whole, session.path, session.draft, session.chosen)
 
     def redo(self) -> None:
         self._session._begin(*self._after)

@@ -98,6 +98,7 @@ class FindView(View):
         self.cancel.clicked.connect(self._work.cancel)
         self.again.clicked.connect(self._search)
         session.started.connect(self._typed.clear)
+        session.drive_chosen.connect(self._typed.clear)
 
     def _lay_out(self) -> None:
         self._foot = QStackedWidget()

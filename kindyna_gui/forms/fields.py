@@ -158,7 +158,7 @@ class Field(QObject):
     def _accepted(self, path: str) -> None:
         self._blame.pop(path, None)
         if path == self.spec.path and not self.obsolete:
-            self._show(self.session.typed)
+            self._show(self.session.holder(path))
         self._show_blame()
 
     def _restored(self) -> None:
@@ -188,7 +188,7 @@ class Field(QObject):
         """The design in place has no such value: it is of another kind, and this row is about to be removed, or out of sight. A drag
         of its name may outlast it."""
         try:
-            self.spec.read(self.session.typed)
+            self.spec.read(self.session.holder(self.spec.path))
         except (KeyError, DesignError):
             return True
         return False

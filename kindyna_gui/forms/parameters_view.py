@@ -2,126 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QIcon
-from PySide6.QtWidgets import QFrame, QGridLayout, QHBoxLayout, QLabel, QScrollArea, QTabWidget, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QTabWidget, QVBoxLayout
 
-from core.design import FOLLOWER_KINDS, Design, Entry, entries, is_assumed, kind_of
+from core.design import FOLLOWER_KINDS, kind_of
 from core.findings import ERROR
 from core.study import Study
-from kindyna_gui.documents.session import Session
+from kindyna_gui.documents.session import SHAFT, Session
 from kindyna_gui.forms.field_parts import in_tab_order
-from kindyna_gui.forms.fields import COLUMNS, Field, NameField, Spec
-from kindyna_gui.labels import SECTION_NAMES, entry_label, heading_of
+from kindyna_gui.forms.fields import Field, NameField
+from kindyna_gui.forms.form import Form, part_of
+from kindyna_gui.labels import SECTION_NAMES
 from kindyna_gui.look import ASSUMED, QUIET, coloured, sign
-from kindyna_gui.rebuilt import Rebuilt
 from kindyna_gui.requirements import lists_links
 from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 
 SECTIONS = ("follower", "cam", "shaft", "loads", "limits")
 EVERY_SECTION = ("follower", "linkage", "cam", "shaft", "loads", "limits")  # of all kinds of design, in the order of tabs
-
-
-_STRUCTURE = frozenset({"number", "link", "on", "kind"})
-"""What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
-menu Compo."""
-
-
-def rows_of(design: Design, section: str) -> list[Entry]:
-    """The rows of a section, in the order of the file."""
-    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE]
-
-
-def _spec_of(design: Design, row: Entry) -> Spec:
-    """A row of a linkage: named after what it belongs to; a side is chosen of two."""
-    info = replace(row.info, label=entry_label(design, row))
-    if row.path.startswith("linkage.branch."):
-        info = replace(info, choices=(1, -1))
-    return Spec.of(replace(row, info=info))
-
-
-def _part(design: Design, section: str) -> Any:
-    """The table of the design that a form shows; None where its kind has none of that name."""
-    return design.tables.get(section)
-
-
-class Heading(QLabel):
-    """What the fields below belong to."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__(text)
-        bold = self.font()
-        bold.setBold(True)
-        self.setFont(bold)
-        self.setContentsMargins(0, 5, 0, 1)
-
-
-class Form(QScrollArea):
-    """The fields of one section, one below the other."""
-
-    def __init__(self, session: Session, section: str) -> None:
-        super().__init__()
-        self._session, self._section = session, section
-        self.fields: dict[str, Field] = {}
-        self._place = Rebuilt(session)
-        self.setWidget(self._place)
-        self._shown: tuple[Any, Any] | None = None
-        self._values: dict[str, tuple[Any, bool]] = {}
-        self._heads: list[str] = []
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setWidgetResizable(True)
-        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-
-    def refresh(self, design: Design) -> None:
-        """Show this design; fields are made anew only where another kind of design has others, and left alone
-        where they show what they did."""
-        shown = (_part(design, self._section), design.assumed)
-        if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:
-            return
-        self._shown = shown
-        rows = rows_of(design, self._section)
-        heads = [heading_of(design, row.path) for row in rows]
-        if [row.path for row in rows] != list(self.fields) or heads != self._heads:
-            self._heads, self._values = heads, {}
-            self._build([_spec_of(design, row) for row in rows])
-        for row in rows:
-            shown = row.value, is_assumed(design, row.path)
-            if self._values.get(row.path) != shown:
-                self._values[row.path] = shown
-                self.fields[row.path].refresh(design)
-
-    def _build(self, specs: list[Spec]) -> None:
-        paper = QWidget()
-        grid = QGridLayout(paper)
-        grid.setContentsMargins(10, 7, 6, 6)
-        grid.setHorizontalSpacing(6)
-        grid.setVerticalSpacing(3)
-        grid.setColumnStretch(1, 1)
-        self.fields = {}
-        row = 0
-        for i, spec in enumerate(specs):
-            if self._heads[i] and self._heads[i] != (self._heads[i - 1] if i else ""):
-                grid.addWidget(Heading(self._heads[i]), row, 0, 1, COLUMNS)
-                row += 1
-            field = Field(self._session, spec)
-            field.setParent(paper)  # goes with it
-            field.add_to(grid, row)
-            row += 2
-            self.fields[spec.path] = field
-        grid.setRowStretch(row, 1)
-        self._place.replace(paper)
-        # else the fields are squeezed under the scroll bar
-        self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
-
-    @property
-    def in_trouble(self) -> bool:
-        return any(field.trouble for field in self.fields.values())
 
 
 def kind_label(study: Study) -> str:
@@ -134,6 +35,8 @@ def kind_label(study: Study) -> str:
 
 class ParametersView(View):
     """Name and parameters of the design: follower, cam, shaft, loads, limits."""
+
+    of_whole = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -163,11 +66,11 @@ class ParametersView(View):
         self.set_content_layout(layout)
 
     def refresh(self, study: Study) -> None:
-        design = study.design
-        self.name.refresh(design)
+        self.name.refresh(study.design)
         self.kind.setText(kind_label(study))
         for section, form in self.forms.items():
-            present, tab = _part(design, section) is not None, self.tabs.indexOf(form)
+            design = self.session.whole if self.session.several and section == SHAFT else study.design
+            present, tab = part_of(design, section) is not None, self.tabs.indexOf(form)
             if present != self.tabs.isTabVisible(tab):  # else Qt would lay out the whole window anew all the same
                 self.tabs.setTabVisible(tab, present)
             if not present:
@@ -198,9 +101,8 @@ class ParametersView(View):
         """Bring the field of a path, or the first of a section, before the reader; False where there is none."""
         self.pull()
         section = path.partition(".")[0]
-        design = self.session.design
-        if _part(design, section) is None:
-            section = next(name for name in EVERY_SECTION if _part(design, name) is not None)
+        if part_of(self.session.holder(section), section) is None:
+            section = next(name for name in EVERY_SECTION if part_of(self.session.holder(name), name) is not None)
         form = self.forms.get(section)
         if form is None or not form.fields:
             return False
@@ -211,4 +113,4 @@ class ParametersView(View):
         return True
 
 
-__all__ = ["COLUMNS", "Form", "ParametersView"]
+__all__ = ["Form", "ParametersView"]

@@ -13,6 +13,8 @@ from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.study import Study
 from kindyna_gui.documents.session import Session
+from kindyna_gui.drives.rows import drive_rows
+from kindyna_gui.drives.strip import DriveStrip
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
@@ -36,7 +38,8 @@ class MechanismView(View):
         self.canvas = Canvas(self.scene)
         super().__init__(session, player)
         self.note = Note()
-        self.set_column(self.canvas, self.note, grows=self.canvas)
+        self.strip = DriveStrip()
+        self.set_column(self.strip, self.canvas, self.note, grows=self.canvas)
         self.setFocusProxy(self.canvas)
         self._fit_wanted = True
         self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
@@ -46,7 +49,11 @@ class MechanismView(View):
         for name in COLOURS:
             one_of.addAction(self._actions[name])
         session.started.connect(self._another_design)
+        session.drive_chosen.connect(self._another_design)
         session.step_changed.connect(self._show_step)
+        session.whole_changed.connect(self._name_drives)
+        self.strip.chosen.connect(self._choose_drive)
+        self._name_drives()
         self.canvas.taken.connect(self._take_joint)
         self.canvas.dragged.connect(self._drag_joint)
         self.canvas.dropped.connect(self._drop_joint)
@@ -63,6 +70,18 @@ class MechanismView(View):
     def stages(self) -> tuple[str, ...]:  # type: ignore[override]
         """Forces are computed only while they are drawn."""
         return STAGES_OF_VIEWS["mechanism with forces" if any(self._layers_wanted[name] for name in OF_FORCES) else "mechanism"]
+
+    # -- drives -------------------------------------------------------------------------------------------
+
+    def _name_drives(self) -> None:
+        """The strip names the drives, where there are several."""
+        self.strip.setVisible(self.session.several)
+        if self.session.several:
+            self.strip.show_drives(drive_rows(self.session), self.session.chosen)
+
+    def _choose_drive(self, number: int) -> None:
+        if not self.session.choose_drive(number):
+            self._name_drives()
 
     # -- what is drawn ------------------------------------------------------------------------------------
 

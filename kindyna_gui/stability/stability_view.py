@@ -139,6 +139,7 @@ class StabilityView(View):
         self.upwards.currentIndexChanged.connect(self._draw_chart)
         self.use.clicked.connect(self.use_wanted)
         self.session.started.connect(self._another_design)
+        self.session.drive_chosen.connect(self._another_design)
 
     # -- showing --------------------------------------------------------------------------------------------
 

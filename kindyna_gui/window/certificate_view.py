@@ -76,10 +76,10 @@ PROVES: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 def certificate_row(name: str, residual: Residual) -> Row:
     """A residual as a line of the table."""
-    short, proves = PROVES.get(name, ("", ""))
+    short, proves = PROVES.get(name.rpartition(".")[2], ("", ""))  # of a drive, its slug before it
     return Row(
         (
-            sentence(name.replace("_", " ")),
+            sentence(name.replace("_", " ").replace(".", ": ")),
             f"{residual.value:.1e}" if residual.value else "0",
             f"{residual.bound:.1e}",
             "kept" if residual.kept else "not kept",
@@ -94,6 +94,7 @@ def certificate_row(name: str, residual: Residual) -> Row:
 class CertificateView(View):
     """The table of residuals."""
 
+    of_whole = True
     stages = STAGES_OF_VIEWS["certificate"]
     pause_ms = 150
 
@@ -104,4 +105,4 @@ class CertificateView(View):
         self.set_column(self.table, grows=self.table)
 
     def refresh(self, study: Study) -> None:
-        self.table.show_rows([certificate_row(name, residual) for name, residual in study.certificate().items()])
+        self.table.show_rows([certificate_row(name, residual) for name, residual in self.session.whole_study.certificate().items()])

@@ -59,6 +59,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "log": ViewRow("Log", lazily("window.log_view", "LogView"), CENTRE),
         "parameters": ViewRow("Parameters", lazily("forms.parameters_view", "ParametersView"), LEFT),
         "motion": ViewRow("Motion", lazily("motion.segments_view", "SegmentsView"), LEFT),
+        "drives": ViewRow("Drives", lazily("drives.drives_view", "DrivesView"), LEFT),
         "find": ViewRow("Find", lazily("find.find_view", "FindView"), LEFT),
         "centres": ViewRow("Centres", lazily("linkage.centres_view", "CentresView"), LEFT),
         "circle": ViewRow("Circle diagram", lazily("linkage.circle_view", "CircleView"), LEFT),

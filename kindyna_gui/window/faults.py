@@ -116,7 +116,7 @@ class Faults(QObject):
     def _state(self) -> str:
         session, focus = self._session, QApplication.focusWidget()
         rows = {
-            "Design": f"{session.design.name}, {session.path or 'without a file'}, step {session.stack.index()}",
+            "Design": f"{session.whole.name}, {session.path or 'without a file'}, step {session.stack.index()}",
             "Angle": f"{self._window.player.theta:.9g} rad{', playing' if self._window.player.playing else ''}",
             "Focus": f"{type(focus).__name__} {focus.objectName() or focus.accessibleName()}" if focus is not None else "none",
         }
@@ -128,7 +128,7 @@ class Faults(QObject):
         return _Place(self._session.document, self._session.stack.index(), self._work())
 
     def _work(self) -> Work:
-        return self._session.design, self._session.draft
+        return self._session.whole, self._session.draft, self._session.chosen
 
     def _settle(self) -> None:
         """The event has ended: what it brought is good, or is taken back."""

@@ -27,6 +27,7 @@ class FindingsView(View):
     field_requested   (path): a finding was clicked whose field this is
     """
 
+    of_whole = True
     stages = STAGES_OF_VIEWS["findings"]
     pause_ms = 150
     field_requested = Signal(str)
@@ -50,24 +51,22 @@ class FindingsView(View):
         return self._findings
 
     def refresh(self, study: Study) -> None:
-        self._findings = study.findings()
-        rows = [
-            Row(
-                (sentence(f.message), name_of(study.design, f.field), _angle(f)),
-                sign(f.severity),
-                f"{sentence(f.severity)}. Click to go to its cam angle and to: {name_of(study.design, f.field)}",
-            )
-            for f in self._findings
-        ]
+        whole = self.session.whole_study
+        self._findings = whole.findings()
+        rows = []
+        for f in self._findings:
+            field = name_of(whole.design, f.field)
+            tip = f"{sentence(f.severity)}. Click to go to its cam angle and to: {field}"
+            rows.append(Row((sentence(f.message), field, _angle(f)), sign(f.severity), tip))
         self.table.show_rows(rows)
         self._pages.setCurrentWidget(self.table if rows else self.empty)
 
     def _go(self, index: QModelIndex) -> None:
         finding = self._findings[index.row()]
+        self.field_requested.emit(finding.field)  # first: the angle is that of the drive which it shows
         if finding.cam_angle_deg is not None:
             self.player.play(False)
             self.player.set_theta(finding.cam_angle_deg * pi / 180.0)
-        self.field_requested.emit(finding.field)
 
 
 def _angle(finding: Finding) -> str:

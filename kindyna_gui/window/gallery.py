@@ -37,7 +37,7 @@ from kindyna_gui.labels import choice_text, choice_tip
 from kindyna_gui.look import QUIET, coloured
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene
 from kindyna_gui.pictures.files import Sheet
-from kindyna_gui.places import FIRST_EXAMPLE, example, examples
+from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def layouts() -> list[Choice]:
 def presets() -> list[Choice]:
     """The linkages among the examples."""
     choices = []
-    for name, path in examples():
+    for name, path in single_examples():
         design = load(path)
         if lists_links(design):
             choices.append(Choice(name, design.name, partial(_loaded, path)))

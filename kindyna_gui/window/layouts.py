@@ -45,7 +45,7 @@ class Layouts(QObject):
         self._shares, self._settings = window.shares, window.settings
         self._left: dict[str, Layout] = {}
         self._sizes: dict[str, tuple[Mapping[str, QSize], QSize]] = {}
-        self._links: dict[str, bool] = {}  # whether a task is laid out for a linkage
+        self._kinds: dict[str, tuple[bool, bool]] = {}  # whether a task is laid out for a linkage, for several drives
         self.current = ""
         self._begun = False  # the window has the size in which this task was left, or has been shown
 
@@ -85,7 +85,7 @@ class Layouts(QObject):
     def _leave(self) -> None:
         """Note how the task in place is left."""
         self._left[self.current] = Layout(
-            self._window.saveState(self._settings.VERSION), *self._centre.open_pages, self._links[self.current]
+            self._window.saveState(self._settings.VERSION), *self._centre.open_pages, *self._kinds[self.current]
         )
         self._sizes[self.current] = self._shares.noted
 
@@ -94,14 +94,14 @@ class Layouts(QObject):
         if layout is None or not self._window.restoreState(layout.state, self._settings.VERSION):
             self._arrange()
         else:
-            self._links[self.current] = layout.links
+            self._kinds[self.current] = (layout.links, layout.several)
             self._centre.lay(tuple(name for name in layout.pages if name in VIEWS), layout.front)
-        self._suit_links()
+        self._suit_kinds()
 
     def reset(self) -> None:
         """The first layout of the task in place."""
         self._arrange()
-        self._suit_links()
+        self._suit_kinds()
 
     # -- the first layout -----------------------------------------------------------------------------------
 
@@ -119,7 +119,7 @@ class Layouts(QObject):
                 self._window.tabifyDockWidget(self._docks[names[0]], self._docks[name])
             for name in names:
                 self._docks[name].setVisible(name in group.names)
-        self._links[self.current] = False
+        self._kinds[self.current] = (False, False)
         self._raise_fronts()
         self._centre.lay(row.pages, row.front)
         self.proportion()
@@ -155,8 +155,9 @@ class Layouts(QObject):
         for group in row.groups:
             if group.names:
                 self._docks[group.names[0]].raise_()
-        if self._links[self.current] and row.of_links:
-            self._docks[row.of_links[0]].raise_()
+        for there, names in zip(self._kinds[self.current], row.of_kinds, strict=True):
+            if there and names:
+                self._docks[names[0]].raise_()
 
     def open(self, dock: Dock) -> None:
         """Show a dock at its place, which keeps its width; alone at its side it takes the usual part of the window."""
@@ -187,23 +188,29 @@ class Layouts(QObject):
         if self.current == "make" and motion_of(self._window.session.design) is None:
             self.show(first_task(self._window.session.design))
         else:
-            self._suit_links()
+            self._suit_kinds()
 
-    def _suit_links(self) -> None:
-        """Docks of linkages come with a linkage and go with it, before or behind what else stands at their place."""
-        links, task = lists_links(self._window.session.design), TASKS[self.current]
-        if links == self._links[self.current] or not task.of_links:
-            return
-        front = task.of_links[0]
-        names = next(names for _, names in task.places if front in names)
-        others = [name for name in names if name not in task.of_links and not self._docks[name].isHidden()]
-        if links and not others:
+    def _suit_kinds(self) -> None:
+        """Docks of linkages come with a linkage and go with it, those of several drives with these, before or behind what else
+        stands at their place."""
+        session, task = self._window.session, TASKS[self.current]
+        kinds = (lists_links(session.design), session.several)
+        for number, (there, names) in enumerate(zip(kinds, task.of_kinds, strict=True)):
+            if names and there != self._kinds[self.current][number]:
+                self._bring(number, there, names)
+
+    def _bring(self, number: int, there: bool, own: tuple[str, ...]) -> None:
+        """Show or hide the docks of one kind of design."""
+        names = next(names for _, names in TASKS[self.current].places if own[0] in names)
+        others = [name for name in names if name not in own and not self._docks[name].isHidden()]
+        if there and not others:
             return  # the user does without what stands at this place
-        self._links[self.current] = links
-        for name in task.of_links:
-            self._docks[name].setVisible(links)
-        if links or others:
-            self._docks[front if links else others[0]].raise_()
+        before = self._kinds[self.current]
+        self._kinds[self.current] = (there, before[1]) if number == 0 else (before[0], there)
+        for name in own:
+            self._docks[name].setVisible(there)
+        if there or others:
+            self._docks[own[0] if there else others[0]].raise_()
 
 
 __all__ = ["Layouts", "first_task"]

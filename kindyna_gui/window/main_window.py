@@ -12,6 +12,7 @@ from PySide6.QtCore import QSize, Qt, QTimer, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QPaintEvent, QShowEvent
 from PySide6.QtWidgets import QApplication, QMainWindow, QTabWidget
 
+from core.design import drive_at
 from core.errors import KindynaError
 from core.process import keep_freed_memory
 from core.project import load
@@ -25,7 +26,6 @@ from kindyna_gui.documents.session import Refusal, Session
 from kindyna_gui.look import dress
 from kindyna_gui.pictures.app import ensure_app
 from kindyna_gui.places import default_design
-from kindyna_gui.requirements import require_one_drive
 from kindyna_gui.settings import Settings
 from kindyna_gui.view import View
 from kindyna_gui.window import menus
@@ -65,6 +65,7 @@ class MainWindow(QMainWindow):
         self.session, self.player, self.settings = session, player, settings
         for owned in (session, player):
             owned.setParent(self)  # else what is connected to them would keep the window for ever
+        session.whole_changed.connect(self._place_drive)
         session.design_changed.connect(self._design_changed)  # before the views, which read the player's angle
         self._design_changed()
         self.documents = Documents(session, settings, self)
@@ -121,6 +122,8 @@ class MainWindow(QMainWindow):
         session, player = self.session, self.player
         session.stages_on_screen = self.stages_on_screen
         session.started.connect(partial(setattr, self, "_begun", True))
+        session.drive_chosen.connect(partial(setattr, self, "_begun", True))
+        session.whole_changed.connect(self._suit_design)
         session.file_changed.connect(self._suit_design)
         session.stack.indexChanged.connect(self._steps_changed)
         session.stack.cleanChanged.connect(self._steps_changed)
@@ -170,7 +173,12 @@ class MainWindow(QMainWindow):
         return tuple(stage for stage in self.session.study.stages if stage in wanted)
 
     def focus_field(self, path: str) -> None:
-        """Bring the field of a path, or of a section, before the reader."""
+        """Bring the field of a path, or of a section, before the reader; of a drive that is not shown, the drive too."""
+        own = drive_at(path) if self.session.several else None
+        if own is not None:
+            if not self.session.choose_drive(own[0]):
+                return
+            path = own[1]
         name = "motion" if path.partition(".")[0] == "motion" else "parameters"
         view: Any = self.show_view(name)
         view.focus_field(path)
@@ -221,10 +229,20 @@ class MainWindow(QMainWindow):
     def _design_changed(self) -> None:
         study = self.session.study
         self.player.omega = study.omega
+        self._place_drive()
         try:
             self.player.set_ranges(study.turn_ranges)
         except KindynaError:
             self.player.set_ranges(())  # no position at all, which the views show
+
+    def _place_drive(self) -> None:
+        """The angle of the drive that is shown follows from the machine's."""
+        session = self.session
+        if session.several:
+            place = session.shaft.balancer_place if session.on_balancer else session.shaft.places[session.design.name]
+            self.player.show_drive(place.phase, place.sense)
+        else:
+            self.player.show_drive(0.0, 1.0)
 
     def _show_refusal(self, refusal: Refusal) -> None:
         self.status.refuse(f"{refusal.reasons[0][1]}: {refusal.reasons[0][2]}")
@@ -312,7 +330,7 @@ def open_window(app: QApplication, path: Path | None = None) -> MainWindow:
     """
     keep_freed_memory()
     own = None if path is None or path == default_design() else path
-    session = Session(require_one_drive(load(own or default_design())), own)
+    session = Session(load(own or default_design()), own)
     dress(app)
     app.setApplicationName("KINDYNA")
     app.setDesktopFileName("kindyna")

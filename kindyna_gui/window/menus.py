@@ -173,6 +173,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
     (
         "&Dyna",
         (
+            _view("D&rives", "drives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
             _field("&Loads", "loads", "Masses, springs and forces"),
             SEPARATOR,
             _view("&Contact force", "contact_force", "Force between roller and cam"),

@@ -26,7 +26,8 @@ def _edge(place: float, inwards: float) -> float:
 class Player(QObject):
     """Plays turns of the cam.
 
-    theta    cam angle [rad], 0 ... 2π
+    theta    cam angle of the drive that is shown [rad], 0 ... 2π
+    machine  machine angle of the shaft that turns several drives [rad], 0 ... 2π; the same where there is one
     speed    1 plays in true time, at the speed of the shaft given by ``omega``
     forward  False plays backwards
     ranges   where the angle can go [rad], in rising order; everywhere where none is named
@@ -43,6 +44,7 @@ class Player(QObject):
         self.speed = 1.0
         self.forward = True
         self.omega = pi
+        self._phase, self._sense = 0.0, 1.0
         self.ranges: tuple[tuple[float, float], ...] = ()
         self._clock = QElapsedTimer()
         self._timer = QTimer(self, interval=FRAME_MS)
@@ -72,6 +74,25 @@ class Player(QObject):
         if theta != self.theta:
             self.theta = theta
             self.angle_changed.emit(theta)
+
+    @property
+    def machine(self) -> float:
+        return self.machine_of(self.theta)
+
+    def machine_of(self, theta: float) -> float:
+        """The machine angle at which the drive that is shown stands at an angle of its own [rad]."""
+        return (self._phase + self._sense * theta) % TURN
+
+    def set_machine(self, machine: float) -> None:
+        """Go to a machine angle [rad]."""
+        self.set_theta(self._sense * (machine - self._phase))
+
+    def show_drive(self, phase: float, sense: float) -> None:
+        """Another drive is shown, whose own angle is sense·(machine angle - phase); the machine stands still."""
+        if (phase, sense) != (self._phase, self._sense):
+            machine = self.machine
+            self._phase, self._sense = phase, sense
+            self.set_machine(machine)
 
     def set_ranges(self, ranges: tuple[tuple[float, float], ...]) -> None:
         """Keep the angle within these ranges; it goes to the nearest allowed angle."""

@@ -124,7 +124,9 @@ class AngleBox(TextKeys, QDoubleSpinBox):
 
 
 class PlayerBar(View):
-    """What moves the cam by hand and by time."""
+    """What moves the cam by hand and by time; several drives by the angle of the machine that turns them."""
+
+    of_whole = True
 
     def __init__(self, session: Session, player: Player) -> None:
         super().__init__(session, player)
@@ -201,12 +203,12 @@ class PlayerBar(View):
 
     def refresh(self, study: Study) -> None:
         self._joins = tuple(join.theta for join in study.program.joins)
-        name = study.angle_name.capitalize()
+        name = "Machine angle" if self.session.several else study.angle_name.capitalize()
         if self.angle.accessibleName() != name:
             for widget, tip in ((self.angle, f"{name} of all views"), (self.slider, f"{name}; drag or click. {KEYS_HELP}")):
                 widget.setAccessibleName(name)
                 widget.setToolTip(tip)
-        self.slider.show_joins(tuple(degrees(theta) for theta in self._joins))
+        self.slider.show_joins(tuple(degrees(self.player.machine_of(theta)) for theta in self._joins))
         rows = speeds(study.omega)
         if [self.speed.itemData(i) for i in range(self.speed.count())] != list(rows):
             self.speed.clear()
@@ -219,7 +221,7 @@ class PlayerBar(View):
         self._show_speed()
 
     def follow(self, theta: float) -> None:
-        angle = degrees(theta)
+        angle = degrees(self.player.machine)
         with QSignalBlocker(self.slider), QSignalBlocker(self.angle):
             self.slider.setSliderPosition(round(angle * FINE))
             if self.angle.value() != round(angle, self.angle.decimals()):  # it would be painted all the same
@@ -239,7 +241,7 @@ class PlayerBar(View):
 
     def _go(self, angle: float) -> None:
         self.player.play(False)
-        self.player.set_theta(radians(angle))
+        self.player.set_machine(radians(angle))
 
     def _step(self, direction: float) -> None:
         self.player.step(direction * (step_of(QApplication.keyboardModifiers()) or 1.0))

@@ -50,7 +50,7 @@ class StatusLine(QStatusBar):
         self._refusal = ""
         session.mended.connect(self._mended)
         session.restored.connect(self._mended)
-        session.design_changed.connect(self._design_changed)
+        session.whole_changed.connect(self._design_changed)
         session.file_changed.connect(self._file_changed)
         player.angle_changed.connect(self._angle_changed)
         self._design_changed()
@@ -85,7 +85,7 @@ class StatusLine(QStatusBar):
         self._soon.stop()
         stages = tuple(self._session.stages_on_screen())
         try:
-            findings = self._session.study.findings(stages) if stages else ()
+            findings = self._session.whole_study.findings(stages) if stages else ()
             text, severity = counted(findings) if stages else ("limits not checked", NOTE)
             tip = f"Looked at: {', '.join(stages) or 'nothing, no view is on screen'}. Click to see all findings."
         except KindynaError as error:
@@ -95,7 +95,7 @@ class StatusLine(QStatusBar):
         self.findings.setToolTip(tip)
 
     def _design_changed(self) -> None:
-        number = len(self._session.design.assumed)
+        number = len(self._session.whole.assumed)
         self.assumed.setText(f"{number} assumed" if number else "")
         self.recount()
         self._angle_changed(self._player.theta)

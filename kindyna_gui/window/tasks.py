@@ -62,6 +62,7 @@ class Task:
     large      the view for which it is made, by its name in ``VIEWS``: a page in the middle, or a dock
     groups     its docks; those that are not named come to the last one when they are asked for
     of_links   docks that are there with linkages only, the first of them in front
+    of_several docks that are there with several drives only, likewise
     """
 
     title: str
@@ -70,6 +71,12 @@ class Task:
     groups: tuple[Group, ...]
     sides: Mapping[Area, Side] = field(default_factory=lambda: USUAL)
     of_links: tuple[str, ...] = ()
+    of_several: tuple[str, ...] = ()
+
+    @property
+    def of_kinds(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The docks that are there with linkages, and those with several drives."""
+        return self.of_links, self.of_several
 
     @property
     def pages(self) -> tuple[str, ...]:
@@ -126,8 +133,9 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(LEFT, more=ON_THE_LEFT),
                 Group(RIGHT, MOTION_CURVES),
                 Group(RIGHT, CAM_CURVES),
-                Group(RIGHT, CHECKS, part=0.7),
+                Group(RIGHT, CHECKS, ("drives",), 0.7),
             ),
+            of_several=("drives",),
         ),
         "dyna": Task(
             "D&yna",
@@ -137,8 +145,9 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(LEFT, more=("motion", "find")),
                 Group(RIGHT, ("torque",), ("camshaft_speed",), 1.15),
                 Group(RIGHT, ("contact_force",), ("contact_pressure",)),
-                Group(RIGHT, ("parameters", "flywheel", "findings"), part=1.15),
+                Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.15),
             ),
+            of_several=("drives",),
         ),
         "stability": Task(
             "&Stability",

@@ -20,6 +20,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "parameters": NONE,
         "motion": ("motion",),
         "laws": NONE,
+        "drives": ("linkage", "dynamics"),
         "find": ("linkage", "cam"),
         "findings": STAGES,
         "certificate": STAGES,

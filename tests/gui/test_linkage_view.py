@@ -18,9 +18,9 @@ from core.study import Study
 from kindyna_gui.documents import export_dialogs
 from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
-from kindyna_gui.places import example, examples
+from kindyna_gui.places import example, single_examples
 
-LINKAGES = [path.stem for _, path in examples() if load(path).drive.is_linkage]
+LINKAGES = [path.stem for _, path in single_examples() if load(path).drive.is_linkage]
 
 
 def there(user: User) -> Study:

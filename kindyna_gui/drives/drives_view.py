@@ -1,0 +1,269 @@
+"""The list of the drives on the shaft, and below it where the chosen one stands: phase and side, or the spring of the balance cam."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QKeySequence
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHBoxLayout,
+    QHeaderView,
+    QMenu,
+    QTableWidget,
+    QTableWidgetItem,
+    QToolButton,
+    QVBoxLayout,
+)
+
+from core.design import FOLLOWER_KINDS
+from core.errors import NoAnswer
+from core.study import Study
+from kindyna_gui.documents.beginnings import beginning
+from kindyna_gui.documents.session import BALANCER, Session
+from kindyna_gui.drives import editing
+from kindyna_gui.drives.rows import DriveRow, drive_rows
+from kindyna_gui.forms.form import Form
+from kindyna_gui.labels import reason, shortest
+from kindyna_gui.look import WRONG, icon
+from kindyna_gui.pictures.units import digits, readable
+from kindyna_gui.rebuilt import Rebuilt, clear_menu
+from kindyna_gui.requirements import NotHere
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+
+ALONE = "This design has one drive. File > Add this design to a shaft makes it the first of several on one shaft."
+HEADINGS = ("Drive", "Phase", "Side", "Peak torque")
+TORQUE_MS = 150  # after an edit, before the torques are found anew: they take longer than all else that is listed
+HIGHEST = 210  # of the form, pixels
+NAME, PHASE, SIDE, TORQUE = range(4)
+
+
+class DrivesTable(QTableWidget):
+    """The list itself: a row is chosen by click or arrow key; F2 or a double click renames.
+
+    moved     (-1 or 1): Alt+Up, Alt+Down
+    removed   Delete
+    """
+
+    moved = Signal(int)
+    removed = Signal()
+
+    def __init__(self) -> None:
+        super().__init__(0, len(HEADINGS))
+        self.setHorizontalHeaderLabels(list(HEADINGS))
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        self.setEditTriggers(
+            QAbstractItemView.EditTrigger.DoubleClicked | QAbstractItemView.EditTrigger.EditKeyPressed
+        )
+        self.setShowGrid(False)
+        self.setAlternatingRowColors(True)
+        self.setTabKeyNavigation(False)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 7)
+        head = self.horizontalHeader()
+        head.setHighlightSections(False)
+        head.setMinimumSectionSize(30)
+        head.setSectionResizeMode(QHeaderView.ResizeMode.ResizeToContents)
+        head.setSectionResizeMode(NAME, QHeaderView.ResizeMode.Stretch)
+        self.setAccessibleName("Drives on the shaft")
+
+    def sizeHint(self) -> QSize:
+        return QSize(280, 150)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+        if event.key() in steps and event.modifiers() & Qt.KeyboardModifier.AltModifier:
+            self.moved.emit(steps[event.key()])
+        elif event.matches(QKeySequence.StandardKey.Delete):
+            self.removed.emit()
+        else:
+            super().keyPressEvent(event)
+
+
+class DrivesView(View):
+    """The list, buttons for it, and the form of the chosen row."""
+
+    of_whole = True
+    stages = STAGES_OF_VIEWS["drives"]
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.table = DrivesTable()
+        self.buttons = {
+            "add": self._button("Add", "insert", "A drive more, behind the others", None),
+            "copy": self._button("Copy", "duplicate", "The chosen drive once more", editing.copy),
+            "remove": self._button("Remove", "delete", "Take the chosen drive off the shaft (Del)", editing.remove),
+            "up": self._button("Up", "", "Further up in the list (Alt+Up)", partial(editing.move, by=-1)),
+            "down": self._button("Down", "", "Further down in the list (Alt+Down)", partial(editing.move, by=1)),
+        }
+        menu = QMenu(self)
+        menu.aboutToShow.connect(partial(self._fill, menu))
+        self.buttons["add"].setMenu(menu)
+        self.buttons["add"].setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        bar = QHBoxLayout()
+        bar.setContentsMargins(4, 2, 4, 2)
+        bar.setSpacing(0)
+        for button in self.buttons.values():
+            bar.addWidget(button)
+        bar.addStretch(1)
+        self._place = Rebuilt(session)
+        self._form: Form | None = None
+        self._of = ""
+        self._later = QTimer(self, singleShot=True, interval=TORQUE_MS)
+        self._later.timeout.connect(self._show_torques)
+        column = QVBoxLayout()
+        column.setContentsMargins(0, 0, 0, 0)
+        column.setSpacing(0)
+        column.addWidget(self.table, 1)
+        column.addLayout(bar)
+        column.addWidget(self._place)
+        self.set_content_layout(column)
+        self.table.currentCellChanged.connect(self._choose)
+        self.table.itemChanged.connect(self._rename)
+        self.table.moved.connect(lambda by: editing.move(self.session, by))
+        self.table.removed.connect(self._remove)
+
+    def _button(self, text: str, picture: str, tip: str, slot: Callable[[Session], object] | None) -> QToolButton:
+        button = QToolButton(autoRaise=True)
+        button.setText(text)
+        button.setToolTip(tip)
+        button.setStatusTip(tip)
+        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        if picture:
+            button.setIcon(icon(picture))
+            button.setIconSize(QSize(16, 16))
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        if slot is not None:
+            button.clicked.connect(lambda: slot(self.session))
+        return button
+
+    # -- from the session ---------------------------------------------------------------------------------
+
+    def refresh(self, study: Study) -> None:
+        if not self.session.several:
+            raise NotHere(ALONE)
+        rows = drive_rows(self.session)
+        with QSignalBlocker(self.table):
+            if self.table.rowCount() != len(rows):
+                self.table.setRowCount(len(rows))
+            for number, row in enumerate(rows):
+                self._show_row(number, row)
+            self.table.setCurrentCell(self.session.chosen, max(self.table.currentColumn(), 0))
+        movable = not self.session.on_balancer
+        last = len(self.session.whole.drives) - 1
+        self.buttons["copy"].setEnabled(movable)
+        self.buttons["remove"].setEnabled(last > 0 or not movable)
+        self.buttons["up"].setEnabled(movable and self.session.chosen > 0)
+        self.buttons["down"].setEnabled(movable and self.session.chosen < last)
+        self._show_form()
+        if self.table.item(0, TORQUE) is None:
+            self._show_torques()
+        else:
+            self._later.start()
+
+    def _show_row(self, number: int, row: DriveRow) -> None:
+        whole = self.session.whole
+        if number < len(whole.drives):
+            drive = whole.drives[number]
+            phase, side = f"{shortest(drive.phase_deg)}°", "mirrored" if drive.mirrored else ""
+        else:
+            phase, side = f"{shortest(whole.balancer.phase_deg)}°", ""
+        for column, text in enumerate((row.name, phase, side)):
+            self._write(number, column, text, row.problem)
+        named = self.table.item(number, NAME)
+        flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
+        named.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(whole.drives) else flags)
+        named.setIcon(row.icon)
+
+    def _write(self, row: int, column: int, text: str, problem: str) -> None:
+        """A text into a cell, red where there is a problem."""
+        item = self.table.item(row, column)
+        if item is None:
+            item = QTableWidgetItem()
+            self.table.setItem(row, column, item)
+            item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
+            if column in (PHASE, TORQUE):
+                item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        item.setText(text)
+        item.setToolTip(problem)
+        item.setForeground(QColor(WRONG) if problem else self.table.palette().text())
+
+    def _show_torques(self) -> None:
+        """The last column, once editing pauses."""
+        self._later.stop()
+        with QSignalBlocker(self.table):
+            for row in range(self.table.rowCount()):
+                self._write(row, TORQUE, *self._torque(row))
+
+    def settle(self) -> None:
+        super().settle()
+        if self._later.isActive():
+            self._show_torques()
+
+    def _torque(self, number: int) -> tuple[str, str]:
+        """The peak torque of a drive as a text, and why there is none."""
+        shaft = self.session.shaft
+        try:
+            if number < len(self.session.whole.drives):
+                name = self.session.names[number]
+                if name not in shaft.carried:
+                    return "not by the shaft", ""
+                peak = shaft.drive_peak(name).value
+            else:
+                peak = shaft.balancer_peak.value
+        except NoAnswer as error:
+            return "no answer", reason(self.session.whole, error)
+        rung = readable("N·m", abs(peak))
+        return f"{digits(peak / rung.size, 4)} {rung.symbol}", ""
+
+    def _show_form(self) -> None:
+        section = BALANCER if self.session.on_balancer else f"drives[{self.session.chosen}]"
+        if section != self._of:
+            self._of, self._form = section, Form(self.session, section)
+            self._place.replace(self._form)
+        assert self._form is not None
+        self._form.refresh(self.session.whole)
+        self._form.setFixedHeight(min(self._form.widget().sizeHint().height(), HIGHEST))
+
+    # -- by the user --------------------------------------------------------------------------------------
+
+    def _choose(self, row: int, *_: object) -> None:
+        if row >= 0 and not self.session.choose_drive(row):
+            with QSignalBlocker(self.table):
+                self.table.setCurrentCell(self.session.chosen, 0)
+
+    def _rename(self, item: QTableWidgetItem) -> None:
+        number, name = item.row(), item.text().strip()
+        if item.column() == NAME and name != self.session.names[number] and not editing.rename(self.session, number, name):
+            with QSignalBlocker(self.table):
+                item.setText(self.session.names[number])
+
+    def _remove(self) -> None:
+        if self.buttons["remove"].isEnabled():
+            editing.remove(self.session)
+
+    def _fill(self, menu: QMenu) -> None:
+        clear_menu(menu)
+        for slug, row in FOLLOWER_KINDS.items():
+            action = menu.addAction(row.label)
+            action.setStatusTip(f"A drive of this kind: {row.label}")
+            action.triggered.connect(partial(self._add, slug))
+
+    def _add(self, slug: str, *_: object) -> None:
+        editing.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))
+
+    def focus_field(self, path: str) -> bool:
+        """Bring a field of the form before the reader; False where it has none of that path."""
+        self.pull()
+        field = None if self._form is None else self._form.fields.get(path)
+        if field is not None:
+            field.focus()
+        return field is not None
+
+
+__all__ = ["DrivesView"]

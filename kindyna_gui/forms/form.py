@@ -1,0 +1,116 @@
+"""The fields of one table of a design, one below the other, made from the metadata of its fields."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QWidget
+
+from core.design import Design, Entry, entries, is_assumed
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.fields import COLUMNS, Field, Spec
+from kindyna_gui.labels import entry_label, heading_of
+from kindyna_gui.rebuilt import Rebuilt
+
+_STRUCTURE = frozenset({"number", "link", "on", "kind"})
+"""What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
+menu Compo."""
+
+
+def rows_of(design: Design, section: str) -> list[Entry]:
+    """The rows of a section, in the order of the file."""
+    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE]
+
+
+def _spec_of(design: Design, row: Entry) -> Spec:
+    """A row of a linkage: named after what it belongs to; a side is chosen of two."""
+    info = replace(row.info, label=entry_label(design, row))
+    if row.path.startswith("linkage.branch."):
+        info = replace(info, choices=(1, -1))
+    if info.flag:
+        info = replace(info, choices=(False, True))
+    return Spec.of(replace(row, info=info))
+
+
+def part_of(design: Design, section: str) -> Any:
+    """The table of the design that a form shows; None where its kind has none of that name."""
+    return design.tables.get(section)
+
+
+class Heading(QLabel):
+    """What the fields below belong to."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        bold = self.font()
+        bold.setBold(True)
+        self.setFont(bold)
+        self.setContentsMargins(0, 5, 0, 1)
+
+
+class Form(QScrollArea):
+    """The fields of one section, one below the other."""
+
+    def __init__(self, session: Session, section: str) -> None:
+        super().__init__()
+        self._session, self._section = session, section
+        self.fields: dict[str, Field] = {}
+        self._place = Rebuilt(session)
+        self.setWidget(self._place)
+        self._shown: tuple[Any, Any] | None = None
+        self._values: dict[str, tuple[Any, bool]] = {}
+        self._heads: list[str] = []
+        self.setFrameShape(QFrame.Shape.NoFrame)
+        self.setWidgetResizable(True)
+        self.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def refresh(self, design: Design) -> None:
+        """Show this design; fields are made anew only where another kind of design has others, and left alone
+        where they show what they did."""
+        shown = (part_of(design, self._section), design.assumed)
+        if self._shown is not None and shown[0] is self._shown[0] and shown[1] == self._shown[1]:
+            return
+        self._shown = shown
+        rows = rows_of(design, self._section)
+        heads = [heading_of(design, row.path) for row in rows]
+        if [row.path for row in rows] != list(self.fields) or heads != self._heads:
+            self._heads, self._values = heads, {}
+            self._build([_spec_of(design, row) for row in rows])
+        for row in rows:
+            shown = row.value, is_assumed(design, row.path)
+            if self._values.get(row.path) != shown:
+                self._values[row.path] = shown
+                self.fields[row.path].refresh(design)
+
+    def _build(self, specs: list[Spec]) -> None:
+        paper = QWidget()
+        grid = QGridLayout(paper)
+        grid.setContentsMargins(10, 7, 6, 6)
+        grid.setHorizontalSpacing(6)
+        grid.setVerticalSpacing(3)
+        grid.setColumnStretch(1, 1)
+        self.fields = {}
+        row = 0
+        for i, spec in enumerate(specs):
+            if self._heads[i] and self._heads[i] != (self._heads[i - 1] if i else ""):
+                grid.addWidget(Heading(self._heads[i]), row, 0, 1, COLUMNS)
+                row += 1
+            field = Field(self._session, spec)
+            field.setParent(paper)  # goes with it
+            field.add_to(grid, row)
+            row += 2
+            self.fields[spec.path] = field
+        grid.setRowStretch(row, 1)
+        self._place.replace(paper)
+        # else the fields are squeezed under the scroll bar
+        self.setMinimumWidth(paper.minimumSizeHint().width() + self.verticalScrollBar().sizeHint().width())
+
+    @property
+    def in_trouble(self) -> bool:
+        return any(field.trouble for field in self.fields.values())
+
+
+__all__ = ["Form", "part_of", "rows_of"]

@@ -1,0 +1,172 @@
+"""kindyna_gui.drives: several drives on one shaft in the window; one chosen, all kept, by mouse and keys."""
+
+from math import degrees, isclose, radians
+from pathlib import Path
+from shutil import copyfile
+
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QLineEdit, QToolButton
+from window_user import Open, User, settle
+
+from core.design import drive_names, only
+from core.project import load
+from core.study.stages import memory
+from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
+from kindyna_gui.places import example
+
+UNIT = example("transfer_unit")
+ROD = "follower.rod_mm"
+ALT = Qt.KeyboardModifier.AltModifier
+
+
+@pytest.fixture
+def unit(open_user: Open, tmp_path: Path) -> User:
+    """A user at a window with a copy of the transfer unit, its drawing alone."""
+    path = tmp_path / "unit.toml"
+    copyfile(UNIT, path)
+    return open_user(path)
+
+
+def click_drive(user: User, number: int) -> None:
+    """On the strip above the mechanism."""
+    strip = user.drawing().strip
+    button = strip.bar.widgetForAction(strip.actions_of_drives[number])
+    assert isinstance(button, QToolButton)
+    QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+    settle()
+
+
+def listed(user: User) -> DrivesView:
+    view = user.see("drives")
+    assert isinstance(view, DrivesView)
+    view.settle()
+    return view
+
+
+def column(view: DrivesView, number: int) -> list[str]:
+    return [view.table.item(row, number).text() for row in range(view.table.rowCount())]
+
+
+def click_row(user: User, row: int) -> None:
+    table = listed(user).table
+    at = table.visualItemRect(table.item(row, NAME)).center() + QPoint(20, 0)
+    QTest.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, pos=at)
+    settle()
+
+
+def test_one_drive_is_chosen_and_edited_and_the_file_keeps_all(unit: User) -> None:
+    session, player, whole = unit.session, unit.window.player, load(UNIT)
+    strip = unit.drawing().strip
+    assert strip.isVisible()
+    assert [a.text() for a in strip.actions_of_drives] == ["Feed", "Clamp", "Lift", "Torque"]
+    assert strip.actions_of_drives[0].isChecked()
+    assert unit.design == only(whole, 0)
+    player.set_machine(radians(100.0))
+    click_drive(unit, 2)
+    assert strip.actions_of_drives[2].isChecked()
+    assert unit.design == only(whole, 2)
+    assert unit.steps == [], "choosing is no edit"
+    assert not session.modified
+    assert isclose(degrees(player.theta), 100.0), "the lift stands at phase 0"
+    click_drive(unit, 3)
+    assert isclose(degrees(player.theta), 100.0 - 35.0)
+    assert isclose(degrees(player.machine), 100.0)
+    assert isclose(unit.window.bar.angle.value(), 100.0)
+    assert unit.window.bar.angle.accessibleName() == "Machine angle"
+    player.step(1.0)
+    assert isclose(degrees(player.machine), 101.0)
+    click_drive(unit, 2)
+
+    listed(unit)  # peak torques of all drives are on the screen
+    assert session.shaft.cams_torque.size
+    before = memory.computed.copy()
+    unit.enter(ROD, "850")
+    assert session.whole.drives[2].mechanism.rod_mm == 850.0
+    assert session.whole.drives[:2] == whole.drives[:2]
+    assert session.shaft.cams_torque.size
+    spent = memory.computed - before
+    assert spent["linkage"] == spent["dynamics"] == 1, "one drive is computed anew"
+
+    click_drive(unit, 0)
+    unit.choose("Edit", "Undo Change rod L2 to 850 mm")
+    assert session.whole == whole
+    assert session.chosen == 2, "what undo changes is shown"
+    unit.choose("Edit", "Redo Change rod L2 to 850 mm")
+    unit.enter("shaft.flywheel_inertia_kg_m2", "3000")
+    unit.choose("File", "Save")
+    assert session.path is not None
+    assert not session.modified
+    saved = load(session.path)
+    assert saved == session.whole
+    assert saved.drives[2].mechanism.rod_mm == 850.0
+    assert saved.shaft.flywheel_inertia_kg_m2 == 3000.0
+    assert saved.timing == whole.timing
+    session.restore(session.state())
+    assert session.whole == saved
+    assert session.chosen == 2
+
+
+def test_the_list_of_drives(unit: User) -> None:
+    session, view = unit.session, listed(unit)
+    assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
+    assert column(view, PHASE) == ["328°", "238°", "0°", "35°"]
+    peak = session.shaft.drive_peak("Lift").value / 1e3
+    assert column(view, TORQUE)[2] == f"{peak:.3f} kN·m"
+    click_row(unit, 1)
+    assert session.chosen == 1
+    assert unit.design.name == "Clamp"
+
+    view.buttons["copy"].click()
+    assert drive_names(session.whole) == ("Feed", "Clamp", "Clamp 2", "Lift", "Torque")
+    assert session.chosen == 2
+    assert view.focus_field("drives[2].phase_deg")
+    unit.type("200")
+    unit.press(Qt.Key.Key_Return)
+    assert session.whole.drives[2].phase_deg == 200.0
+    assert column(view, PHASE)[2] == "200°"
+    view.table.setFocus()
+    unit.press(Qt.Key.Key_Down, modifier=ALT)
+    assert drive_names(session.whole) == ("Feed", "Clamp", "Lift", "Clamp 2", "Torque")
+    assert session.chosen == 3
+
+    view.table.setCurrentCell(3, NAME)
+    view.table.setFocus()
+    unit.press(Qt.Key.Key_F2)
+    editor = view.table.findChild(QLineEdit)
+    assert editor is not None
+    editor.selectAll()
+    QTest.keyClicks(editor, "Gripper")
+    QTest.keyClick(editor, Qt.Key.Key_Return)
+    settle()
+    assert drive_names(session.whole)[3] == "Gripper"
+    assert unit.design.name == "Gripper"
+
+    session.edit("drives[3].name", "Lift", "Rename")
+    assert drive_names(session.whole)[3] == "Gripper", "two drives of one name are refused"
+    view.table.setFocus()
+    unit.press(Qt.Key.Key_Delete)
+    assert drive_names(session.whole) == ("Feed", "Clamp", "Lift", "Torque")
+    assert unit.steps == ["Copy Clamp", "Change phase to 200°", "Move Clamp 2 down", "Rename Clamp 2 to Gripper", "Remove Gripper"]
+    for _ in unit.steps:
+        session.stack.undo()
+    settle()
+    assert session.whole == load(UNIT)
+    assert not session.modified
+    assert column(view, NAME) == ["Feed", "Clamp", "Lift", "Torque"]
+
+
+def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp_path: Path) -> None:
+    text = UNIT.read_text("utf-8").replace("slider_arm_mm = 1302.162", "slider_arm_mm = 300.0")
+    (tmp_path / "broken.toml").write_text(text, "utf-8")
+    assert unit.window.documents.open_path(tmp_path / "broken.toml")
+    view = listed(unit)
+    assert column(view, TORQUE)[2] == "no answer"
+    assert view.table.item(2, NAME).toolTip() != ""
+    assert all(text.endswith("N·m") for n, text in enumerate(column(view, TORQUE)) if n != 2)
+    assert not unit.drawing().in_trouble
+    click_drive(unit, 2)
+    assert unit.drawing().in_trouble
+    click_drive(unit, 1)
+    assert not unit.drawing().in_trouble
