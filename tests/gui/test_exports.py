@@ -42,7 +42,7 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 def test_file_export_offers_everything(user: User) -> None:
     assert user.entries(*EXPORT) == [
-        "Tables...", "Profile...", "Drawing...", "Report...", "Picture of the mechanism...", "Animation..."
+        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Report...", "Picture of the mechanism...", "Animation..."
     ]  # fmt: skip
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
