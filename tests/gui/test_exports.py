@@ -21,6 +21,7 @@ from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents import drawing_dialog, export_dialogs, profile_dialog
 from kindyna_gui.documents.export_dialogs import (
+from kindyna_gui.inspection import export_dialog
     FilmDialog,
     TablesDialog,
     TablesWanted,
@@ -83,6 +84,7 @@ def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypat
     monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
     monkeypatch.setattr(drawing_dialog, "drawing_wanted", lambda *_: None)
+    monkeypatch.setattr(export_dialog, "inspection_wanted", lambda *_: None)
     for name in user.entries(*EXPORT):
         user.choose(*EXPORT, name)
     assert list(tmp_path.iterdir()) == []
