@@ -21,7 +21,6 @@ from core.study import Study
 from kindyna_gui import dialogs
 from kindyna_gui.documents import drawing_dialog, export_dialogs, profile_dialog
 from kindyna_gui.documents.export_dialogs import (
-from kindyna_gui.inspection import export_dialog
     FilmDialog,
     TablesDialog,
     TablesWanted,
@@ -29,6 +28,7 @@ from kindyna_gui.inspection import export_dialog
     progress,
     tables_wanted,
 )
+from kindyna_gui.inspection import export_dialog
 from kindyna_gui.pictures.film import Camera, Film, shoot
 from kindyna_gui.places import example
 
