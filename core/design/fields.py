@@ -106,10 +106,10 @@ def number(
 
 
 def whole(
-    label: str, low: int, high: int, *, default: Any = NOTHING, help: str = "", numbers: tuple[int, ...] = ()
+    label: str, low: int, high: int, *, default: Any = NOTHING, help: str = "", numbers: tuple[int, ...] = (), pair: str = ""
 ) -> Any:
     """A dataclass field for a number without a fraction."""
-    info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers)
+    info = Info(label, help, low, high, step=1.0, whole=True, numbers=numbers, optional=default is None, pair=pair)
     return field(default=default, metadata={_KEY: info})
 
 
@@ -125,7 +125,7 @@ def length(label: str, *, help: str = "", default: Any = NOTHING) -> Any:
 
 def coordinate(label: str, *, help: str = "", default: Any = NOTHING, pair: str = "") -> Any:
     """A dataclass field for a signed distance."""
-    info = Info(label, help, -LONGEST_MM, LONGEST_MM, pair=pair)
+    info = Info(label, help, -LONGEST_MM, LONGEST_MM, pair=pair, optional=default is None)
     return field(default=default, metadata={_KEY: info})
 
 
@@ -268,7 +268,8 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
             both = replace(first, names=(*first.names, each.name), infos=(*first.infos, info))
             found[found.index(first)] = both
         elif placing.in_file:
-            key = each.name if info is None else info.pair or (f"{each.name}_{unit}" if info.of_motion and unit else each.name)
+            own = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
+            key = own if info is None else info.pair or (f"{own}_{unit}" if info.of_motion and unit else own)
             found.append(Slot(key, (each.name,), () if info is None else (info,), placing, each.default))
     return tuple(found)
 

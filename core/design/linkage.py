@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import ClassVar
 
+from core.design.elements import ForceElements
 from core.design.faces import FACE, ContactFriction, Knife, Roller, Shoe, rubs
 from core.design.fields import Placing, choice, chosen_by_word, coordinate, number, placed, whole
 from core.design.forms import Blank, Form, Groove, LinkageConjugate, Open, form_of
@@ -144,7 +145,7 @@ class LinkForce:
 
 
 @frozen(kw_only=True)
-class LinkageLoads:
+class LinkageLoads(ForceElements):
     """Masses of the links and what pushes them; ``contact``: of a face that slides on the cam."""
 
     contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)

@@ -22,6 +22,7 @@ from core.design.faces import (
     TiltedFlat,
     rubs,
 )
+from core.design.elements import ForceElements
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
 from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS
@@ -344,7 +345,7 @@ def _friction() -> float:
 
 
 @frozen(kw_only=True)
-class Loads:
+class Loads(ForceElements):
     """What every follower's loads share; in a file what a follower adds stands first. ``contact``: of a face that slides."""
 
     contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)

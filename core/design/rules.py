@@ -12,6 +12,7 @@ from typing import Any
 from core.design.camshaft import RESERVED, drive_of, only, path_of, slug
 from core.design.faces import Roller
 from core.design.fields import slots
+from core.design.element_rules import element_faults
 from core.design.forms import FORM, Blank, Conjugate, Open
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES
@@ -29,6 +30,11 @@ MOST: Mapping[str, int] = MappingProxyType(
         "linkage.sliders": 100,
         "loads.masses": 100,
         "loads.forces": 1000,
+        "loads.springs": 100,
+        "loads.torsion_springs": 100,
+        "loads.pair_friction": 100,
+        "loads.process": 100,
+        "loads.process.points": 720,
         "drives": 24,
         "timing": 200,
     }
@@ -267,7 +273,7 @@ def _faults_of_one(design: Design) -> list[Fault]:
         return over
     found = [fault for name, part in tables for fault in part_faults(part, name)]
     wrong = {fault.path for fault in found}
-    for rule in DRIVE_RULES if design.drive.is_linkage else ():
+    for rule in (*(DRIVE_RULES if design.drive.is_linkage else ()), element_faults):
         for fault in rule(design.drive):
             if fault.path not in wrong:
                 wrong.add(fault.path)

@@ -11,7 +11,7 @@ import tomli_w
 
 from core.design import NO_LIMITS, Design, Drive, LinkageLoads, Motion, Segment
 from core.design.edits import is_dwell
-from core.design.fields import Slot, slots
+from core.design.fields import Info, Slot, slots
 from core.design.paths import in_order
 
 FORMAT = 1
@@ -64,7 +64,7 @@ def _left_out(part: Any, holder: Any, slot: Slot) -> bool:
     if isinstance(part, Segment) and holder is part:
         return slot.names == ("rise",) and is_dwell(part) and str(part.rise) == "0.0"
     value = values[0] if len(values) == 1 else values
-    empty = value is None or (isinstance(value, tuple) and not value)  # a number of numpy is comparable with no tuple
+    empty = all(each is None for each in values) or (isinstance(value, tuple) and not value)  # of numpy a number is like no tuple
     return empty or (slot.brief and value == slot.default)
 
 
@@ -73,7 +73,7 @@ def _entry(part: Any, slot: Slot, unit: str) -> Any:
     if not slot.names:
         return getattr(part, slot.key)
     if len(slot.names) > 1:
-        return [float(getattr(part, name)) for name in slot.names]
+        return [_number(getattr(part, name), info) for name, info in zip(slot.names, slot.infos, strict=True)]
     value, placing = getattr(part, slot.names[0]), slot.placing
     if placing.key:
         name, only = slots(placing.kind)
@@ -84,8 +84,12 @@ def _entry(part: Any, slot: Slot, unit: str) -> Any:
         return [_table(row, unit) for row in value]
     if placing.kind is not None:
         return _table(value, unit)
-    is_real = slot.info is not None and not slot.info.choices and not slot.info.whole and not slot.info.flag
-    return float(value) if is_real else value
+    is_real = slot.info is not None and not slot.info.choices and not slot.info.flag
+    return _number(value, slot.info) if is_real and slot.info is not None else value
+
+
+def _number(value: Any, info: Info) -> Any:
+    return value if info.whole else float(value)
 
 
 def _row(part: Any) -> list[float]:
