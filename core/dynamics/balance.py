@@ -33,7 +33,9 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
     """Where the power given goes [W], each (n,): into kinetic energy, into friction, into each force element."""
     omega = forces.omega
     terms = [0.5 * omega**3 * loading.inertia(kinematics)[1], forces.lost]
-    return terms + [omega * element.potential(kinematics)[0] for element in loading.elements]
+    for element in loading.elements:
+        terms += [omega * element.potential(kinematics)[0], element.lost(kinematics, abs(omega))]
+    return terms
 
 
 @np.errstate(invalid="ignore")

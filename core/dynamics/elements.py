@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import NamedTuple, Protocol
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from core.dynamics.schedule import Schedule
 from core.frozen import frozen
-from core.mechanism.kinematics import REVOLUTE, Kinematics
+from core.mechanism.kinematics import FRAME, FRAME_POSE, REVOLUTE, Kinematics, Pose
 from core.numerics.derivatives import Derivatives
-from core.numerics.vectors import dot
+from core.numerics.vectors import dot, spread
 
 Number = float | np.ndarray
 
@@ -40,10 +42,16 @@ class Load(NamedTuple):
 class Element(Protocol):
     """One force element.
 
+    name       of its power among the channels; empty where that has none
     loads      what it puts on the bodies, inertia included (d'Alembert)
-    potential  V' and V'' of its potential energy by cam angle (2, n) [N m]; 0 where it has none
+    potential  V' and V'' of its potential energy by cam angle (2, n) [N m]; 0 where it has none. Of a force that changes over the
+               turn V' is what it asks of the cam at standstill, since its work is a function of the cam angle too
+    lost       power [W] (n,) that it turns into heat
     acts       whether there is anything to it
     """
+
+    @property
+    def name(self) -> str: ...
 
     @property
     def acts(self) -> bool: ...
@@ -51,6 +59,23 @@ class Element(Protocol):
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]: ...
 
     def potential(self, kinematics: Kinematics) -> np.ndarray: ...
+
+    def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray: ...
+
+
+class Lossless:
+    """What all elements without a damper share."""
+
+    name = ""
+
+    def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
+        """Nothing (n,) [W]."""
+        return np.zeros(kinematics.theta.size)
+
+
+def pose_of(kinematics: Kinematics, body: str) -> Pose:
+    """Of a body, or of the frame, whose places are those of the global frame."""
+    return kinematics.bodies[body] if body in kinematics.bodies else FRAME_POSE
 
 
 @frozen
@@ -71,7 +96,7 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
 
 
 @frozen
-class Mass:
+class Mass(Lossless):
     """The mass of a body under gravity g [m/s²], complex: m(g - a) at its centre of mass and the couple -I α̈."""
 
     body: str
@@ -110,8 +135,17 @@ class Mass:
         ])  # fmt: skip
 
 
+def on_output(kinematics: Kinematics, size: np.ndarray) -> Load:
+    """A force, or a torque where it turns, on the output along its driver's coordinate (n,)."""
+    pair = kinematics.driver_pair
+    at = kinematics.bodies[kinematics.output].place(pair.point)
+    if pair.kind == REVOLUTE:
+        return Load(kinematics.output, at, np.zeros(at.size, dtype=complex), size)
+    return Load(kinematics.output, at, size * pair.axis)
+
+
 @frozen
-class OutputForce:
+class OutputForce(Lossless):
     """On the output along its motion: F(y) = force - rate y, y the motion [N and m, or N m and rad]: an external force and
     a spring."""
 
@@ -128,12 +162,7 @@ class OutputForce:
         return np.asarray(self.force - self.rate * kinematics.motion.displacement[0])
 
     def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
-        pair, along = kinematics.driver_pair, self.sense * self.size(kinematics)
-        at = kinematics.bodies[kinematics.output].place(pair.point)
-        if pair.kind == REVOLUTE:
-            yield Load(kinematics.output, at, np.zeros(at.size, dtype=complex), along)
-        else:
-            yield Load(kinematics.output, at, along * pair.axis)
+        yield on_output(kinematics, self.sense * self.size(kinematics))
 
     def potential(self, kinematics: Kinematics) -> np.ndarray:
         """V' = -F y'."""
@@ -143,13 +172,14 @@ class OutputForce:
 
 
 @frozen
-class PointForce:
+class PointForce(Lossless):
     """A constant force [N], complex, at a point of a body, and a constant torque [N m] on it."""
 
     body: str
     point: str
     force: complex
     torque: float = 0.0
+    name: str = ""
 
     @property
     def acts(self) -> bool:
@@ -169,12 +199,161 @@ class PointForce:
 
 
 @frozen
+class Place:
+    """A place [m] in the frame of a body, of the frame in the global one."""
+
+    body: str
+    at: complex
+
+
+@frozen
+class Spring:
+    """A spring and a damper between places of two bodies: k (l - l0) + c l̇ pulls them together, l their distance.
+
+    rate [N/m], length l0 [m], damping [N s/m]
+    """
+
+    one: Place
+    other: Place
+    rate: float = 0.0
+    length: float = 0.0
+    damping: float = 0.0
+    name: str = ""
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.rate or self.damping)
+
+    def between(self, kinematics: Kinematics, order: int = 0) -> np.ndarray:
+        """d = z_other - z_one (n,) [m], complex, or a derivative by cam angle."""
+        ends = (pose_of(kinematics, place.body).carried(place.at)[order] for place in (self.other, self.one))
+        other, one = ends
+        return spread(other - one, kinematics.theta.size)
+
+    def stretch(self, kinematics: Kinematics) -> np.ndarray:
+        """l' (n,) [m]; 0 where the ends meet."""
+        d = self.between(kinematics)
+        size = np.abs(d)
+        return dot(d, self.between(kinematics, 1)) / np.where(size > 0.0, size, 1.0)
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        d = self.between(kinematics)
+        size = np.abs(d)
+        safe = np.where(size > 0.0, size, 1.0)
+        pull = self.rate * (1.0 - self.length / safe if self.length else 1.0) * d
+        if self.damping and rate.speed:
+            pull = pull + (self.damping * rate.speed) * (dot(d, self.between(kinematics, 1)) / (safe * safe)) * d
+        for place, force in ((self.one, pull), (self.other, -pull)):
+            if place.body != FRAME:
+                yield Load(place.body, kinematics.bodies[place.body].carried(place.at)[0], force)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        """V = k (l - l0)²/2: V' = k (1 - l0/l) d·d', V'' = k [(1 - l0/l)(d'·d' + d·d'') + l0 (d·d')²/l³]."""
+        d, d1, d2 = (self.between(kinematics, order) for order in range(3))
+        safe = np.abs(d)
+        safe = np.where(safe > 0.0, safe, 1.0)
+        over, along = self.length / safe, dot(d, d1)
+        second = (1.0 - over) * (dot(d1, d1) + dot(d, d2)) + over * (along / safe) ** 2
+        return self.rate * np.array([(1.0 - over) * along, second])
+
+    def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
+        """c l̇²."""
+        return np.asarray(self.damping * (omega * self.stretch(kinematics)) ** 2)
+
+
+@frozen
+class Torsion:
+    """A torsion spring and a damper of ``body`` against ``on``: k (φ - φ0) + c φ̇ turns it back, φ = α_body - α_on.
+
+    rate [N m/rad]; free: φ0 [rad], of angles in the global frame; damping [N m s/rad]
+    """
+
+    body: str
+    on: str
+    rate: float = 0.0
+    free: float = 0.0
+    damping: float = 0.0
+    name: str = ""
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.rate or self.damping)
+
+    def angle(self, kinematics: Kinematics, order: int = 0) -> np.ndarray:
+        """φ - φ0 (n,) [rad], or a derivative by cam angle."""
+        one, other = (pose_of(kinematics, body).turn[order] for body in (self.body, self.on))
+        return spread(one - other - (0.0 if order else self.free), kinematics.theta.size)
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        back = self.rate * self.angle(kinematics)
+        if self.damping and rate.speed:
+            back = back + self.damping * rate.speed * self.angle(kinematics, 1)
+        for body, couple in ((self.body, -back), (self.on, back)):
+            if body != FRAME:
+                at = kinematics.bodies[body].origin[0]
+                yield Load(body, at, np.zeros(kinematics.theta.size, dtype=complex), couple)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        """V = k (φ - φ0)²/2."""
+        a, a1, a2 = (self.angle(kinematics, order) for order in range(3))
+        return self.rate * np.array([a * a1, a1 * a1 + a * a2])
+
+    def lost(self, kinematics: Kinematics, omega: float) -> np.ndarray:
+        """c φ̇²."""
+        return np.asarray(self.damping * (omega * self.angle(kinematics, 1)) ** 2)
+
+
+@frozen
+class ScheduledForce(Lossless):
+    """A process force, ``schedule`` times its size: on the output along its motion where it has no place, sense as that of
+    ``OutputForce``; else a force [N], complex in the global frame, at a place of a body, and a torque [N m] on it."""
+
+    schedule: Schedule
+    along: float = 0.0
+    sense: float = 1.0
+    place: Place | None = None
+    force: complex = 0j
+    torque: float = 0.0
+    name: str = ""
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.along or self.force or self.torque)
+
+    def loads(self, kinematics: Kinematics, rate: Rate) -> Iterator[Load]:
+        on, _ = self.schedule.value(kinematics.motion)
+        if self.place is None:
+            yield on_output(kinematics, self.sense * self.along * on)
+        else:
+            at = kinematics.bodies[self.place.body].carried(self.place.at)[0]
+            yield Load(self.place.body, at, self.force * on, self.torque * on)
+
+    def potential(self, kinematics: Kinematics) -> np.ndarray:
+        """V' = -F w' and V'' = -F' w' - F w'', w' the way of a unit of it by cam angle."""
+        on, slope = self.schedule.value(kinematics.motion)
+        first, second = (self._way(kinematics, order) for order in (1, 2))
+        return np.array([-on * first, -slope * first - on * second])
+
+    def _way(self, kinematics: Kinematics, order: int) -> np.ndarray:
+        if self.place is None:
+            return self.along * kinematics.motion.displacement[order]
+        pose = kinematics.bodies[self.place.body]
+        return dot(pose.carried(self.place.at)[order], np.asarray(self.force)) + self.torque * pose.turn[order]
+
+
+@frozen
 class Friction:
-    """Coulomb friction of a pair: μ|N| along the line of a sliding pair, the moment μ r |R| in a pin of radius r [m]."""
+    """Coulomb friction of a pair: μ|N| along the line of a sliding pair, the moment μ r |R| in a pin of radius r [m].
+
+    length  of a sliding pair [m]: its two edges carry N/2 ± M/length, M the couple on it; 0: N acts in one point
+    field   path of its row in the file
+    """
 
     pair: str
     coefficient: float
     radius: float = 1.0
+    length: float = 0.0
+    field: str = "loads.friction"
 
 
 @frozen
@@ -190,6 +369,16 @@ class Loading:
     frictions: tuple[Friction, ...] = ()
     guide: str = ""
     contact_friction: float = 0.0
+
+    @property
+    def named(self) -> Mapping[str, Element]:
+        """Name -> element, of those whose power is a channel."""
+        return MappingProxyType({element.name: element for element in self.others if element.name})
+
+    def cuts(self, program: Any) -> np.ndarray:
+        """Angles (m,) [rad] at which a force switches."""
+        found = [element.schedule.cuts(program) for element in self.others if isinstance(element, ScheduledForce)]
+        return np.concatenate(found) if found else np.zeros(0)
 
     @property
     def rubs(self) -> bool:

@@ -15,7 +15,17 @@ import numpy as np
 
 from core.cam import OUTER, CamShape, Flank
 from core.dynamics.elements import Friction, Load, Loading, Rate
-from core.dynamics.friction import JAMMED, GuideReaction, guide_reaction, jam_factor, jammed, limitless, magnitudes
+from core.dynamics.friction import (
+    JAMMED,
+    GuideReaction,
+    below_jamming,
+    guide_reaction,
+    jam_factor,
+    jammed,
+    jams_most,
+    limitless,
+    magnitudes,
+)
 from core.dynamics.walk import Walk
 from core.frozen import frozen
 from core.mechanism.kinematics import REVOLUTE, Kinematics
@@ -56,8 +66,9 @@ class Forces:
     lever     (n,) what one newton on the flank that carries asks of the driver [m, or 1]; infinite without a cam
     follower_torque  (n,) T_L [N m] that the contact gives the follower's link about its pivot (24); for a guide: force [N]
     guide     the guide's normal force, friction and jamming factor; None where the design has no guide
-    lost      (n,) power [W] lost to friction
+    lost      (n,) power [W] lost to friction; rubbing: pair -> its share
     jam       (n,) the factor that must stay below 1: the spectral radius of μ|∂N/∂f| over all pairs that rub
+    most_jamming  (n,) number of the pair, among those that rub, whose friction feeds on itself most
     contact_jam  (n,) likewise: how much of the lever of the contact's normal force its friction takes away
     """
 
@@ -70,8 +81,10 @@ class Forces:
     driver: np.ndarray
     lever: np.ndarray
     lost: np.ndarray
-    jam: np.ndarray
+    rubbing: Mapping[str, np.ndarray]
     contact_jam: np.ndarray
+    jam: Lazy[np.ndarray] = Lazy()
+    most_jamming: Lazy[np.ndarray] = Lazy()
     follower_torque: Lazy[np.ndarray] = Lazy()
     guide: GuideReaction | None = None
 
@@ -96,6 +109,13 @@ class _Case:
             return force
         return force + self.contact * self.press.pairs[name]
 
+    def couple(self, name: str) -> np.ndarray:
+        """The couple on a sliding pair (n,), likewise."""
+        couple = self.walk.couples.get(name, _NONE)
+        if self.press is None or name not in self.press.couples:
+            return couple
+        return couple + self.contact * self.press.couples[name]
+
 
 class _Reactions(NamedTuple):
     """Forces and couples of all pairs, contact force, and what the driver is given, (n,) or (1,)."""
@@ -107,13 +127,14 @@ class _Reactions(NamedTuple):
 
 
 class _Solution(NamedTuple):
-    """Reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per radian of
-    the shaft [N m]."""
+    """Reactions with the friction that goes with them, those of the guide, what friction takes per radian of the shaft [N m] in
+    each pair, the jam factor, and the number of the pair that jams most."""
 
     total: _Reactions
     guide: GuideReaction | None
-    jam: np.ndarray
-    lost: np.ndarray
+    lost: dict[str, np.ndarray]
+    jam: Callable[[], np.ndarray]
+    most: Callable[[], np.ndarray]
 
 
 @np.errstate(divide="ignore", invalid="ignore", over="ignore")
@@ -148,7 +169,8 @@ def newton_euler(
         cases = {name: _Case(walk, press) for name, walk in rubbing.items()}
         return _with_friction(kinematics, loading, _Case(own, press), cases, signs)
 
-    (total, guide, jam, lost), shares = _carried(carried_by, presses)
+    (total, guide, taken, jam, most), shares = _carried(carried_by, presses)
+    lost = np.asarray(sum(taken.values(), _NONE))
     pairs, torque = total.pairs, _NONE
     contacts = tuple(
         Contact(flank.contact, push, spread(share, n), spread(press.needed, n))
@@ -177,7 +199,9 @@ def newton_euler(
         driver=spread(total.driver, n),
         lever=lever,
         lost=spread(lost * omega, n),
-        jam=np.maximum(jam, contact_jam),
+        rubbing={name: spread(part * omega, n) for name, part in taken.items()},
+        most_jamming=lambda: spread(most(), n),
+        jam=lambda: np.maximum(jam(), contact_jam),
         contact_jam=contact_jam,
         follower_torque=lambda: np.zeros(n) if shape is None else _follower_torque(kinematics, contacts),
         guide=guide,
@@ -205,6 +229,8 @@ def _chosen(which: np.ndarray, one: Any, other: Any) -> Any:
     """Of two solutions that or this, angle by angle."""
     if isinstance(one, np.ndarray):
         return np.where(which, one, other)
+    if callable(one):
+        return lambda: _chosen(which, one(), other())
     if isinstance(one, dict):
         return {name: _chosen(which, one[name], other[name]) for name in one}
     if isinstance(one, tuple):
@@ -263,13 +289,14 @@ def _with_friction(
 ) -> _Solution:
     """The reactions with the friction that goes with them, those of the guide, the jam factor, and what friction takes per
     radian of the shaft [N m]."""
-    sizes, jam = _sizes(kinematics, loading, case, rubbing, signs)
+    sizes, jam, most = _sizes(kinematics, loading, case, rubbing, signs)
     signed = {name: signs[name] * size for name, size in sizes.items()}
-    total, lost, guide = _reactions(case, rubbing, signed), _NONE, None
+    total, guide = _reactions(case, rubbing, signed), None
+    lost: dict[str, np.ndarray] = {}
     pairs, couples = total.pairs, total.couples
     for name, size in signed.items():
         slip = 1.0 if name == kinematics.driver_name else kinematics.slip(name)
-        lost = lost + size * slip * kinematics.motion.displacement[1]
+        lost[name] = size * slip * kinematics.motion.displacement[1]
         if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - size
         else:
@@ -282,29 +309,47 @@ def _with_friction(
         n, name = kinematics.theta.size, loading.guide
         normal, rubs = _normal(kinematics, name, pairs[name]), -signed[name] if name in signed else _NONE
         guide = GuideReaction(spread(normal, n), spread(rubs, n), jam)
-    return _Solution(total, guide, jam, lost)
+    return _Solution(total, guide, lost, jam, most)
 
 
 def _sizes(
     kinematics: Kinematics, loading: Loading, case: _Case, rubbing: Mapping[str, _Case], signs: Mapping[str, np.ndarray]
-) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Friction of every pair that rubs (n,) [N; N m in pins], and the jam factor (n,)."""
+) -> tuple[dict[str, np.ndarray], Callable[[], np.ndarray], Callable[[], np.ndarray]]:
+    """Friction of every pair that rubs (n,) [N; N m in pins], the jam factor (n,), and the number of the pair that jams most (n,),
+    both made when they are read.
+
+    A slide of some length rubs by both edges, each of them with its own share of the reaction and of the friction.
+    """
     n, frictions = kinematics.theta.size, loading.frictions
     if not frictions:
-        return {}, np.zeros(n)
-    normals = [_normal(kinematics, f.pair, case.pair(f.pair)) for f in frictions]
-    gains = [[_normal(kinematics, f.pair, rubbing[g.pair].pair(f.pair)) for g in frictions] for f in frictions]
-    if len(frictions) == 1 and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
+        return {}, lambda: np.zeros(n), lambda: np.zeros(1, dtype=int)
+    if len(frictions) == 1 and not frictions[0].length and kinematics.pairs[frictions[0].pair].kind != REVOLUTE:
         (friction,) = frictions
-        reaction = guide_reaction(normals[0], signs[friction.pair], -gains[0][0], friction.coefficient)
-        return {friction.pair: np.abs(reaction.friction)}, reaction.jam
-    coefficients = np.array([f.coefficient * f.radius for f in frictions])
-    signed = np.array([[np.broadcast_to(signs[g.pair] * one, n) for g, one in zip(frictions, row, strict=True)] for row in gains])
-    matrix = np.moveaxis(signed, 2, 0)
-    jam = jam_factor(matrix, coefficients)
-    free = np.array([np.broadcast_to(normal, n) for normal in normals]).T.astype(complex)
-    found = magnitudes(free, matrix, coefficients, jam) * coefficients
-    return {f.pair: found[:, i] for i, f in enumerate(frictions)}, jam
+        (normal,), (gain,) = (_carried_by(kinematics, friction, of) for of in (case, rubbing[friction.pair]))
+        reaction = guide_reaction(normal, signs[friction.pair], -gain, friction.coefficient)
+        return {friction.pair: np.abs(reaction.friction)}, lambda: reaction.jam, lambda: np.zeros(1, dtype=int)
+    normals = [_carried_by(kinematics, f, case) for f in frictions]
+    number = np.repeat(np.arange(len(frictions)), [len(parts) for parts in normals])
+    coefficients = np.array([f.coefficient * f.radius for f in frictions])[number]
+    by_pair = [[part for f in frictions for part in _carried_by(kinematics, f, rubbing[g.pair])] for g in frictions]
+    gains = np.empty((number.size, number.size, n), dtype=complex)
+    for column, g in enumerate(number):
+        for row, part in enumerate(by_pair[g]):
+            gains[row, column] = signs[frictions[g].pair] * part
+    free = np.array([np.broadcast_to(part, n) for parts in normals for part in parts]).astype(complex)
+    found = magnitudes(free, gains, coefficients, below_jamming(gains, coefficients)) * coefficients[:, None]
+    sizes = {f.pair: np.asarray(found[number == i].sum(axis=0)) for i, f in enumerate(frictions)}
+    return sizes, lambda: jam_factor(gains, coefficients), lambda: number[jams_most(gains, coefficients)]
+
+
+def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
+    """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length,
+    N/2 ± M/length."""
+    normal = _normal(kinematics, friction.pair, case.pair(friction.pair))
+    if not friction.length:
+        return [normal]
+    couple = case.couple(friction.pair) / friction.length
+    return [0.5 * normal + couple, 0.5 * normal - couple]
 
 
 def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> np.ndarray:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from core.frozen import frozen
+from core.numerics.lazy import Lazy
 
 JAMMED = 1e150  # [N] stands for a force without limit: infinity would leave nan behind, not a sign
 _BEYOND = 1e100
@@ -43,7 +44,7 @@ class GuideReaction:
 
     normal: np.ndarray
     friction: np.ndarray
-    jam: np.ndarray
+    jam: Lazy[np.ndarray] = Lazy()
 
 
 def jammed(force: np.ndarray) -> bool:
@@ -72,31 +73,69 @@ def guide_reaction(frictionless: np.ndarray, sign: np.ndarray, slope: np.ndarray
 def jam_factor(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
     """The spectral radius of |G| c (n,): where it is 1 or more, friction feeds on itself and the mechanism jams.
 
-    gains  (n, k, k) G: what one newton of friction in the second pair adds to the reaction of the first; coefficients c (k,)
+    gains  (k, k, n) G: what one newton of friction in the second pair adds to the reaction of the first; coefficients c (k,)
     """
-    matrix = np.abs(gains) * coefficients
-    return np.asarray(np.abs(np.linalg.eigvals(np.where(np.isfinite(matrix), matrix, JAMMED))).max(axis=1))
+    return np.asarray(np.abs(np.linalg.eigvals(_sizes_of(gains, coefficients))).max(axis=1))
+
+
+def _sizes_of(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """|G| c (n, k, k)."""
+    matrix = np.moveaxis(np.abs(gains), 2, 0) * coefficients
+    return np.where(np.isfinite(matrix), matrix, JAMMED)
+
+
+def below_jamming(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """The jam factor (n,), or a bound of it where that is below 1: the largest sum of a row or of a column of |G| c."""
+    matrix = np.abs(gains) * coefficients[:, None]
+    bound = np.fmin(matrix.sum(axis=0).max(axis=0), matrix.sum(axis=1).max(axis=0))
+    near = np.flatnonzero(~(bound < 1.0))
+    if near.size:
+        bound[near] = jam_factor(gains[:, :, near], coefficients)
+    return np.asarray(bound)
+
+
+def jams_most(gains: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+    """The row (n,) that has the largest part in what feeds on itself."""
+    values, vectors = np.linalg.eig(_sizes_of(gains, coefficients))
+    first = np.abs(values).argmax(axis=1)
+    parts = np.abs(np.take_along_axis(vectors, first[:, None, None], axis=2)[..., 0]) * coefficients
+    return np.asarray(parts.argmax(axis=1))
 
 
 def magnitudes(normals: np.ndarray, gains: np.ndarray, coefficients: np.ndarray, jam: np.ndarray) -> np.ndarray:
-    """|N| (n, k) [N] of the k pairs that rub, from m = |N0 + G c m|, N0 the reactions without friction (n, k), complex.
+    """|N| (k, n) [N] of the k pairs that rub, from m = |N0 + G c m|, N0 the reactions without friction (k, n), complex.
 
     Newton on the directions of the reactions, all angles at once, from m = 0; unique where the jam factor is below 1. At
     1 and above there is no limit: ``JAMMED``, in the proportions just below.
     """
     over = np.where(jam < 1.0, 1.0, _BELOW / np.maximum(jam, 1.0))
-    gain = gains * coefficients * over[:, None, None]
-    m, one = np.zeros(normals.shape), np.eye(coefficients.size)
+    gain = gains * coefficients[:, None] * over
+    m = np.zeros(normals.shape)
     for _ in range(_ROUNDS):
-        reaction = normals + (gain @ m[..., None])[..., 0]
+        reaction = normals + np.einsum("ijn,jn->in", gain, m)
         size = np.abs(reaction)
         heading = np.where(size > 0.0, reaction / np.where(size > 0.0, size, 1.0), 0.0)
-        slope = (heading.conj()[..., None] * gain).real
-        change = np.linalg.solve(one - slope, (size - m)[..., None])[..., 0]
+        slope = (heading.conj()[:, None] * gain).real
+        change = _solved(slope, size - m)
         m = m + change
-        if not (np.abs(change) > _DONE * np.abs(m).max(axis=1, keepdims=True)).any():
+        if not (np.abs(change) > _DONE * np.abs(m).max(axis=0)).any():
             break
     m = np.abs(m)
-    largest = m.max(axis=1, keepdims=True)
+    largest = m.max(axis=0)
     beyond = JAMMED * m / np.where(largest > 0.0, largest, 1.0)
-    return np.where((jam < 1.0)[:, None], m, beyond)
+    return np.where(jam < 1.0, m, beyond)
+
+
+def _solved(slope: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """x of (1 - A) x = b, A (k, k, n), b (k, n). Elimination in order: where the spectral radius of |A| is below 1 every pivot
+    is positive, and no other order is better."""
+    count, a, x = right.shape[0], -slope, right.copy()
+    for i in range(count):
+        a[i, i] += 1.0
+    for i in range(count - 1):
+        factor = a[i + 1 :, i] / a[i, i]
+        a[i + 1 :, i + 1 :] -= factor[:, None] * a[i, i + 1 :]
+        x[i + 1 :] -= factor * x[i]
+    for i in reversed(range(count)):
+        x[i] = (x[i] - np.einsum("jn,jn->n", a[i, i + 1 :], x[i + 1 :])) / a[i, i]
+    return x

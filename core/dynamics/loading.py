@@ -2,26 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 from core.design import (
+    ELEMENT_LISTS,
+    UNITS,
+    Attachment,
     CamSlider,
     CamSliderLoads,
+    ForceElements,
     LinkageLoads,
     Loads,
     Oscillating,
     OscillatingFlat,
     OscillatingFlatLoads,
     OscillatingLoads,
+    Process,
     Translating,
     TranslatingLoads,
     si,
 )
 from core.design.parts import SIDES
-from core.dynamics.elements import Friction, Inertia, Loading, Mass, OutputForce, PointForce, combined
-from core.mechanism.mechanism import body_name
+from core.dynamics.elements import (
+    Friction,
+    Inertia,
+    Loading,
+    Mass,
+    OutputForce,
+    Place,
+    PointForce,
+    ScheduledForce,
+    Spring,
+    Torsion,
+    combined,
+)
+from core.dynamics.schedule import ByTable, OverMotion, OverTurn, Schedule
+from core.errors import NoAnswer
+from core.mechanism.kinematics import FRAME
+from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.vectors import heading
 
 
@@ -90,9 +112,82 @@ LOADINGS: Mapping[type, Callable[[Any, Any], Loading]] = MappingProxyType(
 )
 
 
-def loading_of(mechanism: Any, loads: Any) -> Loading:
-    """The force elements of a drive."""
-    return LOADINGS[type(loads)](mechanism, loads)
+def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Loading:
+    """The force elements of a drive; built: its linkage, whose links springs, pairs and process forces name. Raises NoAnswer where
+    a pair that rubs is none of its pairs."""
+    own: Loading = LOADINGS[type(loads)](mechanism, loads)
+    if built is None or not any(getattr(loads, name) for name in ELEMENT_LISTS):
+        return own
+    more = (*_springs(loads, built), *_torsion_springs(loads, built), *_process(loads, built, own))
+    return replace(own, others=(*own.others, *more), frictions=(*own.frictions, *_frictions(loads, built)))
+
+
+# -- elements that any design can have ---------------------------------------------------------------------
+
+
+def _place(at: Attachment, built: Mechanism) -> Place:
+    s = si(at)
+    if at.point is None:
+        return Place(built.bodies.get(at.link, FRAME), complex(s.x, s.y))
+    return Place(*built.place_of(at.link, at.point))
+
+
+def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
+    for i, row in enumerate(loads.springs, 1):
+        s = si(row)
+        yield Spring(_place(row.from_, built), _place(row.to, built), s.rate, s.free_length, s.damping, f"spring{i}")
+
+
+def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion]:
+    """The angle of the frame is that of the mechanism's own frame."""
+    for i, row in enumerate(loads.torsion_springs, 1):
+        s, body, on = si(row), built.bodies.get(row.link, FRAME), built.bodies.get(row.on, FRAME)
+        free = s.free_angle + (built.turn if on == FRAME else 0.0) - (built.turn if body == FRAME else 0.0)
+        yield Torsion(body, on, s.rate, free, s.damping, f"torsion_spring{i}")
+
+
+def _frictions(loads: ForceElements, built: Mechanism) -> Iterator[Friction]:
+    for i, row in enumerate(loads.pair_friction):
+        s, links = si(row), {row.link, row.other} - {None}
+        found = [
+            (name, {joint.first.link, joint.second.link}) for joint, name in built.pair_names.items()
+            if row.pair in (name, joint.name) and links <= {joint.first.link, joint.second.link}
+        ]  # fmt: skip
+        if not found:
+            others = [sorted((j.first.link, j.second.link)) for j in built.pair_names if j.name == row.pair]
+            path = f"loads.pair_friction[{i}].links"
+            raise NoAnswer(f"no pair of {row.pair} joins links {sorted(links)}", path, " or ".join(map(str, others)))
+        radius = 1.0 if row.radius_mm is None else s.radius
+        yield Friction(found[0][0], s.coefficient, radius, s.length or 0.0, f"loads.pair_friction[{i}].coefficient")
+
+
+def _schedule(row: Process) -> Schedule:
+    """When a process force works; of a table the values are those of the force."""
+    s = si(row)
+    if row.points:
+        return ByTable(tuple(math.radians(p.deg) for p in row.points), tuple(p.value for p in row.points))
+    if row.cam_from_deg is not None:
+        return OverTurn(s.cam_from, s.cam_to)
+    metres = row.position_from_mm is not None
+    unit = UNITS["mm" if metres else "deg"].factor
+    low, high = (row.position_from_mm, row.position_to_mm) if metres else (row.position_from_deg, row.position_to_deg)
+    assert low is not None and high is not None
+    return OverMotion(low * unit, high * unit)
+
+
+def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[ScheduledForce]:
+    for i, row in enumerate(loads.process, 1):
+        s, schedule, name = si(row), _schedule(row), f"process{i}"
+        table = bool(row.points)
+        if row.link is None:
+            size = 1.0 if table else row.force_n + row.torque_nm
+            yield ScheduledForce(schedule, along=size, sense=built.sense, name=name)
+            continue
+        at = Place(built.bodies[row.link], 0j) if row.point is None else Place(*built.place_of(row.link, row.point))
+        directed = row.direction_deg is not None
+        force = complex((1.0 if table else row.force_n) * heading(s.direction)) if directed else 0j
+        torque = 1.0 if table and not directed else row.torque_nm
+        yield ScheduledForce(schedule, place=at, force=force, torque=torque, name=name)
 
 
 def link_loading(loads: LinkageLoads) -> Loading:
@@ -101,5 +196,8 @@ def link_loading(loads: LinkageLoads) -> Loading:
     for mass in loads.masses:
         m = si(mass)
         masses.append(Mass(body_name(mass.link), Inertia(m.mass, complex(m.centre_x, m.centre_y), m.inertia), gravity))
-    forces = (PointForce(body_name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm)) for f in loads.forces)
+    forces = (
+        PointForce(body_name(f.link), f.point, complex(f.x_n, f.y_n), float(f.torque_nm), f"force{i}")
+        for i, f in enumerate(loads.forces, 1)
+    )
     return Loading(tuple(masses), tuple(forces), contact_friction=_contact(loads))

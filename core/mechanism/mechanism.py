@@ -17,6 +17,7 @@ from core.mechanism.kinematics import FRAME
 from core.mechanism.plan import Joint, Plan, plan_of
 from core.mechanism.solving import Solved
 from core.motion import MotionState
+from core.numerics.vectors import heading
 
 ROLLER = "roller"
 
@@ -89,6 +90,13 @@ class Mechanism:
             taken = name in names.values()
             names[joint] = f"{name}_{self.bodies[joint.second.link]}" if taken else name
         return MappingProxyType(names)
+
+    def place_of(self, link: int, point: str) -> tuple[str, complex]:
+        """A named point of a link as a body and a place [m] in its frame, of the frame in the global one. Raises KeyError."""
+        at = self.plan.points[link][point]
+        if link not in self.bodies:
+            return FRAME, self.place + at * heading(self.turn)
+        return self.bodies[link], at
 
     @cached_property
     def ground(self) -> str:

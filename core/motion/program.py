@@ -52,11 +52,16 @@ class Join:
 @frozen(eq=False)
 class MotionState:
     """The motion at ``angles``: displacement y and its three derivatives by cam angle [m or rad], and the sign of its
-    velocity as the segment states it (n,): 0 in a dwell, never toggled by rounding."""
+    velocity as the segment states it (n,): 0 in a dwell, never toggled by rounding.
+
+    within  (2, n) cam angle and displacement in the middle of the piece that each angle is taken to lie in, where the turn is cut
+            at what switches; else those of the angle itself
+    """
 
     angles: Angles
     displacement: Derivatives
     velocity_sign: np.ndarray
+    within: Lazy[np.ndarray] = Lazy(lambda state: np.array([state.theta, state.displacement[0]]))
 
     @property
     def y(self) -> np.ndarray:

@@ -15,6 +15,7 @@ from core.dynamics import Loading
 from core.errors import NoStability
 from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism
 from core.motion import Angles, MotionState, degrees, program
+from core.motion.cuts import CutProgram
 from core.motion.turn import Place, Turn
 from core.numerics.lazy import locked
 
@@ -76,6 +77,11 @@ def crank_grid(course: Course, samples: int) -> Angles:
     """Equally spaced driver angles over one turn, as far as the linkage can be assembled there."""
     run = CrankProgram(course)
     return memory.get("grid", (course, samples), lambda: run.angles(np.deg2rad(run.degrees(samples)), kept=True))
+
+
+def cut_grid(cut: CutProgram, at: np.ndarray) -> Angles:
+    """The angles [deg] (n,) of a turn that is cut, the same object for the same question."""
+    return memory.get("grid", (cut, at.size), lambda: cut.angles(np.deg2rad(at), kept=True))
 
 
 def crank_state(course: Course, angles: Angles) -> MotionState:

@@ -21,7 +21,9 @@ from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
-from core.motion.extremes import Extreme, Range, find_above, find_extremes
+from core.motion.cuts import CutProgram
+from core.motion.extremes import Extreme, Range, find_above, find_extremes, piecewise_angles
+from core.motion.roots import crossings
 from core.motion.turn import Place
 from core.numerics.lazy import locked
 from core.shaft import Flywheel, LoadCurve, combined, levels, load_curve
@@ -30,7 +32,7 @@ from core.study import cam_checks, contact_stress
 from core.study.certificate import certificate
 from core.study.failures import failing_ranges
 from core.study.quantities import OF_CONTACT, OF_MOTOR, Quantity, body_of, names_of, quantity
-from core.study.stages import crank_grid, crank_state, evaluations, flexible_shaft, grid, memory
+from core.study.stages import crank_grid, crank_state, cut_grid, evaluations, flexible_shaft, grid, memory
 
 if TYPE_CHECKING:
     from core.stability import Stability
@@ -127,13 +129,66 @@ class Study:
 
     @cached_property
     def program(self) -> Any:
-        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins."""
+        """What the driver does over one turn, a Program or a CrankProgram: its pieces and joins. Its pieces end where a process
+        force switches and where friction turns round in a pin, too."""
+        found = self._uncut
+        if not (cuts := self._cuts(found)):
+            return found
+        return memory.get("cut program", (self.course if self.by_crank else found, cuts), lambda: CutProgram(found, cuts))
+
+    @property
+    def _uncut(self) -> Any:
         return CrankProgram(self.course) if self.by_crank else program(self.design.drive.motion)
+
+    def _cuts(self, uncut: Any) -> tuple[float, ...]:
+        """Angles [rad] in rising order at which the torque jumps or breaks, but for joins of the motion; none where the mechanism
+        cannot be solved, which its own stage says."""
+        loads = self.design.drive.loads
+        if not (loads.process or loads.pair_friction):
+            return ()
+
+        def compute() -> tuple[float, ...]:
+            try:
+                angles = (*self.loading.cuts(uncut).tolist(), *self._turning_back(uncut))
+            except NoAnswer:
+                return ()
+            return tuple(sorted(set(angles)))
+
+        parts = self.design.drive.motion, self.mechanism_or_none, loads.process, loads.pair_friction
+        found: tuple[float, ...] = memory.get("cuts", parts, compute)
+        return found
+
+    def _turning_back(self, uncut: Any) -> Iterator[float]:
+        """Angles [rad] at which a pair that rubs slips the other way."""
+        angles = piecewise_angles(uncut)
+
+        def kinematics(there: Angles) -> Kinematics:
+            return solve_mechanism(self.mechanism, uncut.state(there), self.course)
+
+        there = lru_cache(maxsize=1)(kinematics)
+        for friction in self.loading.frictions:
+            pair = there(angles).pairs[friction.pair]
+            if friction.pair != there(angles).driver_name and pair.kind == REVOLUTE:
+
+                def slip(at: Angles, name: str = friction.pair) -> np.ndarray:
+                    return np.broadcast_to(there(at).slip(name), at.theta.size)
+
+                yield from crossings(slip, angles, slip(angles)).theta.tolist()
+
+    @property
+    def mechanism_or_none(self) -> Mechanism | None:
+        """The linkage that is solved; None where a follower does not come to its base position."""
+        try:
+            return self.mechanism
+        except NoAnswer:
+            return None
 
     @cached_property
     def angles(self) -> Angles:
         if self._given is not None:
             return self._given
+        if isinstance(self.program, CutProgram):
+            return cut_grid(self.program, self.angle_degrees)
         return crank_grid(self.course, self.samples) if self.by_crank else grid(self.design.drive.motion, self.samples)
 
     @property
@@ -218,6 +273,8 @@ class Study:
     @cached_property
     def drive(self) -> MotionState:
         """What moves the mechanism: the motion, or the crank's own angle, with three derivatives (4, n) [rad or m]."""
+        if isinstance(self.program, CutProgram):
+            return self._stage("motion", self.program.state, self.angles)
         if self.by_crank:
             return crank_state(self.course, self.angles)
         return self._stage("motion", lambda motion, angles: program(motion).state(angles), self.design.drive.motion, self.angles)
@@ -264,7 +321,7 @@ class Study:
     @cached_property
     def loading(self) -> Loading:
         """The force elements."""
-        parts = (self.design.drive.mechanism, self.design.drive.loads)
+        parts = (self.design.drive.mechanism, self.design.drive.loads, self.mechanism)
         loads: Loading = memory.get("loading", parts, lambda: dynamics.loading_of(*parts))
         return loads
 
