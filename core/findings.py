@@ -129,6 +129,12 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "or the pressure angle",
         "jamming.endless": "friction jams the guide: what pushes stands across it, so that any friction holds it; lower the pressure "
         "angle",
+        "pair-jamming": "friction jams the mechanism{at}, most of all at {pair}: the factor by which friction feeds on itself is {factor}, "
+        "must stay below 1: lower its coefficient, take a thinner pin, or a longer slide",
+        "spring-ends-meet": "the ends of {name} meet{at}, where its force has no direction: attach it elsewhere, or give it a free length "
+        "of 0 and no damper",
+        "spring-winds-up": "{name} is wound up by {turns:.0f} turns with each turn of the shaft: put it between links that swing",
+        "damper-still": "nothing moves at the damper of {name}: attach it elsewhere, or take it away",
         "contact-jamming": "sliding friction of the contact jams the follower: it takes {factor} of the lever that the cam's force "
         "has{at}, must stay below 1; lower it, or enlarge the base radius",
         "contact-jamming.endless": "sliding friction of the contact jams the follower: the cam's force has no lever{at}, so that any "
@@ -194,6 +200,7 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "out-of-tolerance": (4, ("deviation_mm", "normal_mm", "limit_mm")),
         "jamming": (4, ("factor", "limit")),
         "contact-jamming": (4, ("factor", "limit")),
+        "pair-jamming": (4, ("factor", "limit")),
         "transmission-angle": (4, ("value", "limit")),
         "timing-broken": (5, ("after_deg", "least_deg")),
         "unstable-speed": (6, ("rpm", "rpm_lo", "rpm_hi")),

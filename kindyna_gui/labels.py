@@ -121,6 +121,8 @@ def segment_of(path: str) -> int | None:
 
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
+_OF_ELEMENT = re.compile(r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(from|to|points)?(?:\[(\d+)\])?")
+_ELEMENTS = {"springs": "Spring", "torsion_springs": "Torsion spring", "pair_friction": "Friction at", "process": "Process force"}
 
 
 def heading_of(design: Design, path: str) -> str:
@@ -129,6 +131,12 @@ def heading_of(design: Design, path: str) -> str:
     if point is not None:
         number = design.drive.mechanism.links[int(point[1])].number
         return "Link 1, the frame" if number == 1 else f"Link {number}"
+    element = _OF_ELEMENT.match(path)
+    if element is not None:
+        index = int(element[2])
+        which = design.drive.loads.pair_friction[index].pair if element[1] == "pair_friction" else str(index + 1)
+        inside = f", {element[3].removesuffix('s')}" if element[3] else ""
+        return f"{_ELEMENTS[element[1]]} {which}{inside}{f' {int(element[4]) + 1}' if element[4] else ''}"
     if row is not None:
         index = int(row[2])
         if row[1] == "linkage.sliders":

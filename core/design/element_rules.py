@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any
@@ -167,7 +168,8 @@ def _when(row: Process, drive: Drive, path: str) -> Iterator[Fault]:
     if not given and not row.points:
         yield Fault(f"{path}.cam_from_deg", MISSING, "when it acts is not said", "cam_from_deg and cam_to_deg, positions, or points")
     for keys in given[1:] if not row.points else given:
-        yield Fault(f"{path}.{keys[0]}", getattr(row, keys[0]), f"stands beside {'points' if row.points else given[0][0]}", "one of the two")
+        beside = "points" if row.points else given[0][0]
+        yield Fault(f"{path}.{keys[0]}", getattr(row, keys[0]), f"stands beside {beside}", "one of the two")
     for first, last in given[:1] if not row.points else ():
         low, high = getattr(row, first), getattr(row, last)
         by_angle = first == "cam_from_deg"
@@ -217,7 +219,7 @@ def _table(row: Process, path: str) -> Iterator[Fault]:
     rows = row.points
     if len(rows) < 2:
         yield Fault(f"{path}.points", [[p.deg, p.value] for p in rows], "one row makes no table", "two rows at least")
-    for i, (one, other) in enumerate(zip(rows, rows[1:], strict=False), 1):
+    for i, (one, other) in enumerate(itertools.pairwise(rows), 1):
         if not other.deg > one.deg:
             problem = f"comes after {one.deg:g} deg: the rows are not sorted"
             yield Fault(f"{path}.points[{i}].deg", other.deg, problem, f"> {one.deg:g} deg")

@@ -268,8 +268,8 @@ def slots(kind: Any, unit: str = "", inside: tuple[tuple[str, Any], ...] = ()) -
             both = replace(first, names=(*first.names, each.name), infos=(*first.infos, info))
             found[found.index(first)] = both
         elif placing.in_file:
-            own = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
-            key = own if info is None else info.pair or (f"{own}_{unit}" if info.of_motion and unit else own)
+            name = each.name.removesuffix("_")  # a word of Python's, as from, is a key without its mark
+            key = name if info is None else info.pair or (f"{name}_{unit}" if info.of_motion and unit else name)
             found.append(Slot(key, (each.name,), () if info is None else (info,), placing, each.default))
     return tuple(found)
 

@@ -10,6 +10,7 @@ from dataclasses import fields
 from types import MappingProxyType
 from typing import Any, ClassVar
 
+from core.design.elements import ForceElements
 from core.design.faces import (
     FACE,
     ContactFriction,
@@ -22,7 +23,6 @@ from core.design.faces import (
     TiltedFlat,
     rubs,
 )
-from core.design.elements import ForceElements
 from core.design.fields import LAW, Placing, choice, chosen_by_word, coordinate, length, number, placed, words_of
 from core.design.forms import FORM, Blank, Conjugate, Form, Groove, Open, form_of
 from core.design.units import UNITS

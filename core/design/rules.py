@@ -10,9 +10,9 @@ from types import MappingProxyType
 from typing import Any
 
 from core.design.camshaft import RESERVED, drive_of, only, path_of, slug
+from core.design.element_rules import element_faults
 from core.design.faces import Roller
 from core.design.fields import slots
-from core.design.element_rules import element_faults
 from core.design.forms import FORM, Blank, Conjugate, Open
 from core.design.linkage import LinkageCam
 from core.design.linkage_rules import DRIVE_RULES

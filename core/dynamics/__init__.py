@@ -1,6 +1,6 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
-from core.dynamics.balance import momentum_residual, power_residual, power_terms
+from core.dynamics.balance import kinetic_energy, momentum_residual, power_of, power_residual, power_terms
 from core.dynamics.elements import (
     Element,
     Friction,
@@ -9,18 +9,23 @@ from core.dynamics.elements import (
     Loading,
     Mass,
     OutputForce,
+    Place,
     PointForce,
     Rate,
+    ScheduledForce,
+    Spring,
+    Torsion,
     combined,
 )
 from core.dynamics.flank_changes import FlankChange, change_findings, flank_changes
-from core.dynamics.forces import JAMS, Forces, newton_euler
+from core.dynamics.forces import CAM_FACE, JAMS, Forces, carried, newton_euler
 from core.dynamics.friction import GuideReaction, guide_reaction, limitless
-from core.dynamics.limits import findings
+from core.dynamics.limits import element_findings, findings, jam_finding
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "JAMS", "LOADINGS", "Element", "FlankChange", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass",
-    "OutputForce", "PointForce", "Rate", "change_findings", "combined", "findings", "flank_changes", "guide_reaction", "limitless",
-    "link_loading", "loading_of", "momentum_residual", "newton_euler", "power_residual", "power_terms",
+    "CAM_FACE", "JAMS", "LOADINGS", "Element", "FlankChange", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass",
+    "OutputForce", "Place", "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined",
+    "element_findings", "findings", "flank_changes", "guide_reaction", "jam_finding", "kinetic_energy", "limitless", "link_loading",
+    "loading_of", "momentum_residual", "newton_euler", "power_of", "power_residual", "power_terms",
 ]  # fmt: skip

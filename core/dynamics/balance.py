@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from core.cam import CamShape
-from core.dynamics.elements import Load, Loading, Rate
+from core.dynamics.elements import Element, Load, Loading, Rate
 from core.dynamics.forces import Forces
 from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
 from core.numerics.vectors import cross
@@ -36,6 +37,17 @@ def power_terms(kinematics: Kinematics, forces: Forces, loading: Loading) -> lis
     for element in loading.elements:
         terms += [omega * element.potential(kinematics)[0], element.lost(kinematics, abs(omega))]
     return terms
+
+
+def power_of(element: Element, kinematics: Kinematics, omega: float) -> np.ndarray:
+    """What a force element gives the mechanism (n,) [W]: < 0 where it takes, as a damper always does."""
+    return np.asarray(-omega * element.potential(kinematics)[0] - element.lost(kinematics, omega))
+
+
+def kinetic_energy(kinematics: Kinematics, loading: Loading, omega: float, body: str | None = None) -> np.ndarray:
+    """Of all bodies, or of one (n,) [J] at constant speed [rad/s]: J ω²/2, J as they are worth at the shaft."""
+    masses = tuple(mass for mass in loading.masses if body in (None, mass.body))
+    return np.asarray(0.5 * omega * omega * replace(loading, masses=masses).inertia(kinematics)[0])
 
 
 @np.errstate(invalid="ignore")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -75,7 +75,7 @@ class Lossless:
 
 def pose_of(kinematics: Kinematics, body: str) -> Pose:
     """Of a body, or of the frame, whose places are those of the global frame."""
-    return kinematics.bodies[body] if body in kinematics.bodies else FRAME_POSE
+    return kinematics.bodies.get(body, FRAME_POSE)
 
 
 @frozen
@@ -152,6 +152,7 @@ class OutputForce(Lossless):
     force: float
     rate: float = 0.0
     sense: float = 1.0
+    name: str = ""
 
     @property
     def acts(self) -> bool:
@@ -210,7 +211,7 @@ class Place:
 class Spring:
     """A spring and a damper between places of two bodies: k (l - l0) + c l̇ pulls them together, l their distance.
 
-    rate [N/m], length l0 [m], damping [N s/m]
+    rate [N/m], length l0 [m], damping [N s/m]; field: path of its row in the file
     """
 
     one: Place
@@ -219,6 +220,8 @@ class Spring:
     length: float = 0.0
     damping: float = 0.0
     name: str = ""
+    field: str = ""
+    damping_key: ClassVar[str] = "damping_n_s_per_mm"
 
     @property
     def acts(self) -> bool:
@@ -274,6 +277,8 @@ class Torsion:
     free: float = 0.0
     damping: float = 0.0
     name: str = ""
+    field: str = ""
+    damping_key: ClassVar[str] = "damping_nm_s_per_rad"
 
     @property
     def acts(self) -> bool:
@@ -354,6 +359,11 @@ class Friction:
     radius: float = 1.0
     length: float = 0.0
     field: str = "loads.friction"
+
+    @property
+    def own(self) -> bool:
+        """Whether it is the loads' own guide friction."""
+        return self.field == "loads.friction"
 
 
 @frozen

@@ -33,6 +33,8 @@ from core.numerics.lazy import Lazy
 from core.numerics.vectors import cross, dot, spread
 
 BEARING = "bearing"
+CAM_FACE = "cam_face"
+"""Where a face slides on the cam, among what rubs."""
 JAMS = 1.0  # the factor from which friction may jam
 _NONE, _NO_FORCE = np.zeros(1), np.zeros(1, dtype=complex)
 
@@ -66,7 +68,7 @@ class Forces:
     lever     (n,) what one newton on the flank that carries asks of the driver [m, or 1]; infinite without a cam
     follower_torque  (n,) T_L [N m] that the contact gives the follower's link about its pivot (24); for a guide: force [N]
     guide     the guide's normal force, friction and jamming factor; None where the design has no guide
-    lost      (n,) power [W] lost to friction; rubbing: pair -> its share
+    lost      (n,) power [W] lost to friction; rubbing: pair, or ``CAM_FACE`` -> its share
     jam       (n,) the factor that must stay below 1: the spectral radius of μ|∂N/∂f| over all pairs that rub
     most_jamming  (n,) number of the pair, among those that rub, whose friction feeds on itself most
     contact_jam  (n,) likewise: how much of the lever of the contact's normal force its friction takes away
@@ -170,7 +172,6 @@ def newton_euler(
         return _with_friction(kinematics, loading, _Case(own, press), cases, signs)
 
     (total, guide, taken, jam, most), shares = _carried(carried_by, presses)
-    lost = np.asarray(sum(taken.values(), _NONE))
     pairs, torque = total.pairs, _NONE
     contacts = tuple(
         Contact(flank.contact, push, spread(share, n), spread(press.needed, n))
@@ -184,7 +185,7 @@ def newton_euler(
         if not friction_of_cam:  # in a dwell no power goes in, only rounding
             torque = np.where(kinematics.motion.velocity_sign == 0.0, 0.0, torque)
         if friction_of_cam:
-            lost = lost + friction_of_cam * shares[0] * np.abs(shape.flank.sliding)
+            taken = {**taken, CAM_FACE: friction_of_cam * shares[0] * np.abs(shape.flank.sliding)}
     pulled = [share for flank, share in zip(flanks, shares, strict=True) if flank.name == OUTER]
     lever = np.full(n, np.inf) if not contacts else contacts[0].lever
     for other in contacts[1:]:
@@ -198,7 +199,7 @@ def newton_euler(
         torque=spread(torque, n),
         driver=spread(total.driver, n),
         lever=lever,
-        lost=spread(lost * omega, n),
+        lost=spread(np.asarray(sum(taken.values(), _NONE)) * omega, n),
         rubbing={name: spread(part * omega, n) for name, part in taken.items()},
         most_jamming=lambda: spread(most(), n),
         jam=lambda: np.maximum(jam(), contact_jam),
@@ -259,9 +260,8 @@ def _unit_friction(kinematics: Kinematics, friction: Friction) -> list[Load]:
 
 def _direction(kinematics: Kinematics, name: str) -> np.ndarray:
     """Which way a pair slips (n,): -1, 0, 1, as the motion's segment says; rounding beside a dwell must not toggle it."""
-    if name == kinematics.driver_name:
-        return kinematics.motion.velocity_sign
-    return np.asarray(kinematics.motion.velocity_sign * np.sign(kinematics.slip(name)))
+    forward = kinematics.sense * kinematics.motion.velocity_sign
+    return forward if name == kinematics.driver_name else np.asarray(forward * np.sign(kinematics.slip(name)))
 
 
 def _normal(kinematics: Kinematics, name: str, force: np.ndarray) -> np.ndarray:
@@ -296,7 +296,7 @@ def _with_friction(
     pairs, couples = total.pairs, total.couples
     for name, size in signed.items():
         slip = 1.0 if name == kinematics.driver_name else kinematics.slip(name)
-        lost[name] = size * slip * kinematics.motion.displacement[1]
+        lost[name] = size * slip * kinematics.sense * kinematics.motion.displacement[1]
         if kinematics.pairs[name].kind == REVOLUTE:
             couples[name] = couples.get(name, 0.0) - size
         else:
@@ -343,13 +343,19 @@ def _sizes(
 
 
 def _carried_by(kinematics: Kinematics, friction: Friction, case: _Case) -> list[np.ndarray]:
-    """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length,
-    N/2 ± M/length."""
-    normal = _normal(kinematics, friction.pair, case.pair(friction.pair))
-    if not friction.length:
-        return [normal]
-    couple = case.couple(friction.pair) / friction.length
-    return [0.5 * normal + couple, 0.5 * normal - couple]
+    """What carries the reaction of a pair that rubs, each (n,): the pair, or the two edges of a slide of some length."""
+    return _edges(_normal(kinematics, friction.pair, case.pair(friction.pair)), case.couple(friction.pair), friction.length)
+
+
+def carried(kinematics: Kinematics, forces: Forces, friction: Friction) -> list[np.ndarray]:
+    """What a slide that rubs carries (n,), of some length by both of its edges: where the sign of one changes friction breaks."""
+    normal, couple = _normal(kinematics, friction.pair, forces.pairs[friction.pair]), forces.couples[friction.pair]
+    return _edges(normal, couple, friction.length)
+
+
+def _edges(normal: np.ndarray, couple: np.ndarray, length: float) -> list[np.ndarray]:
+    """N, or of a slide of some length N/2 ± M/length."""
+    return [0.5 * normal + couple / length, 0.5 * normal - couple / length] if length else [normal]
 
 
 def _follower_torque(kinematics: Kinematics, contacts: tuple[Contact, ...]) -> np.ndarray:

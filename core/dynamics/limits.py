@@ -1,18 +1,27 @@
-"""Limits of the forces: separation, jamming, nothing to move."""
+"""Limits of the forces: separation, jamming, nothing to move, elements that cannot act as they should."""
 
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
+
+import numpy as np
 
 from core.design import Roller
-from core.dynamics.elements import Loading
-from core.findings import ERROR, NOTE, Finding
-from core.motion.extremes import Extreme, Range
+from core.dynamics.elements import Friction, Loading, Spring, Torsion
+from core.findings import ERROR, NOTE, WARNING, Finding
+from core.mechanism.kinematics import Kinematics
+from core.motion import TURN, Angles
+from core.motion.extremes import Extreme, Pieces, Range, find_extremes, piecewise_angles
+
+_STILL = 1e-9  # of a length, or [rad], per radian of the turn: less is rounding
+_MEET = 1e-6  # of the way of the links: ends that come so near meet
+At = Callable[[Angles], Kinematics]
 
 
-def findings(contact: Range | None, jam: Extreme | None, at_contact: bool, loading: Loading, noun: str) -> list[Finding]:
-    """What the refined extremes of contact force [N] and jamming factor exceed; contact: None where the cam holds the follower from
-    both sides, jam: the factor's, where it reaches 1, at_contact: by the friction between face and cam; noun: of the face."""
+def findings(contact: Range | None, loading: Loading, noun: str) -> list[Finding]:
+    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of the face."""
     if loading.empty:
         return [Finding("no-load", NOTE, "loads", None)]
     found = []
@@ -20,7 +29,49 @@ def findings(contact: Range | None, jam: Extreme | None, at_contact: bool, loadi
     least = None if contact is None else contact.low
     if least is not None and math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
         found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), {"force_n": least.value, **face}))
-    if jam is not None:
-        code, field = ("contact-jamming", "loads.contact_friction") if at_contact else ("jamming", "loads.friction")
-        found.append(Finding(code, ERROR, field, math.degrees(jam.theta), {"factor": jam.value}))
     return found
+
+
+def jam_finding(jam: Extreme, friction: Friction | None) -> Finding:
+    """Where friction jams hardest, and what: the pair that has the largest part in it, None: the face on the cam."""
+    at, values = math.degrees(jam.theta), {"factor": jam.value}
+    if friction is None:
+        return Finding("contact-jamming", ERROR, "loads.contact_friction", at, values)
+    if friction.own:
+        return Finding("jamming", ERROR, friction.field, at, values)
+    return Finding("pair-jamming", ERROR, friction.field, at, {**values, "pair": friction.pair})
+
+
+def element_findings(at: At, program: Pieces, loading: Loading) -> list[Finding]:
+    """Springs whose ends meet, so that their force has no direction; torsion springs that are wound up with every turn; dampers
+    between which nothing moves. ``at`` gives the kinematics at any cam angles."""
+    rows = [element for element in loading.others if isinstance(element, Spring | Torsion) and element.acts]
+    if not rows:
+        return []
+    angles = piecewise_angles(program)
+    kinematics = at(angles)
+    size = max(float(np.abs(pose.origin[0] - pose.origin[0][0]).max(initial=0.0)) for pose in kinematics.bodies.values())
+    found = []
+    for row in rows:
+        if row.damping and _still(row, kinematics):
+            found.append(Finding("damper-still", WARNING, f"{row.field}.{row.damping_key}", None, {"name": _words(row)}))
+        if isinstance(row, Torsion):
+            turns = round(float(row.angle(kinematics)[-1] - row.angle(kinematics)[0]) / TURN)
+            if row.rate and turns:
+                found.append(Finding("spring-winds-up", ERROR, row.field, None, {"name": _words(row), "turns": float(turns)}))
+        elif row.length or row.damping:
+            least = find_extremes(lambda there, row=row: {"": np.abs(row.between(at(there)))}, program)[""].low  # type: ignore[misc]
+            if least.value <= _MEET * max(size, row.length):
+                found.append(Finding("spring-ends-meet", ERROR, row.field, math.degrees(least.theta), {"name": _words(row)}))
+    return found
+
+
+def _words(row: Spring | Torsion) -> str:
+    return re.sub(r"(?=\d)", " ", row.name, count=1).replace("_", " ")
+
+
+def _still(row: Spring | Torsion, kinematics: Kinematics) -> bool:
+    """Whether what a damper works on moves nowhere, but for rounding."""
+    if isinstance(row, Torsion):
+        return bool((np.abs(row.angle(kinematics, 1)) <= _STILL).all())
+    return bool((np.abs(row.stretch(kinematics)) <= _STILL * np.abs(row.between(kinematics)).max(initial=0.0)).all())

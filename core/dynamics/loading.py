@@ -28,6 +28,7 @@ from core.design import (
 )
 from core.design.parts import SIDES
 from core.dynamics.elements import (
+    Element,
     Friction,
     Inertia,
     Loading,
@@ -45,6 +46,9 @@ from core.errors import NoAnswer
 from core.mechanism.kinematics import FRAME
 from core.mechanism.mechanism import Mechanism, body_name
 from core.numerics.vectors import heading
+
+LOAD = "load"
+"""Name of a follower's own spring and external force among the elements."""
 
 
 def _gravity(loads: Loads | LinkageLoads) -> complex:
@@ -71,14 +75,15 @@ def cam_slider_loading(follower: CamSlider, loads: CamSliderLoads) -> Loading:
         Mass("rod", Inertia(s.rod_mass, complex(s.rod_centre * g.rod), s.rod_inertia), gravity),
         Mass("arm", combined([arm, roller]), gravity),
     )
-    return Loading(masses, (OutputForce(s.external_force, s.spring_rate),), _guide_friction(s.friction), "guide", _contact(loads))
+    force = OutputForce(s.external_force, s.spring_rate, name=LOAD)
+    return Loading(masses, (force,), _guide_friction(s.friction), "guide", _contact(loads))
 
 
 def translating_loading(follower: Translating, loads: TranslatingLoads) -> Loading:
     """The closing spring presses towards the cam, against the rise."""
     s = si(loads)
     masses = (Mass("follower", Inertia(s.follower_mass), _gravity(loads)),)
-    return Loading(masses, (OutputForce(-s.preload, s.spring_rate),), _guide_friction(s.friction), "guide", _contact(loads))
+    return Loading(masses, (OutputForce(-s.preload, s.spring_rate, name=LOAD),), _guide_friction(s.friction), "guide", _contact(loads))
 
 
 def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loading:
@@ -87,7 +92,7 @@ def oscillating_loading(follower: Oscillating, loads: OscillatingLoads) -> Loadi
     arm = Inertia(s.arm_mass, s.arm_centre * heading(s.arm_centre_angle), s.arm_inertia)
     roller = Inertia(s.roller_mass, complex(g.arm), s.roller_inertia)
     masses = (Mass("arm", combined([arm, roller]), _gravity(loads)),)
-    spring = OutputForce(-s.preload, s.spring_rate, SIDES[follower.side])
+    spring = OutputForce(-s.preload, s.spring_rate, SIDES[follower.side], LOAD)
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 
@@ -97,7 +102,7 @@ def oscillating_flat_loading(follower: OscillatingFlat, loads: OscillatingFlatLo
     s, side = si(loads), SIDES[follower.side]
     centre = -1j * side * s.arm_centre * heading(s.arm_centre_angle)
     masses = (Mass("arm", Inertia(s.arm_mass, centre, s.arm_inertia), _gravity(loads)),)
-    spring = OutputForce(-s.preload, s.spring_rate, side)
+    spring = OutputForce(-s.preload, s.spring_rate, side, LOAD)
     return Loading(masses, (spring,), contact_friction=_contact(loads))
 
 
@@ -118,7 +123,7 @@ def loading_of(mechanism: Any, loads: Any, built: Mechanism | None = None) -> Lo
     own: Loading = LOADINGS[type(loads)](mechanism, loads)
     if built is None or not any(getattr(loads, name) for name in ELEMENT_LISTS):
         return own
-    more = (*_springs(loads, built), *_torsion_springs(loads, built), *_process(loads, built, own))
+    more: tuple[Element, ...] = (*_springs(loads, built), *_torsion_springs(loads, built), *_process(loads, built, own))
     return replace(own, others=(*own.others, *more), frictions=(*own.frictions, *_frictions(loads, built)))
 
 
@@ -134,8 +139,8 @@ def _place(at: Attachment, built: Mechanism) -> Place:
 
 def _springs(loads: ForceElements, built: Mechanism) -> Iterator[Spring]:
     for i, row in enumerate(loads.springs, 1):
-        s = si(row)
-        yield Spring(_place(row.from_, built), _place(row.to, built), s.rate, s.free_length, s.damping, f"spring{i}")
+        s, ends = si(row), (_place(row.from_, built), _place(row.to, built))
+        yield Spring(*ends, s.rate, s.free_length, s.damping, f"spring{i}", f"loads.springs[{i - 1}]")
 
 
 def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion]:
@@ -143,12 +148,12 @@ def _torsion_springs(loads: ForceElements, built: Mechanism) -> Iterator[Torsion
     for i, row in enumerate(loads.torsion_springs, 1):
         s, body, on = si(row), built.bodies.get(row.link, FRAME), built.bodies.get(row.on, FRAME)
         free = s.free_angle + (built.turn if on == FRAME else 0.0) - (built.turn if body == FRAME else 0.0)
-        yield Torsion(body, on, s.rate, free, s.damping, f"torsion_spring{i}")
+        yield Torsion(body, on, s.rate, free, s.damping, f"torsion_spring{i}", f"loads.torsion_springs[{i - 1}]")
 
 
 def _frictions(loads: ForceElements, built: Mechanism) -> Iterator[Friction]:
     for i, row in enumerate(loads.pair_friction):
-        s, links = si(row), {row.link, row.other} - {None}
+        s, links = si(row), {n for n in (row.link, row.other) if n is not None}
         found = [
             (name, {joint.first.link, joint.second.link}) for joint, name in built.pair_names.items()
             if row.pair in (name, joint.name) and links <= {joint.first.link, joint.second.link}
@@ -168,11 +173,12 @@ def _schedule(row: Process) -> Schedule:
         return ByTable(tuple(math.radians(p.deg) for p in row.points), tuple(p.value for p in row.points))
     if row.cam_from_deg is not None:
         return OverTurn(s.cam_from, s.cam_to)
-    metres = row.position_from_mm is not None
-    unit = UNITS["mm" if metres else "deg"].factor
-    low, high = (row.position_from_mm, row.position_to_mm) if metres else (row.position_from_deg, row.position_to_deg)
-    assert low is not None and high is not None
-    return OverMotion(low * unit, high * unit)
+    if row.position_from_mm is not None and row.position_to_mm is not None:
+        unit = UNITS["mm"].factor
+        return OverMotion(row.position_from_mm * unit, row.position_to_mm * unit)
+    assert row.position_from_deg is not None, "no part of the turn and none of the motion"
+    assert row.position_to_deg is not None, "a part of the motion without its end"
+    return OverMotion(math.radians(row.position_from_deg), math.radians(row.position_to_deg))
 
 
 def _process(loads: ForceElements, built: Mechanism, own: Loading) -> Iterator[ScheduledForce]:

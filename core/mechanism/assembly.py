@@ -65,6 +65,7 @@ def solve_mechanism(mechanism: Mechanism, motion: MotionState, course: Course | 
         condition=lambda: np.broadcast_to(condition(plan, solved), n),
         singular=lambda: _singular(mechanism, solved, n),
         carrier=carrier,
+        sense=mechanism.sense,
         by_driver=lambda: _by_driver(mechanism, course, q[0], points),
     )
 

@@ -126,6 +126,7 @@ class Kinematics:
                    ``carrier``: body of that pair or the roller's link, where the follower body is the roller alone
     by_driver      name -> Pose with derivatives by the driver's coordinate: what goes where, in a dwell too
     travel         (n,) complex unit vector: where the reference point goes when the follower moves forward
+    sense          of the driver's coordinate: q = start + sense y
     singular       what must not vanish, by the code of its finding: (n,) 0 ... 1
     coordinates    the follower's own variables and their derivatives, named as in tables (phi, beta, slider_position)
     base           the base position: name -> (value in SI, unit)
@@ -147,6 +148,7 @@ class Kinematics:
     singular: Lazy[Mapping[str, np.ndarray]] = Lazy(lambda kinematics: MappingProxyType({}))
     by_driver: Lazy[Mapping[str, Pose]] = Lazy(lambda kinematics: MappingProxyType({}))
     carrier: str = ""
+    sense: float = 1.0
 
     @cached_property
     def driver_name(self) -> str:

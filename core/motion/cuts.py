@@ -53,6 +53,6 @@ class CutProgram:
 
     def state(self, angles: Angles) -> MotionState:
         """The motion at these angles."""
-        inner = Angles(angles.theta, self._of[angles.piece], unit=lambda: angles.unit)  # type: ignore[arg-type]
+        inner = Angles(angles.theta, self._of[angles.piece], unit=lambda: angles.unit)
         state = self._program.state(inner)
-        return MotionState(angles, state.displacement, state.velocity_sign, self._middle[:, angles.piece])  # type: ignore[arg-type]
+        return MotionState(angles, state.displacement, state.velocity_sign, self._middle[:, angles.piece])

@@ -207,6 +207,11 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
     (r"force\.(\w+)_size", "{}_n", "Force at {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links"),
     (r"couple\.(\w+)", "link{}_couple_nm", "Couple on the guide of link {}", "M_{}", "torque", "dyad by dyad",
      "balance of the links"),
+    ("kinetic_energy", "kinetic_energy_j", "Kinetic energy", "E", "energy", "Σ ½m v² + ½I α̇²", "balance of energy"),
+    (r"kinetic_energy\.(\w+)", "{}_kinetic_energy_j", "Kinetic energy of {}", "E {}", "energy", "½m v² + ½I α̇²", "balance of energy"),
+    (r"power\.load", "load_power_w", "Power of spring and external force", "P", "power", "F ẏ", "balance of energy"),
+    (r"power\.friction_(\w+)", "friction_{}_power_w", "Power of friction at {}", "P_μ {}", "power", "-μ|N||v|", "balance of energy"),
+    (r"power\.(\w+)", "{}_power_w", "Power of {}", "P {}", "power", "F·v", "balance of energy"),
     ("driver_torque", "driver_torque_nm", "Driver torque", "T", "torque", "-Σ(F - ma)·∂r/∂q", "virtual power"),
     ("driver_force", "driver_force_n", "Driver force", "F_d", "force", "-Σ(F - ma)·∂r/∂q", "virtual power"),
 )  # fmt: skip
@@ -218,9 +223,10 @@ def _linkage_row(name: str) -> Channel:
     for pattern, slug, label, symbol, family, equation, source in _BY_NAME:
         match = re.fullmatch(pattern, name)
         if match:
-            of = match[1] if match.groups() else ""
+            of = match[1] or "" if match.groups() else ""
+            words = re.sub(r"(?<=[a-z])(?=\d)", " ", of).replace("_", " ") if name.startswith(("power", "kinetic")) else of
             table = _TABLES[quantity(name).stage]
-            return Channel(slug.format(of), name, label.format(of), symbol.format(of), family, table, equation, source)
+            return Channel(slug.format(of), name, label.format(words), symbol.format(of), family, table, equation, source)
     raise KeyError(name)
 
 

@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from core import dynamics
 from core.cam import OUTER, SECOND, flank_named, flat_flank, form_row, forward_push, round_flank, row_of
 from core.design import FOLLOWER_KINDS, FRAME_LINK, Design
 from core.design.topology import GROUP, driver_pair, is_pin, solving_order
-from core.dynamics import GuideReaction
+from core.dynamics import GuideReaction, loading_of
 from core.frozen import frozen
 from core.mechanism import SINGULAR, mechanism_of
 from core.mechanism.kinematics import SLIDING, Kinematics
@@ -260,6 +261,9 @@ _PATTERNS: tuple[tuple[str, str, Callable[..., Callable[[Study], np.ndarray]]], 
     (rf"force\.(\w+)_({'|'.join(_OF_FORCE)})", "dynamics", _force_part),
     (r"couple\.(\w+)", "dynamics", lambda name: lambda s: s.dynamics.couples[name]),
     (r"driver_(?:torque|force)", "dynamics", lambda: lambda s: s.dynamics.driver),
+    (r"kinetic_energy(?:\.(\w+))?", "dynamics", lambda body: lambda s: dynamics.kinetic_energy(s.linkage, s.loading, s.omega, body)),
+    (r"power\.friction_(\w+)", "dynamics", lambda pair: lambda s: -s.dynamics.rubbing[pair]),
+    (r"power\.(\w+)", "dynamics", lambda name: lambda s: dynamics.power_of(s.loading.named[name], s.linkage, s.omega)),
 )  # fmt: skip
 
 
@@ -287,7 +291,7 @@ def names_of(design: Design) -> tuple[str, ...]:
     """Every quantity that a design can have, in the order of the tables."""
     links = tuple(_links(design)) if design.drive.links else ()
     pairs = tuple(_pairs(design)) if design.drive.links else ()
-    stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": pairs}
+    stages: Mapping[str, tuple[str, ...]] = {"linkage": links, "dynamics": (*pairs, *_energies(design))}
     names: list[str] = []
     for stage in ("motion", "linkage", "cam", "dynamics"):
         rows = ((name, row) for name, row in QUANTITIES.items() if row.stage == stage)
@@ -308,6 +312,34 @@ def _links(design: Design) -> Iterator[str]:
     for point in dict.fromkeys(p.name for link in linkage.links for p in link.points if p.name not in fixed):
         yield from (f"point.{point}_{what}" for what in ("x", "y", "vx", "vy", "ax", "ay", "speed"))
     yield from (f"transmission.{step.joint}" for step in solving_order(linkage).steps if step.kind != GROUP)
+
+
+def _energies(design: Design) -> Iterator[str]:
+    """Kinetic energy of all, and of each body where there are several; power of each force element and of friction."""
+    loads = design.drive.loads
+    loading = loading_of(design.drive.mechanism, loads)
+    moved = [mass.body for mass in loading.masses if mass.acts]
+    if moved:
+        yield "kinetic_energy"
+    yield from (f"kinetic_energy.{body}" for body in moved if len(moved) > 1)
+    yield from (f"power.{element.name}" for element in loading.elements if element.name)
+    for list_name, name in (("springs", "spring"), ("torsion_springs", "torsion_spring"), ("process", "process")):
+        yield from (f"power.{name}{i}" for i, _ in enumerate(getattr(loads, list_name), 1))
+    yield from (f"power.friction_{friction.pair}" for friction in loading.frictions)
+    yield from (f"power.friction_{dynamics.CAM_FACE}" for _ in range(loading.contact_friction > 0.0))
+    yield from (f"power.friction_{name}" for name in _rubbing(design))
+
+
+def _rubbing(design: Design) -> Iterator[str]:
+    """The pairs that rub by a row of the loads, as the forces name them."""
+    rows = design.drive.loads.pair_friction
+    if not design.drive.links:
+        yield from (row.pair for row in rows)
+        return
+    for row in rows:
+        named, links = mechanism_of(design.drive.linkage).pair_names, {row.link, row.other} - {None}
+        joined = (name for j, name in named.items() if j.name == row.pair and links <= {j.first.link, j.second.link})
+        yield from list(joined)[:1]
 
 
 def _pairs(design: Design) -> Iterator[str]:

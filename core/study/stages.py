@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from core.cam import envelope
-from core.design import Elastic, Motion, si
+from core.design import Elastic, si
 from core.dynamics import Loading
 from core.errors import NoStability
 from core.mechanism import Course, CrankProgram, Mechanism, solve_mechanism
@@ -94,13 +94,12 @@ def crank_state(course: Course, angles: Angles) -> MotionState:
 
 
 def shaft_coefficients(
-    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, inertia: float, stiffness: float, spring: str,
+    compiled: Any, mechanism: Mechanism, course: Course, loading: Loading, inertia: float, stiffness: float, spring: str,
     factor: float,
 ) -> Coefficients | NoStability:
     """The periodic coefficients of the flexible shaft, or why there are none."""
     from core.stability import coefficients
 
-    compiled = program(motion)
     try:
         return coefficients(
             lambda angles: solve_mechanism(mechanism, compiled.state(angles), course),
@@ -111,18 +110,17 @@ def shaft_coefficients(
 
 
 def flexible_shaft(
-    motion: Motion, mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, elastic: Elastic,
+    compiled: Any, mechanism: Mechanism, course: Course, loading: Loading, face: Any, cam: Any, sense: float, elastic: Elastic,
     omega: float,
 ) -> Stability | NoStability:
     """The stage ``stability``, or why there is none: the coefficients do not depend on speed and damping, and are kept apart."""
     from core.stability import contact_forces, stability
 
     s = si(elastic)
-    parts = (motion, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
+    parts = (compiled, mechanism, course, loading, s.camshaft_inertia, s.stiffness, elastic.spring, elastic.spring_factor)
     made = memory.get("coefficients", parts, lambda: shaft_coefficients(*parts))
     if isinstance(made, NoStability):
         return made
-    compiled = program(motion)
 
     def kinematics_and_shape(angles: Angles) -> tuple[Any, Any]:
         kinematics = solve_mechanism(mechanism, compiled.state(angles), course)

@@ -14,12 +14,12 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
 from core.design import NO_LIMITS, Design, Linkage, with_drive
-from core.dynamics import FlankChange, Forces, Loading
+from core.dynamics import FlankChange, Forces, Friction, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
 from core.mechanism import Course, CrankProgram, Mechanism, body_name, solve_mechanism, swept, unit_speed_kinematics
-from core.mechanism.kinematics import FRAME, REVOLUTE, Kinematics
+from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics
 from core.motion import TURN, Angles, MotionState, degrees, program
 from core.motion.cuts import CutProgram
 from core.motion.extremes import Extreme, Range, find_above, find_extremes, piecewise_angles
@@ -348,11 +348,13 @@ class Study:
         return worst
 
     @property
-    def _contact_jams(self) -> bool:
-        """Whether what jams is the friction between face and cam."""
-        if self.jam is None or not self.loading.contact_friction:
-            return False
-        return bool(self.at_theta(np.array([self.jam.theta])).dynamics.contact_jam[0] >= dynamics.JAMS)
+    def _jamming(self) -> Friction | None:
+        """The pair that has the largest part in what jams; None: the face on the cam."""
+        assert self.jam is not None
+        forces = self.at_theta(np.array([self.jam.theta])).dynamics
+        if not self.loading.frictions or forces.contact_jam[0] >= dynamics.JAMS:
+            return None
+        return self.loading.frictions[int(forces.most_jamming[0])]
 
     @property
     def flank_changes(self) -> tuple[FlankChange, ...]:
@@ -405,7 +407,7 @@ class Study:
             raise NoStability("the camshaft is rigid", "shaft", "give camshaft_inertia_kg_m2 and stiffness_nm_per_rad")
         with self._located("linkage"):
             found = self._stage(
-                "stability", flexible_shaft, drive.motion, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
+                "stability", flexible_shaft, self.program, self.mechanism, self.course, self.loading, drive.face, drive.bare_cam,
                 self.sense, shaft_part.elastic, self.omega,
             )  # fmt: skip
         if isinstance(found, NoStability):
@@ -451,7 +453,8 @@ class Study:
         friction jams, or a crank cannot turn fully."""
         if self.jam is not None:
             angle = float(np.rad2deg(self.jam.theta))
-            what, field = ("contact", "loads.contact_friction") if self._contact_jams else ("guide", "loads.friction")
+            friction = self._jamming
+            what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
             raise NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
@@ -469,18 +472,24 @@ class Study:
             study = there(angles)
             return np.array([study.shaft_torque, self.loading.inertia(study.linkage)[0]])
 
-        def rubbing(angles: Angles) -> np.ndarray:
-            """The guide's force where it rubs: friction turns round with its sign."""
-            guide = there(angles).dynamics.guide
-            assert guide is not None
-            return np.asarray(guide.normal * np.abs(there(angles).drive.velocity_sign))
+        def rubbing(friction: Friction, edge: int) -> Callable[[Angles], np.ndarray]:
+            """What a slide carries where it rubs: friction turns round with its sign."""
+
+            def force(angles: Angles) -> np.ndarray:
+                study = there(angles)
+                share = dynamics.carried(study.linkage, study.dynamics, friction)[edge]
+                return np.asarray(share * np.abs(study.drive.velocity_sign))
+
+            return force
 
         def carrying(angles: Angles) -> np.ndarray:
             """Which flank carries: with another one friction in the guide grows otherwise."""
             return there(angles).dynamics.carrying
 
+        slides = [f for f in self.loading.frictions if self.linkage.pairs[f.pair].kind == SLIDING]
+        switches = [rubbing(f, edge) for f in slides for edge in range(2 if f.length else 1)]
         changes = carrying if self.holds and self.loading.frictions else None
-        return load_curve(load, self.program, rubbing if self.loading.friction else None, changes)
+        return load_curve(load, self.program, *switches, changes)
 
     # -- what figures depend on -----------------------------------------------------------------------------
 
@@ -627,14 +636,16 @@ class Study:
             return math.nan
 
     def _dynamics_findings(self) -> list[Finding]:
+        jams = [] if self.jam is None or self.loading.empty else [dynamics.jam_finding(self.jam, self._jamming)]
         if "cam" not in self.stages:
-            found = [Finding("no-load", NOTE, "loads", None)] if self.loading.empty else []
+            found = [*dynamics.findings(None, self.loading, ""), *jams]
         else:
             contact = None if self.holds else self.extremes("dynamics", _CONTACT)["contact_force"]
-            found = dynamics.findings(contact, self.jam, self._contact_jams, self.loading, self.design.drive.face.noun)
+            found = [*dynamics.findings(contact, self.loading, self.design.drive.face.noun), *jams]
             if self.holds and self.jam is None and not self.loading.empty:
                 found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
             found += cam_checks.force_findings(self) + contact_stress.findings(self)
+        found += dynamics.element_findings(lambda angles: self.at(angles).linkage, self.program, self.loading)
         return [*found, *(shaft.findings(self.flywheel) if self.levelled and self.jam is None else [])]
 
     def undercut_on(self, flank: str) -> bool:

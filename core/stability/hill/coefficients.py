@@ -145,6 +145,8 @@ def coefficients_of_all(
     ends), in none of which one of them has a join."""
     for each in driven:
         _require_no_blow(each)
+        if spring != RETUNED:
+            _require_even_load(each)
     own = _sizes_of_each(driven)
     size = own[0] if len(driven) == 1 else replace(max(own, key=lambda s: s.inertia), inertia=_most_inertia(driven, turn))
     q = size.inertia / camshaft_inertia
@@ -176,6 +178,23 @@ def _require_no_blow(driven: Driven) -> None:
             field = f"{driven.path}motion.segments[{(i + 1) % len(joins)}]"
             at = float(np.rad2deg(join.theta))
             raise NoStability("the velocity jumps, a blow on the shaft", field, "mend the join", [(at, at)])
+
+
+EVEN = 1e-9  # of the largest V': a jump below it is rounding
+
+
+def _require_even_load(driven: Driven) -> None:
+    """Raises NoStability where a force of the process switches while its point moves: V' jumps, and V'' is infinite there."""
+    program, pieces = driven.program, np.arange(driven.program.starts.size)
+    if driven.loading.cuts(program).size == 0:
+        return
+    before, after = (driven.loading.potential(driven.kinematics_at(Angles(at, pieces)))[0] for at in (program.ends, program.starts))
+    jump = np.abs(np.roll(after, -1) - before)
+    worst = int(jump.argmax())
+    if jump[worst] > EVEN * float(np.abs(before).max()):
+        at = float(np.rad2deg(np.mod(program.ends[worst], TURN)))
+        problem = "a force of the process switches while what it acts on moves, a blow on the shaft"
+        raise NoStability(problem, f"{driven.path}loads.process", "switch it in a dwell", [(at, at)])
 
 
 def _sizes_of_each(driven: Sequence[Driven]) -> list[Sizes]:
