@@ -14,6 +14,7 @@ from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS, Reading
 from core.find.offer import limits_without
 from core.find.trial import NEEDED, Outcome, Trials
 from core.find.wanted import LARGEST, LEAST_PRESSURE, NARROWEST, SMALLEST, WANTED, Box, Row, bounded, has
+from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
@@ -73,6 +74,12 @@ class Solution:
     @property
     def serves(self) -> bool:
         return not self.against
+
+    @property
+    def errors(self) -> tuple[str, ...]:
+        """What no limit of the search says and is wrong all the same with the cam of the answer: its hub, its keyway, its cutter."""
+        found = Study(self.design).findings(("cam",)) if self.serves and self.design.drive.cam is not None else ()
+        return tuple(finding.message for finding in found if finding.severity == ERROR)
 
 
 def find(

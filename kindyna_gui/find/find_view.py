@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import partial
+from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QHideEvent, QResizeEvent
@@ -188,7 +189,7 @@ class FindView(View):
         self._rest()
         self.searches += 1
         self._count = Count()
-        job = partial(find, design, self._wanted, dict(limits), place=place, alone=True, tell=self._count.tell)
+        job = partial(_sought, design, self._wanted, dict(limits), place=place, alone=True, tell=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
@@ -276,6 +277,13 @@ class FindView(View):
         if self._work.busy:
             self._rest()
             self._stale = True
+
+
+def _sought(design: Design, what: str, stated: Mapping[str, float], **how: Any) -> Solution:
+    """The answer, with what is wrong with its cam looked at in the same go, not when it is shown."""
+    solution = find(design, what, stated, **how)
+    _ = solution.errors
+    return solution
 
 
 def _fill(box: WordBox, rows: Mapping[str, str]) -> None:

@@ -112,6 +112,7 @@ def answer_html(design: Design, solution: Solution) -> str:
     lines += [_line(design, solution, key) for key in solution.reached if solution.limits.get(key) != 0.0 or key == solution.curve_of]
     if solution.end:
         lines.append("No limit holds it: it stands at the end of its range.")
+    lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
     if not solution.serves:
         lines += [f"<span style='color:{WRONG}'>Against it: {escape(sentence(text))}</span>" for text in solution.against]
     return "<br>".join(lines)

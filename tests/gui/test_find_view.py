@@ -99,6 +99,10 @@ def test_the_answer_is_the_cores_and_is_taken_over_as_one_step(open_user: Open) 
     assert list(rested(view).limits.boxes) == []
     assert view.solution is not None
     assert dict(view.solution.limits) == {"convex_radius_mm": 0.0}, "nothing but that the cam is not undercut"
+    # the answer may be too small for what the cam carries
+    user.session.put(edited(user.design, "cam.hub_mm", 60.0), "Hub")
+    assert "But the profile comes as near as" in text_of(rested(view))
+    assert "the hub has a radius of 30 mm" in text_of(view)
 
 
 def test_where_no_value_serves_the_best_is_shown_with_what_stands_against_it(open_user: Open) -> None:
