@@ -110,30 +110,36 @@ def compiled(there: Any, setting: tuple[str, float]) -> Channels:
     return (_compiled(there, setting, SPEED),)
 
 
-def _stopped(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
-    from scipy.integrate import solve_ivp
+def _compiled_stopped(there: Any, setting: tuple[str, float], eta: float) -> np.ndarray:
+    """scipy's compiled dop853, which steps to every value that is wanted and to the joins, found by Newton's method."""
+    from scipy.integrate import ode
 
-    resting, moving = equation(eta)
+    pieces, wanted, last = equation(eta), there.y, there.turns
+    out = np.zeros(wanted.size)
     y, x, half = 0.0, np.zeros(2), 0
-    out = np.empty(there.y.size)
-    while y < there.turns:
-
-        def join(at: float, x: Any, end: float = 0.5 * (half + 1)) -> float:
-            return at - x[0] - end
-
-        join.terminal = True  # type: ignore[attr-defined]
-        solved = solve_ivp(moving if half % 2 == 0 else resting, (y, there.turns), x, events=join, **_solver(*setting))
-        end = float(solved.t[-1])
-        inside = (there.y >= y) & (there.y <= end)
-        if inside.any():
-            out[inside] = solved.sol(there.y[inside])[0]
-        y, x, half = end, solved.y[:, -1], half + 1
+    while y < last:
+        solver, end = ode(pieces[1 - half % 2]), 0.5 * (half + 1)
+        solver.set_integrator("dop853", rtol=setting[1], atol=1e-3 * setting[1], nsteps=100_000)
+        solver.set_initial_value(x, y)
+        at = end + float(x[0])
+        for _ in range(6):
+            inside = np.flatnonzero((wanted > min(y, at)) & (wanted <= max(y, at)))
+            times = np.concatenate(([y], wanted[inside] if at > y else wanted[inside][::-1], [at]))
+            for i, time in zip(inside if at > y else inside[::-1], times[1:-1], strict=True):
+                out[i] = solver.integrate(time)[0]
+            y, x = at, solver.integrate(at)
+            missed = end - (y - x[0])
+            if abs(missed) <= 1e-15 * end:
+                break
+            at = y + missed / (1.0 - x[1])
+            if at == y:
+                break
+        half += 1
     return out
 
 
-def piecewise(there: Any, setting: tuple[str, float]) -> Channels:
-    """The same, stopped at every join of the cam, as ours is."""
-    return (_stopped(there, setting, SPEED),)
+def compiled_stopped(there: Any, setting: tuple[str, float]) -> Channels:
+    return (_compiled_stopped(there, setting, SPEED),)
 
 
 # -- at many ----------------------------------------------------------------------------------------------
@@ -207,9 +213,9 @@ def one_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
     return [_compiled(there, setting, eta) for eta in SPEEDS]
 
 
-def one_piecewise_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
-    """Each speed for itself, stopped at every join of the cam."""
-    return [_stopped(there, setting, eta) for eta in SPEEDS]
+def one_compiled_stopped_after_the_other(there: Any, setting: tuple[str, float]) -> Channels:
+    """Each speed for itself, stopped at every join of the cam, as ours are."""
+    return [_compiled_stopped(there, setting, eta) for eta in SPEEDS]
 
 
 # -- rows -------------------------------------------------------------------------------------------------
@@ -237,8 +243,8 @@ KERNEL = Kernel(
         Method("KINDYNA", ours, ours=True),
         Method("RK4, fixed steps", fixed_steps, STEPS, "steps a turn", one_by_one=True, special=True),
         _by("odeint", compiled),
+        _by("ode dop853", compiled_stopped, ", stopped at the joins"),
         _by("solve_ivp DOP853", adaptive),
-        _by("solve_ivp DOP853", piecewise, ", stopped at the joins"),
     ),
     # four roundings of the state a step of about twenty a turn
     roundings=4 * 20 / (2.0 * PI * SPEED),
@@ -260,9 +266,9 @@ MANY = Kernel(
         Method("KINDYNA", ours_of_many, ours=True),
         Method("RK4, fixed steps, numpy", fixed_steps_of_many, STEPS[:5], "steps a turn", one_by_one=True, special=True),
         _by("odeint", one_after_the_other, ", one after the other"),
+        _by("ode dop853", one_compiled_stopped_after_the_other, ", one after the other, stopped at the joins", FINE),
         _by("odeint", compiled_of_many, ", numpy", FINE),
         _by("solve_ivp DOP853", adaptive_of_many, ", numpy", COARSE),
-        _by("solve_ivp DOP853", one_piecewise_after_the_other, ", one after the other, stopped at the joins", FINE),
     ),
     roundings=4 * 20 / (2.0 * PI * min(SPEEDS)),
     handed=HANDED,
