@@ -124,7 +124,10 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "take a cutter no larger than that",
         "self-intersection": "the {which} crosses itself: it passes the same place{at} and at {other_deg:.5g} deg; make the cam "
         "larger, the roller smaller or the motion gentler",
-        "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; add closing force or lower the speed",
+        "separation": "the {face} leaves the cam: contact force {force_n:.5g} N; it does so from {speed_rpm:.6g} rpm on: add closing "
+        "force or lower the speed",
+        "contact-force-low": "contact force {value} N{at}, it must stay at {limit} N at least: enlarge the spring's preload or rate, or "
+        "lower the speed",
         "jamming": "friction jams the guide: friction times the slope of what pushes is {factor}, must stay below 1; lower it, "
         "or the pressure angle",
         "jamming.endless": "friction jams the guide: what pushes stands across it, so that any friction holds it; lower the pressure "
@@ -194,6 +197,7 @@ COMPARED: Mapping[str, tuple[int, tuple[str, ...]]] = MappingProxyType(
         "contact-force": (5, ("value", "limit")),
         "contact-pressure": (5, ("value", "limit")),
         "material-pressure": (5, ("value", "limit")),
+        "contact-force-low": (5, ("value", "limit")),
         "profile-meets-hub": (5, ("radius_mm", "limit_mm")),
         "cutter-too-large": (5, ("cutter_mm", "radius_mm")),
         "cutter-wider-than-groove": (5, ("cutter_mm", "radius_mm")),

@@ -13,7 +13,7 @@ from core.commands import NOTHING_DONE, Painter
 from core.commands.common import design_file, drive_option, studied, verdict
 from core.design import only, with_only
 from core.errors import KindynaError
-from core.find import LIMITS, ON_SHAFT, SEARCHES, Solution, find
+from core.find import LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, find
 from core.findings import ERROR
 from core.output.lines import finding_line
 from core.output.summary import to_json
@@ -59,7 +59,7 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         return NOTHING_DONE
     if arguments.into is not None:
         save(solution.design if what in ON_SHAFT else with_only(whole, number, solution.design), arguments.into)
-    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT else ("cam",)
+    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or WANTED[what].holding else ("cam",)
     for finding in study.findings(stages):
         if finding.severity == ERROR:
             print(finding_line(finding, study.angle_name), file=sys.stderr)
@@ -101,7 +101,7 @@ def _text(solution: Solution) -> str:
     for key, value in solution.reached.items():
         number = f"{value:.7g}" if math.isfinite(value) else "none"
         limit = solution.limits.get(key)
-        against = "" if limit is None else ", not undercut" if not limit else f", limit {limit:g}"
+        against = "" if limit is None else ", not undercut" if not limit and key in LIMITS else f", limit {limit:g}"
         lines.append(f"  {key} = {number}{against}")
     if solution.end:
         lines.append(f"no limit holds it: it stands at the end, {solution.end}")

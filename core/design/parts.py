@@ -351,6 +351,13 @@ class Loads(ForceElements):
     contact: ContactFriction | None = placed(Placing(ContactFriction, choose=rubs), None)
     gravity_m_s2: float = number("Gravity", 0.0, default=9.80665)
     gravity_angle_deg: float = number("Gravity direction", -360.0, 360.0, default=-90.0, help="-90 = downwards")
+    least_contact_force_n: float | None = number(
+        "Least contact force", 0.0, default=None, help="that must press the follower on an open cam"
+    )
+    restitution: float | None = number(
+        "Restitution", 0.0, 0.95, default=None, step=0.05,
+        help="speed of rebound per speed of landing, where the follower left the cam; 0 where none is given",
+    )
 
 
 @frozen(kw_only=True)

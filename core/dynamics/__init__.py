@@ -1,6 +1,7 @@
 """Forces and torque of a mechanism at constant speed, with their proof."""
 
 from core.dynamics.balance import kinetic_energy, momentum_residual, power_of, power_residual, power_terms
+from core.dynamics.contact_force import ContactForce, ContactMap, LeastForce, LiftOff, contact_map
 from core.dynamics.elements import (
     Element,
     Friction,
@@ -24,8 +25,9 @@ from core.dynamics.limits import element_findings, findings, jam_finding
 from core.dynamics.loading import LOADINGS, link_loading, loading_of
 
 __all__ = [
-    "CAM_FACE", "JAMS", "LOADINGS", "Element", "FlankChange", "Forces", "Friction", "GuideReaction", "Inertia", "Load", "Loading", "Mass",
-    "OutputForce", "Place", "PointForce", "Rate", "ScheduledForce", "Spring", "Torsion", "carried", "change_findings", "combined",
-    "element_findings", "findings", "flank_changes", "guide_reaction", "jam_finding", "kinetic_energy", "limitless", "link_loading",
-    "loading_of", "momentum_residual", "newton_euler", "power_of", "power_residual", "power_terms",
+    "CAM_FACE", "JAMS", "LOADINGS", "ContactForce", "ContactMap", "Element", "FlankChange", "Forces", "Friction", "GuideReaction",
+    "Inertia", "LeastForce", "LiftOff", "Load", "Loading", "Mass", "OutputForce", "Place", "PointForce", "Rate", "ScheduledForce",
+    "Spring", "Torsion", "carried", "change_findings", "combined", "contact_map", "element_findings", "findings", "flank_changes",
+    "guide_reaction", "jam_finding", "kinetic_energy", "limitless", "link_loading", "loading_of", "momentum_residual", "newton_euler",
+    "power_of", "power_residual", "power_terms",
 ]  # fmt: skip

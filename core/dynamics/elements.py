@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, ClassVar, NamedTuple, Protocol
 
@@ -419,6 +420,11 @@ class Loading:
     def inertial(self) -> Loading:
         """Its masses alone, without their weight."""
         return Loading(tuple(Mass(m.body, m.inertia) for m in self.masses), (), (), self.guide)
+
+    @property
+    def inertial_with_contact(self) -> Loading:
+        """Its masses alone, under the friction of a face that slides on the cam."""
+        return replace(self.inertial, contact_friction=self.contact_friction)
 
     def inertia(self, kinematics: Kinematics) -> np.ndarray:
         """J(θ), J', J'' of all moved bodies at the camshaft (3, n) [kg m²]: the kinetic energy is J θ̇²/2."""

@@ -17,18 +17,27 @@ from core.motion.extremes import Extreme, Pieces, Range, find_extremes, piecewis
 
 _STILL = 1e-9  # of a length, or [rad], per radian of the turn: less is rounding
 _MEET = 1e-6  # of the way of the links: ends that come so near meet
+KEPT = 1e-9  # of the least contact force wanted: by which it may be missed
 At = Callable[[Angles], Kinematics]
 
 
-def findings(contact: Range | None, loading: Loading, noun: str) -> list[Finding]:
-    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of the face."""
+def findings(
+    contact: Range | None, loading: Loading, noun: str, lift_off_rpm: Callable[[], float], wanted: float | None = None
+) -> list[Finding]:
+    """What the refined extremes of the contact force [N] exceed; contact: None where no follower can leave a cam; noun: of the face;
+    lift_off_rpm: the speed from which the follower leaves the cam, asked for where it does; wanted: the least contact force that is to
+    be kept."""
     if loading.empty:
         return [Finding("no-load", NOTE, "loads", None)]
     found = []
     face = {} if noun == Roller.noun else {"face": noun}
     least = None if contact is None else contact.low
     if least is not None and math.isfinite(least.value) and least.value <= 0.0:  # an infinite one is the jam's
-        found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), {"force_n": least.value, **face}))
+        lifted: dict[str, float | str] = {"force_n": least.value, "speed_rpm": lift_off_rpm(), **face}
+        found.append(Finding("separation", ERROR, "loads", math.degrees(least.theta), lifted))
+    elif least is not None and wanted and math.isfinite(least.value) and least.value < wanted * (1.0 - KEPT):
+        values = {"value": least.value, "limit": wanted}
+        found.append(Finding("contact-force-low", WARNING, "loads.least_contact_force_n", math.degrees(least.theta), values))
     return found
 
 

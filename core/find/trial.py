@@ -102,7 +102,7 @@ class Trials:
         if refined:
             tops = find_highest(lambda at: {name: curve.value for name, curve in curves(at).items()}, study.program)
         else:
-            tops = {name: _sampled(curve.value, angles) for name, curve in made.items()}
+            tops = {name: highest_of_samples(curve.value, angles) for name, curve in made.items()}
         return {key: [(curve, tops[name]) for name, curve in made.items() if name.partition(" ")[0] == key] for key in keys}
 
 
@@ -110,7 +110,7 @@ def _margin(reading: Reading) -> float:
     return reading.margin
 
 
-def _sampled(value: np.ndarray, angles: Angles) -> Extreme:
+def highest_of_samples(value: np.ndarray, angles: Angles) -> Extreme:
     """The highest of samples (n,), or of the parabola through it and its neighbours in the same segment."""
     value = np.where(np.isnan(value), -np.inf, value)
     i = int(np.argmax(value))

@@ -16,12 +16,22 @@ Box = Mapping[str, tuple[float | None, float | None]]
 """Path -> bounds of the value that the user states."""
 
 SMALLEST, LARGEST, LEAST_PRESSURE, NARROWEST = "smallest", "largest", "least pressure angle", "narrowest"
+LEAST_PRELOAD, LEAST_RATE, LIFT_OFF = "least preload", "least rate", "lift-off speed"
+FORCE = "loads.least_contact_force_n"
+PRELOADS = ("loads.preload_n", "loads.preload_nm")
+SPRING_RATES = ("loads.spring_rate_n_per_mm", "loads.spring_rate_nm_per_rad")
+SPEEDS = ("shaft.speed_rpm", "linkage.driver.speed_rpm")
+ENDS = ("_min", "_max")
 NEAR = np.linspace(-0.4, 0.4, 25)  # of the logarithm: where values near the present one are tried
 FAR = np.linspace(-4.6, 4.6, 36)
 
 
 def _no_choice(design: Design) -> tuple[str, ...]:
     return ()
+
+
+def _nothing(design: Design) -> Mapping[str, float]:
+    return {}
 
 
 class Row(NamedTuple):
@@ -31,6 +41,10 @@ class Row(NamedTuple):
     values   design, path -> the values tried first, rising: those between which there may be an answer
     limits   keys that apply
     places   design -> the fields of which one is varied, where the user may choose
+    holding  it keeps the follower on an open cam
+    further  keys that may be stated besides limits and bounds of the fields
+    usual    design -> what holds of those where nothing is stated
+    bounded  whether the fields may be bounded
     """
 
     title: str
@@ -40,10 +54,23 @@ class Row(NamedTuple):
     limits: tuple[str, ...] = tuple(LIMITS)
     help: str = ""
     places: Callable[[Design], tuple[str, ...]] = _no_choice
+    holding: bool = False
+    further: tuple[str, ...] = ()
+    usual: Callable[[Design], Mapping[str, float]] = _nothing
+    bounded: bool = True
+
+    def keys(self, paths: Sequence[str]) -> tuple[str, ...]:
+        """Everything that may be limited when these fields are varied."""
+        return (*self.limits, *self.further, *(f"{path}{end}" for path in paths for end in ENDS if self.bounded))
 
 
 def _always(*paths: str) -> Callable[[Design, Box], tuple[str, ...]]:
     return lambda design, box: paths
+
+
+def _untried(design: Design, path: str) -> np.ndarray:
+    """None: the value follows from an equation."""
+    return np.zeros(0)
 
 
 def _around(design: Design, path: str) -> np.ndarray:
@@ -104,6 +131,26 @@ def _arm(design: Design, box: Box) -> tuple[str, ...]:
     return next(((path,) for path in ("follower.arm_mm", "follower.roller_arm_mm") if has(design, path)), ("follower.arm_mm",))
 
 
+def _first(paths: tuple[str, ...]) -> Callable[[Design, Box], tuple[str, ...]]:
+    """The one of these fields that the design has."""
+    return lambda design, box: (next((path for path in paths if has(design, path)), paths[0]),)
+
+
+def speed_path(design: Design) -> str:
+    """The field of the shaft's speed."""
+    return next((path for path in SPEEDS if has(design, path)), SPEEDS[0])
+
+
+def _kept_force(design: Design) -> Mapping[str, float]:
+    """The contact force that the design states, else none."""
+    return {f"{FORCE}_min": (get(design, FORCE) if has(design, FORCE) else None) or 0.0}
+
+
+def _kept_up_to(design: Design) -> Mapping[str, float]:
+    """The same, up to the design's own speed."""
+    return {**_kept_force(design), f"{speed_path(design)}_max": design.speed_rpm}
+
+
 def has(design: Design, path: str) -> bool:
     """Whether the design has such an entry."""
     try:
@@ -129,7 +176,7 @@ WANTED: Mapping[str, Row] = MappingProxyType(
         ),
         "face-width": Row(
             "Narrowest flat face", _always("follower.face_half_width_mm", "follower.face_centre_mm"), NARROWEST,
-            lambda design, path: np.zeros(0), (), "the narrowest flat face, and its centre",
+            _untried, (), "the narrowest flat face, and its centre",
         ),
         "pivot": Row(
             "Pivot of least pressure angle", _always("follower.pivot_x_mm", "follower.pivot_y_mm"), LEAST_PRESSURE, _beside,
@@ -138,6 +185,21 @@ WANTED: Mapping[str, Row] = MappingProxyType(
         "arm": Row(
             "Arm of least pressure angle", _arm, LEAST_PRESSURE, _half_to_double,
             help="the arm length of least pressure angle in a box",
+        ),
+        "preload": Row(
+            "Least preload", _first(PRELOADS), LEAST_PRELOAD, _untried, (),
+            "the least preload of the closing spring that keeps loads.least_contact_force_n_min up to shaft.speed_rpm_max",
+            holding=True, further=(f"{FORCE}_min", "shaft.speed_rpm_max"), usual=_kept_up_to,
+        ),
+        "spring": Row(
+            "Least spring rate", _first(SPRING_RATES), LEAST_RATE, _untried, (),
+            "the least rate of the closing spring that does, with the present preload",
+            holding=True, further=(f"{FORCE}_min", "shaft.speed_rpm_max"), usual=_kept_up_to,
+        ),
+        "lift-off-speed": Row(
+            "Lift-off speed", lambda design, box: (speed_path(design),), LIFT_OFF, _untried, (),
+            "the speed from which the follower leaves the cam, or is pressed less than loads.least_contact_force_n_min",
+            holding=True, further=(f"{FORCE}_min",), usual=_kept_force, bounded=False,
         ),
     }
 )  # fmt: skip

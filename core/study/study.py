@@ -14,7 +14,7 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
 from core.design import NO_LIMITS, Design, Linkage, with_drive
-from core.dynamics import FlankChange, Forces, Friction, Loading
+from core.dynamics import ContactForce, FlankChange, Forces, Friction, LiftOff, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
@@ -348,6 +348,42 @@ class Study:
         return worst
 
     @property
+    def contact_force(self) -> ContactForce:
+        """F_c at every speed. Raises NoAnswer where the cam holds the follower from both sides, nothing loads it, or friction jams."""
+        self.require_stage("cam")
+        if self.holds:
+            form = self.design.drive.cam.form.form
+            raise NoAnswer(f"a {form} cam holds the follower from both sides, so that it cannot leave it", "cam.form", "take an open cam")
+        if self.loading.empty:
+            raise NoAnswer("nothing presses the follower on the cam: there are no masses and no spring", "loads", "give them")
+        if self.jam is not None:
+            raise self._jammed(self.jam)
+        return self._contact_force
+
+    @cached_property
+    def _contact_force(self) -> ContactForce:
+        def at(angles: Angles) -> tuple[Kinematics, CamShape]:
+            there = self.at(angles)
+            return there.linkage, there.cam
+
+        return ContactForce(at, self.loading, self.program, self.omega)
+
+    @property
+    def lift_off(self) -> LiftOff | None:
+        """The least speed at which the follower leaves the cam; None where none does. Raises NoAnswer as ``contact_force``."""
+        design = self.design
+        key = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS), design.sense  # at any speed the same
+        found: LiftOff | None = memory.get("lift-off", key, self.contact_force.lift_off)
+        return found
+
+    @property
+    def _lift_off_rpm(self) -> float:
+        """The speed from which on the follower leaves the cam, as it does at the design's own."""
+        own = abs(self.omega)
+        found = self.lift_off if self.jam is None else None
+        return (own if found is None else min(found.omega, own)) * 30.0 / math.pi
+
+    @property
     def _jamming(self) -> Friction | None:
         """The pair that has the largest part in what jams; None: the face on the cam."""
         assert self.jam is not None
@@ -355,6 +391,11 @@ class Study:
         if not self.loading.frictions or forces.contact_jam[0] >= dynamics.JAMS:
             return None
         return self.loading.frictions[int(forces.most_jamming[0])]
+
+    def _jammed(self, jam: Extreme) -> NoAnswer:
+        angle, friction = float(np.rad2deg(jam.theta)), self._jamming
+        what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
+        return NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
 
     @property
     def flank_changes(self) -> tuple[FlankChange, ...]:
@@ -452,10 +493,7 @@ class Study:
         """What it asks of the shaft over one turn, by the angle that the shaft has turned through. Raises NoAnswer where
         friction jams, or a crank cannot turn fully."""
         if self.jam is not None:
-            angle = float(np.rad2deg(self.jam.theta))
-            friction = self._jamming
-            what, field = ("contact", "loads.contact_friction") if friction is None else (friction.pair, friction.field)
-            raise NoAnswer(f"the {what} jams, the torque is infinite", field, "lower it", [(angle, angle)])
+            raise self._jammed(self.jam)
         if self.by_crank and not (len(self.course.ranges) == 1 and self.course.ranges[0].free):
             raise NoPosition("the crank cannot turn fully, so no flywheel carries it", "linkage.links", "change their lengths")
         curve: LoadCurve = memory.get("load curve", self.depends_on("dynamics"), self._turned_load)
@@ -638,10 +676,11 @@ class Study:
     def _dynamics_findings(self) -> list[Finding]:
         jams = [] if self.jam is None or self.loading.empty else [dynamics.jam_finding(self.jam, self._jamming)]
         if "cam" not in self.stages:
-            found = [*dynamics.findings(None, self.loading, ""), *jams]
+            found = [*dynamics.findings(None, self.loading, "", lambda: 0.0), *jams]
         else:
             contact = None if self.holds else self.extremes("dynamics", _CONTACT)["contact_force"]
-            found = [*dynamics.findings(contact, self.loading, self.design.drive.face.noun), *jams]
+            wanted = getattr(self.design.drive.loads, "least_contact_force_n", None)
+            found = [*dynamics.findings(contact, self.loading, self.design.drive.face.noun, lambda: self._lift_off_rpm, wanted), *jams]
             if self.holds and self.jam is None and not self.loading.empty:
                 found += dynamics.change_findings(self.flank_changes, self.design.drive.cam.form)
             found += cam_checks.force_findings(self) + contact_stress.findings(self)

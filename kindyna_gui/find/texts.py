@@ -58,14 +58,14 @@ def figure_of(design: Design, key: str) -> Figure:
 
 def keys_of(what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Everything that may be limited when these fields are varied."""
-    return (*WANTED[what].limits, *(f"{path}{end}" for path in paths for end in _BOUNDS))
+    return WANTED[what].keys(paths)
 
 
 def start_value(key: str, solution: Solution | None) -> float:
     """With which a limit begins: what the design at hand has, rounded."""
     known: float | None = None
     if solution is not None:
-        known = solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4])
+        known = solution.before.get(key) if key in LIMITS else solution.present.get(key[:-4], solution.before.get(key[:-4]))
     if known is None or not isfinite(known) or (key in LIMITS and known <= 0.0):
         return START[LIMITS[key].most] if key in LIMITS else 0.0
     return float(f"{known:.{START_DIGITS}g}")
@@ -85,6 +85,11 @@ def _label_of(design: Design, key: str) -> tuple[str, Unit]:
         return name_of(design, key), _entry(design, key)[1]
     name, unit = split_unit(key)
     return sentence(name.replace("_", " ")), unit
+
+
+def unit_of(design: Design, key: str) -> Unit:
+    """Of a limit, or of a field of the design."""
+    return _label_of(design, key)[1]
 
 
 def value_of(design: Design, path: str, value: float, most: int) -> str:
@@ -109,7 +114,8 @@ def answer_html(design: Design, solution: Solution) -> str:
     for path, value in solution.answer.items():
         text = escape(value_of(design, path, value, solution.digits))
         lines.append(f"<b>{text}</b>{_now(_present(design, path, solution.present[path]))}")
-    lines += [_line(design, solution, key) for key in solution.reached if solution.limits.get(key) != 0.0 or key == solution.curve_of]
+    unsaid = {key for key, limit in solution.limits.items() if limit == 0.0 and key in LIMITS and key != solution.curve_of}
+    lines += [_line(design, solution, key) for key in solution.reached if key not in unsaid]
     if solution.end:
         lines.append("No limit holds it: it stands at the end of its range.")
     lines += [f"<span style='color:{WRONG}'>But {escape(text)}</span>" for text in solution.errors]
@@ -132,7 +138,7 @@ def _line(design: Design, solution: Solution, key: str) -> str:
     text = f"{label} {_reached(solution.reached[key], unit)}"
     limit = solution.limits.get(key)
     if limit is not None:
-        text += f", limit {typed_text(limit, unit)}" if limit else ": beyond it the cam is undercut"
+        text += f", limit {typed_text(limit, unit)}" if limit or key not in LIMITS else ": beyond it the cam is undercut"
     return escape(text) + (_now(_reached(solution.before[key], unit)) if key in solution.before else "")
 
 

@@ -10,7 +10,7 @@ from PySide6.QtGui import QPainterPath
 
 from core.design import Design
 from core.find import LIMITS, Solution
-from kindyna_gui.find.texts import axis_title, figure_of, typed_text
+from kindyna_gui.find.texts import axis_title, typed_text, unit_of
 from kindyna_gui.pictures.drawing.items import Outline, Tag
 from kindyna_gui.pictures.plots.frame import Z_CURSOR, Z_LIMIT
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
@@ -60,7 +60,7 @@ class TradePlot(XYPlot):
         self.points["answer"] = answer
         self._dot(answer, filled=True)
         if limit is not None:
-            text = f"limit {typed_text(limit, figure_of(design, key).unit)}" if limit else "undercut"
+            text = f"limit {typed_text(limit, unit_of(design, key))}" if limit or key not in LIMITS else "undercut"
             self._limit = self._rule_off(text, limit, self._theme.limit)
         self._answer = self._rule_off(short(answer[0], min(MARK_DIGITS, solution.digits)), answer[0], self._theme.ink)
         self._lay()
