@@ -41,7 +41,7 @@ def windows() -> dict[str, Callable[[], float]]:
 
     def told(name: str) -> float:
         if name not in known:
-            rows = window.measure(ROUNDS, (window.MANY,), larger=False)
+            rows = window.measure(ROUNDS, (window.MANY,), more=False)
             bare = {row.kernel: row.seconds for row in rows if row.method == window.BARE}
             known.update({f"{r.kernel}: {r.method}": r.seconds / bare[r.kernel] for r in rows})
         return known.pop(name)

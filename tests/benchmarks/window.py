@@ -4,7 +4,7 @@
 
 The lift at 1440 x 900, offscreen, 1800 cam angles, forms and motion on the left of the mechanism, findings below it, and on
 its right three plots, six, or, with all docks open, twelve; a six-bar beside lengths, centres and three plots, its frames at
-1920 x 1080 too. Times are
+1920 x 1080 too; several drives on one shaft beside three plots. Times are
 processor time of the window's thread, the median of rounds in which everything is measured in turn, so that what slows the
 machine slows all of them; each edit has a value that was never there before. The yardstick is a bare repaint of the same
 plots and drawings in the same round. Tables that are read rather than watched follow when editing pauses: they are a row of
@@ -67,6 +67,7 @@ EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL, START_KERNEL = "edit to paint", "drag to
 TABLE_KERNEL = "tables to paint, after a pause"
 SIX_BAR, LINK, JOINT = "lecture_six_bar", "edit of a link", "a joint"
 SIX_BAR_KERNELS = tuple(f"{kernel}, six-bar" for kernel in (EDIT_KERNEL, DRAG_KERNEL, FRAME_KERNEL))
+UNIT, DRIVES_KERNEL = "transfer_unit", "animation, several drives"
 WIDE, WIDE_KERNEL = (1920, 1080), "animation, six-bar at 1920 x 1080"
 SIX_BAR_EDIT = ("linkage.links[4].points.D", 0.013)
 STEP = 0.0371  # of the animation [rad]
@@ -104,11 +105,12 @@ def names() -> tuple[str, ...]:
     return (*edits, f"{FRAME_KERNEL}: {FRAME}", f"{DRAG_KERNEL}: {DRAG}", f"{TABLE_KERNEL}: {TABLES}", *linkage)
 
 
-def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, larger: bool = True) -> list[Row]:
-    """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots. larger: the
-    larger window too."""
+def measure(rounds: int = ROUNDS, layouts: Iterable[int] = LAYOUTS, more: bool = True) -> list[Row]:
+    """Seconds of every method in each layout; ``bare repaint`` is the yardstick of its kernel and number of plots. more: a
+    larger window and several drives too."""
     with quiet():
-        return [row for plots in layouts for row in _measured(plots, rounds)] + _six_bar(rounds, larger)
+        rows = [row for plots in layouts for row in _measured(plots, rounds)] + _six_bar(rounds, more)
+        return rows + _drives(rounds) if more else rows
 
 
 def _measured(plots: int, rounds: int) -> list[Row]:
@@ -178,6 +180,23 @@ def _six_bar(rounds: int, wide: bool) -> list[Row]:
             rest(window)
             rows += _rows(WIDE_KERNEL, plots, _timed(window, {FRAME: frame, BARE: bare}, rounds))
         return rows
+    finally:
+        dismiss(window)
+
+
+def _drives(rounds: int) -> list[Row]:
+    """A frame of several drives on one shaft beside three plots."""
+    window = hidden_window(load(example(UNIT)), SIZE)
+    try:
+        window.show_task("graph")
+        window.show_view("mechanism")
+        seen = _seen(window, _open_plots(window, FEW))
+        assert len(seen) == FEW + 1, "every plot and the mechanism are on screen"
+
+        def frame(count: int) -> None:
+            window.player.set_theta(STEP * (count + 1))
+
+        return _rows(DRIVES_KERNEL, FEW, _timed(window, {FRAME: frame, BARE: _bare(seen)}, rounds))
     finally:
         dismiss(window)
 
