@@ -15,7 +15,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 from core.commands import DONE, DONE_WITH_ERRORS, Command, Painter
-from core.commands.common import drive_option, verdict
+from core.commands.common import drive_option, studied, verdict
 from core.design import distances
 from core.project import load, load_one
 from core.project.files import write, write_all
@@ -134,7 +134,7 @@ def quiet() -> Iterator[None]:
 def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """The window and every view of it as pictures."""
     design = load(arguments.design)
-    code = verdict(Study(design))
+    code = verdict(studied(design))
     never_shown()
     from kindyna_gui.screenshots import shots
 
@@ -149,7 +149,7 @@ def screenshots(arguments: argparse.Namespace, painter: Painter | None) -> int:
 def animation(arguments: argparse.Namespace, painter: Painter | None) -> int:
     """One turn of the mechanism as an animation."""
     design = load(arguments.design)
-    study = Study(design)
+    study = studied(design)
     code = verdict(study)
     never_shown()
     from kindyna_gui.pictures.film import Film, shoot

@@ -225,7 +225,7 @@ class Exports(QObject):
         path, film = wanted
         try:
             with export_dialogs.progress(self._window, f"Drawing {film.frames} frames", film.frames) as go_on:
-                data = shoot(self._session.design, film, self.layers(), go_on)
+                data = shoot(self._session.whole, film, self.layers(), go_on)
         except KindynaError as error:
             dialogs.show_faults(self._window, "The mechanism cannot be drawn.", str(error).splitlines())
             return

@@ -6,6 +6,7 @@ from PySide6.QtCore import QEvent, QPointF, QRectF, Qt, QTimer, Signal
 from PySide6.QtGui import QKeyEvent, QMouseEvent, QPainter, QResizeEvent, QTransform, QWheelEvent
 from PySide6.QtWidgets import QFrame, QGraphicsView
 
+from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 
 NOTCH, STEP = 120.0, 1.25  # of a wheel: its angle, and the factor by which it zooms
@@ -16,7 +17,7 @@ REST_MS = 250  # after an edit or a move, before labels look for better sides
 _GRIPS = (Qt.MouseButton.LeftButton, Qt.MouseButton.MiddleButton)
 
 
-def joints_now(scene: MechanismScene) -> dict[str, complex]:
+def joints_now(scene: MechanismScene | Assembly) -> dict[str, complex]:
     """Where the joints that can be drawn elsewhere stand, by the names of their points [mm]; none while nothing is drawn."""
     from core.followers.dragging import joints_of  # which takes longer to load than the picture to draw
 
@@ -36,20 +37,23 @@ class Canvas(QGraphicsView):
     taken     (name): a joint was pressed
     dragged   (name, place [mm]): it was drawn to a place
     dropped   (name): it was let go
+    clicked   (place [mm]): it was pressed and let go there
     hovered   (place [mm]): the mouse is there and holds nothing; None: it is elsewhere, or holds something
 
     fitted   the whole mechanism is shown, and will be at another size, too; False once zoomed or moved by hand
     """
 
     taken, dragged, dropped, hovered = Signal(str), Signal(str, complex), Signal(str), Signal(object)
+    clicked = Signal(QPointF)
 
-    def __init__(self, scene: MechanismScene) -> None:
+    def __init__(self, scene: MechanismScene | Assembly) -> None:
         super().__init__(scene)
         self._joint = ""
         self._scene = scene
         self.fitted = True
         self._centre, self._scale = QPointF(), 1.0
         self._grip: QPointF | None = None
+        self._pressed = QPointF()
         self.rest = QTimer(self, singleShot=True, interval=REST_MS)
         self.rest.timeout.connect(scene.lay_labels)
         self.setFrameShape(QFrame.Shape.NoFrame)
@@ -148,7 +152,7 @@ class Canvas(QGraphicsView):
             self._joint = joint
             self.taken.emit(joint)
         elif event.button() in _GRIPS:
-            self._grip = event.position()
+            self._grip = self._pressed = event.position()
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:
@@ -179,6 +183,8 @@ class Canvas(QGraphicsView):
         elif event.button() in _GRIPS:
             self._grip = None
             self.setCursor(Qt.CursorShape.ArrowCursor)
+            if event.position() == self._pressed and event.button() == Qt.MouseButton.LeftButton:
+                self.clicked.emit(self._drawn_at(event.position()))
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
         if event.button() == Qt.MouseButton.LeftButton:

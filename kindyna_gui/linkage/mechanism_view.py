@@ -6,18 +6,20 @@ from dataclasses import replace
 from functools import partial
 from math import ceil, log10
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPointF, Qt
 from PySide6.QtGui import QAction, QActionGroup, QKeyEvent
+from PySide6.QtWidgets import QStackedWidget
 
 from core.errors import KindynaError, NoAnswer
 from core.instant_centres import CHAINS
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.drives.rows import drive_rows
-from kindyna_gui.drives.strip import DriveStrip
+from kindyna_gui.drives.strip import ON_SHAFT, ONE, DriveStrip
 from kindyna_gui.labels import reason
 from kindyna_gui.linkage.canvas import Canvas
 from kindyna_gui.note import Note
+from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.geometry import MM
 from kindyna_gui.pictures.drawing.layers import COLOURS, DIMENSIONS, OF_FORCES, OF_STEP
 from kindyna_gui.pictures.drawing.mechanism import EVERY_LAYER, MechanismScene, layers_of
@@ -31,7 +33,9 @@ PROFILE_REACH = 8.0  # pixels from the profile within which it is read
 
 
 class MechanismView(View):
-    """The drawing in the middle of the window."""
+    """The drawing in the middle of the window: of the chosen drive, or of all on the shaft."""
+
+    of_whole = True
 
     def __init__(self, session: Session, player: Player) -> None:
         self.scene = MechanismScene()
@@ -39,7 +43,13 @@ class MechanismView(View):
         super().__init__(session, player)
         self.note = Note()
         self.strip = DriveStrip()
-        self.set_column(self.strip, self.canvas, self.note, grows=self.canvas)
+        self.assembly = Assembly()
+        self.all_canvas = Canvas(self.assembly)
+        self._arrangement = ONE
+        self._pages = QStackedWidget()
+        self._pages.addWidget(self.canvas)
+        self._pages.addWidget(self.all_canvas)
+        self.set_column(self.strip, self._pages, self.note, grows=self._pages)
         self.setFocusProxy(self.canvas)
         self._fit_wanted = True
         self._layers_wanted = {name: layer.shown for name, layer in EVERY_LAYER.items()}
@@ -53,6 +63,8 @@ class MechanismView(View):
         session.step_changed.connect(self._show_step)
         session.whole_changed.connect(self._name_drives)
         self.strip.chosen.connect(self._choose_drive)
+        self.strip.arranged.connect(self.arrange)
+        self.all_canvas.clicked.connect(self._click_drive)
         self._name_drives()
         self.canvas.taken.connect(self._take_joint)
         self.canvas.dragged.connect(self._drag_joint)
@@ -83,9 +95,40 @@ class MechanismView(View):
         if not self.session.choose_drive(number):
             self._name_drives()
 
+    @property
+    def draws_all(self) -> bool:
+        """Whether all drives are drawn, and not the chosen one alone."""
+        return self.session.several and self._arrangement != ONE
+
+    def arrange(self, name: str) -> None:
+        """Draw the chosen drive, or all, in one of ``ARRANGEMENTS``."""
+        if name != self._arrangement:
+            self._arrangement, self._fit_wanted = name, True
+            self.invalidate()
+
+    def _click_drive(self, place: QPointF) -> None:
+        number = self.assembly.number_at(place)
+        if number is not None:
+            self._choose_drive(number)
+
+    def _show_all(self) -> None:
+        self._pages.setCurrentWidget(self.all_canvas)
+        self.assembly.show_shaft(self.session.shaft, self.session.chosen, self._arrangement == ON_SHAFT)
+        missing = self.assembly.missing
+        self.note.show_message(f"No answer, and not drawn: {', '.join(missing)}" if missing else "")
+        if self._fit_wanted:
+            self.all_canvas.fit()
+            self._fit_wanted = False
+        else:
+            self.all_canvas.show_again()
+
     # -- what is drawn ------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
+        if self.draws_all:
+            self._show_all()
+            return
+        self._pages.setCurrentWidget(self.canvas)
         self._take_layers()
         self._show_missing_cam(study)
         self.scene.show_step(self.session.step if set(OF_STEP) <= set(layers_of(study)) else None, draw=False)
@@ -108,12 +151,15 @@ class MechanismView(View):
         self.note.show_message(text)
 
     def follow(self, theta: float) -> None:
+        if self.draws_all:
+            self.assembly.set_machine(self.player.machine)
+            return
         self._take_layers()
         self.scene.set_angle(theta)
 
     def fit(self) -> None:
         if self.up_to_date and not self.in_trouble:
-            self.canvas.fit()
+            (self.all_canvas if self.draws_all else self.canvas).fit()
         else:
             self._fit_wanted = True
 
@@ -149,7 +195,7 @@ class MechanismView(View):
         self.session.withdraw(joints_of(self.session.design)[name].field)
 
     def _another_design(self) -> None:
-        self._fit_wanted = True
+        self._fit_wanted = not self.draws_all or self._fit_wanted
 
     def _show_step(self) -> None:
         if self.up_to_date and not self.in_trouble:
@@ -188,6 +234,8 @@ class MechanismView(View):
 
         self.pull()
         vector = ending == ".svg"
+        if self.draws_all:
+            return svg(self.all_canvas, self.session.whole.name) if vector else png(self.all_canvas)
         scene = MechanismScene(None, LIGHT, ENLARGED) if vector else MechanismScene(None, replace(LIGHT, ratio=RATIO))
         for name, shown in self._layers_wanted.items():
             scene.set_layer(name, shown)

@@ -18,6 +18,7 @@ from core.output.position import Snapshot
 from core.study import Study
 from kindyna_gui.graph.quantities import quantities_for
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.plots.curves import different, extremes_of
 from kindyna_gui.pictures.plots.detail import UNSEEN
@@ -53,7 +54,7 @@ class Sheet(QGraphicsView):
     """A view on a mechanism that fills it, for files only: never shown, never scrolled."""
 
     def __init__(
-        self, scene: MechanismScene, width: int, height: int, region: tuple[QRectF, float] | None = None
+        self, scene: MechanismScene | Assembly, width: int, height: int, region: tuple[QRectF, float] | None = None
     ) -> None:
         """region: what is visible [mm] and at how many pixels per mm; None: all of it."""
         super().__init__()

@@ -19,8 +19,9 @@ from PySide6.QtWidgets import QWidget
 
 from core.design import Design
 from core.frozen import frozen
-from core.study import Study
+from core.study import ShaftStudy, Study
 from kindyna_gui.pictures.app import ensure_app
+from kindyna_gui.pictures.drawing.assembly import Assembly
 from kindyna_gui.pictures.drawing.mechanism import MechanismScene
 from kindyna_gui.pictures.files import Sheet
 
@@ -60,6 +61,22 @@ class _Stopped(Exception):
     """The user has had enough."""
 
 
+def _one(design: Design, samples: int, layers: Mapping[str, bool]) -> MechanismScene:
+    """A mechanism with these layers."""
+    scene = MechanismScene()
+    for name, shown in layers.items():
+        scene.set_layer(name, shown)
+    scene.update_study(Study(design, samples))
+    return scene
+
+
+def _all(design: Design, samples: int) -> Assembly:
+    """All drives of a shaft, side by side."""
+    scene = Assembly()
+    scene.show_shaft(ShaftStudy(design, samples), 0, about_shaft=False)
+    return scene
+
+
 class Camera:
     """Takes pictures of a mechanism at any part of the turn."""
 
@@ -68,10 +85,7 @@ class Camera:
         self._film = film
         # so many samples that each frame falls on one
         samples = film.frames * ceil(LEAST_SAMPLES / film.frames)
-        self._scene = MechanismScene()
-        for name, shown in layers.items():
-            self._scene.set_layer(name, shown)
-        self._scene.update_study(Study(design, samples))
+        self._scene = _all(design, samples) if design.listed else _one(design, samples, layers)
         self._sheet = Sheet(self._scene, film.width, film.height)
         self._sheet.grab()  # sizes are settled by drawing once
 

@@ -1,6 +1,6 @@
 """kindyna_gui.drives: several drives on one shaft in the window; one chosen, all kept, by mouse and keys."""
 
-from math import degrees, isclose, radians
+from math import atan2, cos, degrees, isclose, radians
 from pathlib import Path
 from shutil import copyfile
 
@@ -8,12 +8,14 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QLineEdit, QToolButton
-from window_user import Open, User, settle
+from window_user import Open, User, pixel, settle
 
 from core.design import drive_names, only
 from core.project import load
 from core.study.stages import memory
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
+from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
+from kindyna_gui.pictures.film import Film, shoot
 from kindyna_gui.places import example
 
 UNIT = example("transfer_unit")
@@ -170,3 +172,42 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(unit: User, tmp
     assert unit.drawing().in_trouble
     click_drive(unit, 1)
     assert not unit.drawing().in_trouble
+
+
+def test_all_drives_stand_at_one_machine_angle(unit: User) -> None:
+    view, player = unit.drawing(), unit.window.player
+    bar = view.strip.ways
+    for name in (BESIDE, ON_SHAFT):
+        button = bar.widgetForAction(view.strip.arrangements[name])
+        assert isinstance(button, QToolButton)
+        QTest.mouseClick(button, Qt.MouseButton.LeftButton)
+        settle()
+        assert view.all_canvas.isVisible()
+        items = len(view.assembly.items())
+        for machine in (0.0, 100.0, 290.0):
+            player.set_machine(radians(machine))
+            settle()
+            for drive, figure in zip(unit.session.whole.drives, view.assembly.figures.values(), strict=True):
+                own = (machine - drive.phase_deg) % 360.0
+                cam = next(part.item for part in figure.parts if part.key == "cam")
+                seen = cam.mapToScene(1.0, 0.0) - cam.mapToScene(0.0, 0.0)
+                angle = degrees(atan2(seen.y(), seen.x()))
+                # all turn counter-clockwise as seen from this end; a mirrored one's zero stands on the other side
+                wanted = 180.0 + own if drive.mirrored else own
+                assert isclose(cos(radians(angle - wanted)), 1.0, abs_tol=1e-9), drive.name
+        assert len(view.assembly.items()) == items, "items are moved, none is made"
+        shafts = {figure.corner for figure in view.assembly.figures.values()}
+        assert len(shafts) == (4 if name == BESIDE else 1)
+        if name == BESIDE:
+            figure = view.assembly.figures[3]
+            QTest.mouseClick(view.all_canvas.viewport(), Qt.MouseButton.LeftButton, pos=pixel(view.all_canvas, figure.corner))
+            assert unit.session.chosen == 3
+            assert unit.steps == []
+
+
+def test_an_animation_of_all_drives(app: object) -> None:
+    film = Film(".gif", frames=2, width=240, height=160)
+    moving = shoot(load(UNIT), film)
+    assert moving is not None
+    assert moving[:6] == b"GIF89a"
+    assert moving != shoot(only(load(UNIT), 0), film)

@@ -1,0 +1,260 @@
+"""Several drives on one shaft drawn together: beside each other, or about their common shaft; at one machine angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import degrees
+
+import numpy as np
+from PySide6.QtCore import QPointF, QRectF
+from PySide6.QtGui import QColor, QTransform
+from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
+
+from core.errors import NoAnswer
+from core.motion import TURN
+from core.motion.turn import Place
+from core.study import ShaftStudy, Study
+from kindyna_gui.pictures.drawing import cam_parts, framing, parts
+from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
+from kindyna_gui.pictures.drawing.geometry import Geometry
+from kindyna_gui.pictures.drawing.items import Loop, Part, Tag
+from kindyna_gui.pictures.drawing.overlay import Overlay
+from kindyna_gui.pictures.style import BALANCE, LIGHT, TEXT, Theme, drive_colour
+
+BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
+LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
+"""Layers that would make a thicket of several mechanisms."""
+TINT = 0.22  # of a drive's colour in the fill of its cam
+ASPECT = 1.4  # of the picture that drives beside each other are laid out for: width to height
+SEEN_THROUGH = 0.75  # opacity of drives behind the chosen one, about the common shaft
+BALANCER = "Balance cam"
+
+
+class _Root(QGraphicsItem):
+    """Holds what is drawn of one drive."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.number = number
+        self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemHasNoContents)
+
+    def boundingRect(self) -> QRectF:
+        return QRectF()
+
+    def paint(self, *_: object) -> None:
+        """Nothing of its own."""
+
+
+class Figure:
+    """One drive as it is drawn: its parts under one item, which a mirrored one turns over, for it is seen from this end."""
+
+    def __init__(self, number: int, name: str, study: Study, place: Place, mirrored: bool, colour: str, theme: Theme) -> None:
+        self.name, self.study, self.place, self.mirrored = name, study, place, mirrored
+        self.geometry = Geometry(study)
+        self.root = _Root(number)
+        own = replace(theme, cam=_tinted(colour, theme), cam_line=colour, second_line=colour)
+        built = (part for builder in BUILDERS for part in builder(self.geometry, own) if not LEFT_OUT & set(part.layers))
+        self.parts: list[Part] = []
+        for part in built:
+            part.item.setZValue(part.z)
+            part.item.setParentItem(self.root)
+            self.parts.append(part)
+        self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
+        self._whole = framing.whole(self.geometry, self.parts)
+        self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 1.0), backing=True)
+        self.tag.setZValue(15.0)
+        self.corner = 0j
+
+    @property
+    def rect(self) -> QRectF:
+        """What it takes about its shaft [mm], as seen from this end."""
+        whole = self._whole
+        return QRectF(-whole.right(), whole.top(), whole.width(), whole.height()) if self.mirrored else QRectF(whole)
+
+    def put(self, corner: complex) -> None:
+        """Its shaft at a place of the scene [mm]."""
+        self.corner = corner
+        side = -1.0 if self.mirrored else 1.0
+        self.root.setTransform(QTransform(side, 0.0, 0.0, 1.0, corner.real, corner.imag))
+        box = self.rect
+        self.tag.setPos(QPointF(corner.real + box.center().x(), corner.imag + box.top()))
+
+    def move(self, machine: float) -> None:
+        """To the sample nearest to where it stands at a machine angle [rad]."""
+        index = self.geometry.nearest(float(self.place.own(np.array([machine]))[0]))
+        for part in self.parts:
+            if part.move is not None:
+                part.move(index)
+
+    def shows(self, study: Study, place: Place, mirrored: bool, name: str) -> bool:
+        """Whether this is what is drawn already."""
+        if (place, mirrored, name) != (self.place, self.mirrored, self.name):
+            return False
+        return study is self.study or Geometry(study).same_places(self.geometry)
+
+
+def _tinted(colour: str, theme: Theme) -> str:
+    """Paper with some of a colour."""
+    paper, ink = QColor(theme.paper), QColor(colour)
+    mixed = (round(p + TINT * (i - p)) for p, i in zip(paper.getRgb()[:3], ink.getRgb()[:3], strict=True))
+    return QColor(*mixed).name()
+
+
+class Assembly(QGraphicsScene):
+    """The drives of a shaft in mm, y upwards; those without an answer are left out, and named in ``missing``.
+
+    It is shown as a ``MechanismScene`` is; no joint of it can be dragged (``geometry`` is None).
+    """
+
+    geometry: Geometry | None = None
+    index = 0
+
+    def __init__(self, theme: Theme = LIGHT, about_shaft: bool = False) -> None:
+        super().__init__()
+        self.setItemIndexMethod(QGraphicsScene.ItemIndexMethod.NoIndex)
+        self.setBackgroundBrush(QColor(theme.paper))
+        self.theme, self.about_shaft = theme, about_shaft
+        self.figures: dict[int, Figure] = {}
+        self.missing: tuple[str, ...] = ()
+        self._whole = QRectF(-100.0, -100.0, 200.0, 200.0)
+        self._region: tuple[QRectF, float] | None = None
+        self._machine = 0.0
+        self._chosen = 0
+        self.overlay = Overlay(theme, self.addItem)
+        self.overlay.angle_name = "machine angle"
+
+    # -- what is drawn --------------------------------------------------------------------------------------
+
+    def show_shaft(self, shaft: ShaftStudy, chosen: int, about_shaft: bool) -> None:
+        """Draw these drives; what stands as it did is left alone."""
+        rows = list(_rows(shaft))
+        self.missing = tuple(name for _, name, study, _, _, _ in rows if study is None)
+        kept: dict[int, Figure] = {}
+        for number, name, study, place, mirrored, colour in rows:
+            if study is None:
+                continue
+            figure = self.figures.get(number)
+            if figure is None or not figure.shows(study, place, mirrored, name):
+                figure = Figure(number, name, study, place, mirrored, colour, self.theme)
+                self.addItem(figure.root)
+                self.addItem(figure.tag)
+            kept[number] = figure
+        for number, figure in self.figures.items():
+            if kept.get(number) is not figure:
+                self.removeItem(figure.root)
+                self.removeItem(figure.tag)
+        self.figures, self.about_shaft, self._chosen = kept, about_shaft, chosen
+        self._place()
+        if self._region is not None:
+            self.show_region(*self._region)
+        self.set_machine(self._machine)
+
+    def _place(self) -> None:
+        for number, figure in self.figures.items():
+            front = number == self._chosen
+            figure.root.setZValue(1.0 if front else 0.0)
+            figure.root.setOpacity(SEEN_THROUGH if self.about_shaft and not front else 1.0)
+        for figure, corner in zip(self.figures.values(), self._corners(), strict=True):
+            figure.put(corner)
+        boxes = [figure.rect.translated(figure.corner.real, figure.corner.imag) for figure in self.figures.values()]
+        if boxes:
+            whole = boxes[0]
+            for box in boxes[1:]:
+                whole = whole.united(box)
+            self._whole = whole
+        self.setSceneRect(self._whole)
+
+    def _corners(self) -> list[complex]:
+        """Where the shafts stand [mm]: all at one place, or in as many rows as make the picture largest."""
+        figures = list(self.figures.values())
+        if self.about_shaft or not figures:
+            return [0j] * len(figures)
+        layouts = [_grid([figure.rect for figure in figures], columns) for columns in range(1, len(figures) + 1)]
+        return min(layouts, key=lambda each: max(each[1].real / ASPECT, each[1].imag))[0]
+
+    # -- motion ---------------------------------------------------------------------------------------------
+
+    def set_machine(self, machine: float) -> None:
+        """Move all to where they stand at a machine angle [rad]."""
+        self._machine = machine
+        for figure in self.figures.values():
+            figure.move(machine)
+        self.overlay.show_angle(degrees(machine))
+
+    def set_fraction(self, fraction: float) -> None:
+        """Move to this part of a turn of the machine."""
+        self.set_machine(fraction * TURN)
+
+    def number_at(self, place: QPointF) -> int | None:
+        """The drive whose parts are at a place [mm], or in whose room it lies; None where there is none."""
+        for item in self.items(place):
+            root = item.topLevelItem()
+            if isinstance(root, _Root):
+                return root.number
+        inside = [n for n, f in self.figures.items() if f.rect.translated(f.corner.real, f.corner.imag).contains(place)]
+        return inside[0] if inside else None
+
+    # -- sight ----------------------------------------------------------------------------------------------
+
+    def fit_rect(self) -> QRectF:
+        """The rectangle that holds all over the whole turn [mm]."""
+        return QRectF(self._whole)
+
+    def least_rect(self) -> QRectF:
+        """What a picture must hold to be no worse than fitted."""
+        half = 0.5 * MARGIN_UNITS * min((f.geometry.unit for f in self.figures.values()), default=0.0)
+        return self._whole.adjusted(half, half, -half, -half)
+
+    def fit(self, width: float, height: float) -> tuple[QRectF, float]:
+        """What a picture of so many pixels shows of all: visible rectangle [mm] and scale [pixels per mm]."""
+        return framing.fitted(self._whole, width, height)
+
+    def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
+        """Lay scale bar and texts for a view that shows ``visible`` [mm] at ``scale`` [pixels per mm]."""
+        self._region = (visible, scale)
+        for figure in self.figures.values():
+            for loop in figure.loops:
+                loop.look(scale * self.theme.ratio)
+        self.overlay.lay(visible, scale)
+        self.overlay.show_angle(degrees(self._machine))
+
+    def lay_labels(self) -> None:
+        """The names of the drives stand where they are."""
+
+
+def _grid(boxes: Sequence[QRectF], columns: int) -> tuple[list[complex], complex]:
+    """Corners of boxes in rows of so many, the shafts of a row at one height; and the size of the whole."""
+    corners: list[complex] = []
+    top = width = 0.0
+    for start in range(0, len(boxes), columns):
+        row = boxes[start : start + columns]
+        above, below = max(box.bottom() for box in row), max(-box.top() for box in row)
+        x = 0.0
+        for box in row:
+            corners.append(complex(x - box.left(), top - above))
+            x += box.width()
+        width = max(width, x)
+        top -= above + below
+    return corners, complex(width, -top)
+
+
+def _rows(shaft: ShaftStudy) -> Iterator[tuple[int, str, Study | None, Place, bool, str]]:
+    """Number, name, study (None without an answer), place, side and colour of each drive, the balance cam behind them."""
+    for number, ((name, study), drive) in enumerate(zip(shaft.drives.items(), shaft.design.drives, strict=True)):
+        there: Study | None = study
+        try:
+            _ = study.linkage
+        except NoAnswer:
+            there = None
+        yield number, name, there, shaft.places[name], drive.mirrored, drive_colour(number)
+    if shaft.design.balancer is None:
+        return
+    try:
+        cam = shaft.balancer
+        yield len(shaft.drives), BALANCER, cam, shaft.balancer_place, False, BALANCE
+    except NoAnswer:
+        yield len(shaft.drives), BALANCER, None, Place(), False, BALANCE
+
+
+__all__ = ["Assembly", "Figure"]
