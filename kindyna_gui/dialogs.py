@@ -9,6 +9,7 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from core.output.timing import ENDINGS
 from core.project.recovery import Recoverable
 
 DESIGNS = "Designs (*.toml)"
@@ -16,6 +17,7 @@ PICTURES = "PNG picture (*.png);;SVG drawing (*.svg)"
 TABLES = "Table (*.csv)"
 DRAWINGS = "PDF (*.pdf);;SVG drawing (*.svg)"
 REPORTS = "Text (*.txt)"
+TIMING = "PDF (*.pdf);;SVG drawing (*.svg);;PNG picture (*.png);;Table of events (*.csv)"
 MOST_LINES = 12  # of faults before the rest goes under Details
 
 
@@ -94,6 +96,13 @@ def drawing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
     """The file to save a drawing for the workshop to, ending in .pdf or .svg."""
     name, chosen = QFileDialog.getSaveFileName(parent, "Export drawing", str(suggestion), DRAWINGS)
     return with_suffix(parent, name, ".svg" if "svg" in chosen else ".pdf", (".pdf", ".svg"))
+
+
+def timing_to_save(parent: QWidget, suggestion: Path) -> Path | None:
+    """The file to save a timing chart to, ending in .pdf, .svg or .png, or its table of events to, ending in .csv."""
+    name, chosen = QFileDialog.getSaveFileName(parent, "Export timing chart", str(suggestion), TIMING)
+    ending = next((ending for ending in ENDINGS if ending in chosen), ENDINGS[0])
+    return with_suffix(parent, name, ending, ENDINGS)
 
 
 def report_to_save(parent: QWidget, suggestion: Path) -> Path | None:

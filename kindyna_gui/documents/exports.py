@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from math import pi
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
@@ -212,6 +212,16 @@ class Exports(QObject):
         path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._name}.pdf")
         if path is not None:
             self._report(written(self._window, path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
+
+    def timing(self, view: Any = None) -> None:
+        """The timing chart, or the table of its events; as the view of it has the axis and the shaded drives, where it is open."""
+        from kindyna_gui.pictures.timing_file import timing_file
+
+        path = dialogs.timing_to_save(self._window, self._settings.folder / f"{self._name}_timing.pdf")
+        shown = {} if view is None else {"unit": view.canvas.unit, "pair": view.canvas.pair}
+        design = self._session.whole
+        if path is not None:
+            self._report(written(self._window, path, lambda: timing_file(design, path.suffix.lower(), **shown), paints=True))
 
     def animation(self) -> None:
         """One turn of the mechanism as GIF or WebP, with the layers that are on the screen."""

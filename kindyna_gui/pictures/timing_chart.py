@@ -37,6 +37,7 @@ AXES: Mapping[str, str] = MappingProxyType({DEGREES: "°", MILLISECONDS: "ms"})
 
 NAMES = 118.0  # the most that the column of names is wide, pixels
 TOP, BOTTOM, EDGE = 6.0, 34.0, 14.0  # around the bands
+LOW, NUMBERS = 240.0, 20.0  # below this height there is room for the axis' numbers only
 ROOM = 14.0  # above and below the curve of a band, for texts
 LOW_BAND = 44.0  # below this height a band keeps no room for texts
 POINT, ARROW = 3.5, 6.0  # of an event, of an arrowhead
@@ -78,7 +79,8 @@ class TimingChart:
         widest = max(map(QFontMetricsF(font(SMALL, bold=True)).horizontalAdvance, names), default=0.0)
         self.left = min(widest, NAMES) + 22.0
         self.right = max(width - EDGE, self.left + 36.0)
-        self.band_height = max((height - TOP - BOTTOM) / max(len(self.bands), 1), 12.0)
+        self.foot = BOTTOM if height >= LOW else NUMBERS
+        self.band_height = max((height - TOP - self.foot) / max(len(self.bands), 1), 12.0)
         self._room = ROOM if self.band_height >= LOW_BAND else 4.0
 
     # -- where it is ----------------------------------------------------------------------------------------
@@ -220,7 +222,7 @@ class TimingChart:
         if shown.machine is not None:
             x = self.x(shown.machine)
             painter.setPen(self._pen(self.theme.ink))
-            painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - BOTTOM + 4.0))
+            painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - self.foot + 4.0))
         if shown.link is not None:
             painter.setPen(self._pen(self.theme.ink, OUTLINE, DASHED))
             painter.drawLine(self.place(*shown.link[0]), shown.link[1])
@@ -228,7 +230,7 @@ class TimingChart:
         painter.restore()
 
     def _paint_axis(self, painter: QPainter) -> None:
-        theme, bottom = self.theme, self.height - BOTTOM
+        theme, bottom = self.theme, self.height - self.foot
         widest = self._metrics.horizontalAdvance("0000") + 14.0
         room = max(int((self.right - self.left) / widest), 2)
         if self.unit == DEGREES:
@@ -246,6 +248,8 @@ class TimingChart:
             painter.drawLine(QPointF(x, bottom), QPointF(x, bottom + 4.0))
             painter.setPen(QColor(theme.ink))
             painter.drawText(QRectF(x - 40.0, bottom + 4.0, 80.0, 14.0), Qt.AlignmentFlag.AlignCenter, text)
+        if self.foot < BOTTOM:
+            return
         name = "Machine angle [°]" if self.unit == DEGREES else f"Time [ms] at {short(self.design.speed_rpm)} rpm"
         painter.setPen(QColor(theme.quiet))
         painter.drawText(QRectF(self.left, bottom + 17.0, self.right - self.left, 15.0), Qt.AlignmentFlag.AlignCenter, name)
@@ -329,23 +333,24 @@ class TimingChart:
     def _paint_distance(self, painter: QPainter, row: int, chosen: bool) -> None:
         """The distance beside its arrow, where nothing else stands; that of a broken or chosen row in any case."""
         text = self.at_least(row)
-        size = self._metrics.horizontalAdvance(text) + 4.0, 13.0
+        painter.setFont(font(SMALL, bold=chosen))
+        size = QFontMetricsF(painter.font()).horizontalAdvance(text) + 6.0, 13.0
         corner, end = self._arrow(row)[0][1:]
         left, right = min(corner.x(), end.x()), max(corner.x(), end.x())
         middle = max(min((left + right) / 2.0, self.right - size[0] / 2.0), self.left + size[0] / 2.0)
         beside = POINT + 3.0
         spots = [(x, y) for y in (end.y() - 13.0 - beside, end.y() + beside, end.y() - 6.5)
                  for x in (right + beside, left - beside - size[0], middle - size[0] / 2.0)]  # fmt: skip
-        boxes = [QRectF(x, y, *size) for x, y in spots if x >= self.left and x + size[0] <= self.right]
+        boxes = [QRectF(x, y, *size) for x, y in spots if x >= self.left and x + size[0] <= self.right and y >= 0.0]
         free = [box for box in boxes if not any(box.intersects(other) for other in self._taken)]
         must = chosen or not self.distances[row].kept
         if not free and (not must or not boxes):
+            painter.setFont(font(SMALL))
             return
         box = (free or boxes)[0]
         self._taken.append(box)
         painter.fillRect(box, brush(self.theme.paper, 0.8))
         painter.setPen(QColor(self._colour(row)))
-        painter.setFont(font(SMALL, bold=chosen))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
         painter.setFont(font(SMALL))
 

@@ -136,7 +136,7 @@ class TimingCanvas(QWidget):
 
     def _grip(self, place: QPointF) -> tuple[int, int | None] | None:
         """Drive and join at a place; the join is None where the band is meant. A drive alone has no others to be turned against."""
-        if self._design is None or place.y() > self.chart.height - 34.0:
+        if self._design is None or place.y() > self.chart.height - self.chart.foot:
             return None
         join = self.chart.join_at(place)
         if join is not None:

@@ -78,6 +78,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "contact_pressure": _plot("Contact pressure", "contact_pressure", "second_contact_pressure"),
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
+        "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )

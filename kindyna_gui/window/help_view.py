@@ -50,6 +50,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "finding": ("Finding dimensions", _as_is),
         "linkages": ("Linkages", _as_is),
         "camshaft": ("Several cams on one shaft", _as_is),
+        "timing": ("Timing of several drives", _as_is),
         "stability": ("Stability of the camshaft", _as_is),
         "laws": ("Laws and conventions", _laws),
         "speed": ("Run time against error", _without_comments),

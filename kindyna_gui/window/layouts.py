@@ -16,7 +16,7 @@ from kindyna_gui.requirements import lists_links
 from kindyna_gui.settings import Layout
 from kindyna_gui.view import in_sight
 from kindyna_gui.window.docks import BOTTOM, LEFT, RIGHT, VIEWS, Dock
-from kindyna_gui.window.tasks import TASKS, Area
+from kindyna_gui.window.tasks import TASKS, Area, Group
 
 if TYPE_CHECKING:
     from kindyna_gui.window.main_window import MainWindow
@@ -129,8 +129,8 @@ class Layouts(QObject):
         row, window = TASKS[self.current], self._window
         window.layout().activate()
         for area, side in row.sides.items():
-            shown = [group for group in row.groups if group.area == area and group.names]
-            docks: list[Dock] = [self._docks[group.names[0]] for group in shown]
+            shown = [group for group in row.groups if group.area == area and self._front(group)]
+            docks: list[Dock] = [self._docks[self._front(group)] for group in shown]
             if not docks:
                 continue
             if area == BOTTOM:
@@ -138,6 +138,12 @@ class Layouts(QObject):
                 continue
             window.resizeDocks(docks[:1], [side.size(window.width())], ACROSS)
             window.resizeDocks(docks, [round(1000 * group.part) for group in shown], UPWARDS)
+
+    def _front(self, group: Group) -> str:
+        """The dock that stands for the group: the first of those that are there at first, else one that the design has brought;
+        empty where there is none."""
+        own = [name for names in TASKS[self.current].of_kinds for name in names if name in group.more]
+        return next(iter((*group.names[:1], *(name for name in own if not self._docks[name].isHidden()))), "")
 
     def shown(self) -> None:
         """The window has come to the screen."""
@@ -209,6 +215,8 @@ class Layouts(QObject):
         self._kinds[self.current] = (there, before[1]) if number == 0 else (before[0], there)
         for name in own:
             self._docks[name].setVisible(there)
+        if there and any(name not in names for name in own):  # one stands alone at its side
+            self.proportion()
         if there or others:
             self._docks[own[0] if there else others[0]].raise_()
 

@@ -179,7 +179,8 @@ class MainWindow(QMainWindow):
             if not self.session.choose_drive(own[0]):
                 return
             path = own[1]
-        name = "motion" if path.partition(".")[0] == "motion" else "parameters"
+        head = path.partition(".")[0].partition("[")[0]
+        name = head if head in ("motion", "timing") else "parameters"
         view: Any = self.show_view(name)
         view.focus_field(path)
 

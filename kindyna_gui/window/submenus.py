@@ -116,6 +116,12 @@ def fill_exports(window: MainWindow, menu: QMenu) -> None:
             window.exports.inspection,
             no_cam,
         ),
+        (
+            "Ti&ming chart...",
+            "Write the motions of all drives over the machine angle as PDF, SVG or PNG, or their starts and ends as CSV",
+            partial(window.exports.timing, window.view("timing")),
+            "" if any(drive.motion is not None for drive in window.session.whole.drives) else "No drive of this design follows a motion",
+        ),
         ("&Report...", "Write the whole report as text", window.exports.report, ""),
         (
             "&Picture of the mechanism...",

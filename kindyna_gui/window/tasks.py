@@ -145,9 +145,11 @@ TASKS: Mapping[str, Task] = MappingProxyType(
                 Group(LEFT, more=("motion", "find")),
                 Group(RIGHT, ("torque",), ("camshaft_speed",), 1.15),
                 Group(RIGHT, ("contact_force",), ("contact_pressure",)),
+                Group(BOTTOM, more=("timing",)),
                 Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.15),
             ),
-            of_several=("drives",),
+            MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
+            of_several=("drives", "timing"),
         ),
         "stability": Task(
             "&Stability",

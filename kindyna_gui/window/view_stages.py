@@ -24,6 +24,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "find": ("linkage", "cam"),
         "findings": STAGES,
         "certificate": STAGES,
+        "timing": NONE,
         "flywheel": ("dynamics",),
         "stability": ("stability",),
         "centres": ("linkage",),

@@ -43,7 +43,8 @@ LEAST_DELAY = 20  # browsers slow down what is shorter
 
 def test_file_export_offers_everything(user: User) -> None:
     assert user.entries(*EXPORT) == [
-        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Report...", "Picture of the mechanism...", "Animation..."
+        "Tables...", "Profile...", "Drawing...", "Inspection table...", "Timing chart...", "Report...", "Picture of the mechanism...",
+        "Animation...",
     ]  # fmt: skip
     for name in user.entries(*EXPORT):
         assert user.action(*EXPORT, name).statusTip()
@@ -80,6 +81,7 @@ def test_the_report_is_the_cores(user: User, tmp_path: Path) -> None:
 def test_a_cancelled_dialog_writes_nothing(user: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     user.picks("report_to_save", None)
     user.picks("picture_to_save", None)
+    user.picks("timing_to_save", None)
     monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: None)
     monkeypatch.setattr(export_dialogs, "film_wanted", lambda *_: None)
     monkeypatch.setattr(profile_dialog, "profile_wanted", lambda *_: None)
