@@ -323,6 +323,9 @@ def test_a_steep_shoe_jams_on_its_friction() -> None:
         for finding in found:
             assert finding.field == "loads.contact_friction"
             assert finding.values["factor"] == pytest.approx(factor, rel=1e-9)
+            endless = replace(finding, values={"factor": math.inf}).message
+            assert "the cam's force has no lever at" in endless
+            assert "inf" not in endless
 
 
 # -- what cannot be -----------------------------------------------------------------------------------------
