@@ -43,6 +43,12 @@ def shortest(value: float) -> str:
     return text.removesuffix(".0")
 
 
+def grouped(value: float, figures: int = 4) -> str:
+    """A number of so many figures, its thousands apart: ``113 100 000``."""
+    text = shortest(float(f"{value:.{figures}g}"))
+    return f"{float(text):,.0f}".replace(",", "\u202f") if abs(value) >= 1e4 else text
+
+
 def rounded_to(value: float, fits: Callable[[str], bool]) -> str:
     """A number rounded to as many digits as fit, with an exponent where only that helps."""
     text = shortest(value)

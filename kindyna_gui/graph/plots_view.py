@@ -14,7 +14,7 @@ from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
-from kindyna_gui.graph.quantities import quantities_for, rows_of, split, stages_of, why_empty
+from kindyna_gui.graph.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
 from kindyna_gui.look import QUIET
 from kindyna_gui.note import Note
 from kindyna_gui.window.player import Player, obey
@@ -72,7 +72,7 @@ class PlotView(MarkedView):
             self.plot.set_curves(study, drawn, read=False)  # ``follow`` comes next
         else:
             self.plot.show_message(self.message)
-        self.note.show_message("; ".join(missing) if drawn else "")
+        self.note.show_message("\n".join(["; ".join(missing), *figures_of(study, self.usual)]).strip() if drawn else "")
         self.look_for_extremes(study)
 
     def lacking(self, study: Study) -> tuple[Channel, ...]:

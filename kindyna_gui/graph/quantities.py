@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache
+from math import isfinite
 from types import MappingProxyType
 
 import numpy as np
@@ -13,9 +14,10 @@ import numpy as np
 from core.design import Design
 from core.errors import KindynaError, NoAnswer
 from core.output.channels import Channel, channels, existing
+from core.stress import RollerLife
 from core.study import STAGES, Study, quantity
 from core.study.quantities import names_of
-from kindyna_gui.labels import reason
+from kindyna_gui.labels import grouped, reason
 from kindyna_gui.pictures.plots.curves import different
 from kindyna_gui.requirements import why_no_pressure
 
@@ -168,6 +170,18 @@ def split(study: Study, rows: Sequence[Channel]) -> tuple[list[Channel], list[st
     reasons = [why_missing(study, row) for row in rows if row not in available and not row.beside]
     reasons += [f"{row.label} is the same curve" for row in available if row not in drawn and not row.beside]
     return drawn, reasons
+
+
+def figures_of(study: Study, usual: Sequence[str]) -> list[str]:
+    """Lines of figures that belong to a plot of the window: below the contact pressure the life of the rollers."""
+    return [_life(each, len(study.roller_lives)) for each in study.roller_lives] if usual[0] == "contact_pressure" else []
+
+
+def _life(life: RollerLife, of: int) -> str:
+    which = f"the {life.roller} roller" if of > 1 else "the roller"
+    if not isfinite(life.hours):
+        return f"Nothing loads {which}"
+    return f"Life of {which}, L10: {grouped(life.million_turns)} million turns, {grouped(life.hours)} h at {grouped(life.rpm)} rpm"
 
 
 def why_missing(study: Study, row: Channel) -> str:

@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QListWidget, QListWidgetItem, QTextBr
 
 from core.laws import LAWS
 from core.laws.table import short_name
+from core.materials import MATERIALS
 from kindyna_gui.places import help_text
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -33,6 +34,17 @@ def _laws(page: str) -> str:
     return page.replace("{laws}", f"| law | in small plots | in the file | formula |\n|---|---|---|---|\n{rows}")
 
 
+def _materials(page: str) -> str:
+    """So does that of materials."""
+    rows = "\n".join(
+        f"| {each.name} | `{slug}` | {each.youngs_modulus_gpa:g} | {each.poisson_ratio:g} | {each.source} | "
+        f"{'' if each.contact_pressure_mpa is None else f'{each.contact_pressure_mpa:g}'} | {each.pressure_source} |"
+        for slug, each in MATERIALS.items()
+    )
+    head = "| material | in the file | E, GPa | ν | source | bears MPa | source |\n|---|---|---|---|---|---|---|\n"
+    return page.replace("{materials}", head + rows)
+
+
 def _as_is(page: str) -> str:
     return page
 
@@ -46,7 +58,7 @@ PAGES: Mapping[str, tuple[str, Callable[[str], str]]] = MappingProxyType(
         "tour": ("Tour", _as_is),
         "making": ("Making a motion", _as_is),
         "blending": ("Blended motions", _as_is),
-        "followers": ("Followers", _as_is),
+        "followers": ("Followers", _materials),
         "finding": ("Finding dimensions", _as_is),
         "linkages": ("Linkages", _as_is),
         "camshaft": ("Several cams on one shaft", _as_is),

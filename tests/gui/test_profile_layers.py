@@ -289,5 +289,11 @@ def test_a_pressure_that_cannot_be_shown_says_what_to_give_and_a_material_chosen
     assert not view.note.isVisible()
     assert view.scene.overlay.colours["stress_colours"].texts[-1] == "1500 MPa"
     assert [row.slug for row in plot.rows] == ["contact_pressure_mpa"]
+    user.enter("cam.roller_load_rating_n", "500000")
+    (life,) = user.session.study.roller_lives
+    said = user.see("contact_pressure").note.text().replace("\u202f", "")
+    assert f"{float(f'{life.million_turns:.4g}'):.0f} million turns, {float(f'{life.hours:.4g}'):.0f} h" in said
+    user.field("cam.roller_material")
+    box.setFocus()
     QTest.keyClick(box, Qt.Key.Key_Home)
     assert get(user.design, "cam.roller_material") is None, "and not known again"
