@@ -11,7 +11,7 @@ from PySide6.QtCore import QPointF, QRectF
 from PySide6.QtGui import QFontMetricsF
 from PySide6.QtWidgets import QApplication, QGraphicsLineItem
 
-from core.design import Design, Motion, Translating
+from core.design import Design, Motion, Translating, edited
 from core.errors import NoAnswer
 from core.instant_centres import Centres
 from core.mechanism.kinematics import FRAME, REVOLUTE, SLIDING, Kinematics, Pair, Pose
@@ -206,18 +206,18 @@ def test_what_is_drawn_after_edits_is_what_a_fresh_drawing_shows() -> None:
     """However many items are kept on the way: speed, cam, another kind of follower, loads, and back."""
     designs = (LIFT, with_shaft(LIFT, speed_rpm=55.0), with_cam(LIFT, base_radius_mm=420.0), PUSHER,
                with_loads(PUSHER, friction=0.3), LIFT)  # fmt: skip
-    edited = MechanismScene()
+    changed = MechanismScene()
     for layer in ("velocities", "forces"):
-        edited.set_layer(layer, True)
+        changed.set_layer(layer, True)
     for design in designs:
         study = Study(design, SAMPLES)
-        edited.update_study(study, keep_labels=True)
+        changed.update_study(study, keep_labels=True)
         fresh = MechanismScene()
         for layer in ("velocities", "forces"):
             fresh.set_layer(layer, True)
         fresh.update_study(study)
         shown = []
-        for scene in (edited, fresh):
+        for scene in (changed, fresh):
             scene.set_index(304)
             shown.append(image(Sheet(scene, 480, 400)))
         assert (shown[0] == shown[1]).all(), design.name
@@ -264,7 +264,10 @@ def test_a_linkage_without_cam_is_still_drawn() -> None:
 
 @pytest.mark.parametrize("layer", [name for name in LAYERS if name != "scale"])
 def test_each_layer_is_shown_and_hidden(layer: str) -> None:
-    scene = scene_of(LIFT)
+    design = LIFT
+    for path, value in {"cam.thickness_mm": 80.0, "cam.material": "16mncr5", "cam.roller_material": "100cr6"}.items():
+        design = edited(design, path, value)  # else no contact pressure colours it
+    scene = scene_of(design)
     assert scene.layer_shown(layer) is LAYERS[layer].shown
     scene.set_layer(layer, True)
     keys = [key for key, part in scene.parts.items() if layer in part.layers]
