@@ -170,8 +170,8 @@ def left_out(rows: Sequence[Row]) -> str:
     for kernel in [k for k in kernels() if k.name not in TEN]:
         told = Told.of(kernel, rows)
         if told.of_method(kernel.ours.name, WARM):
-            cells = [f"within {power(e)} {_strongest(told, e)}" for e in SHORT]
-            lines.append(f"{kernel.title}: {'. '.join(cells)}.")
+            cells = [f"Within {power(e)}: {_strongest(told, e)}." for e in SHORT]
+            lines.append(f"{kernel.title}. {' '.join(cells)}")
     return "".join(f"\n{line}\n" for line in lines)
 
 
