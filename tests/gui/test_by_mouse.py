@@ -347,7 +347,7 @@ def highest(design: Any, name: str) -> float:
 
 def test_a_cam_goes_from_nothing_to_its_limit_and_to_a_dxf_in_twelve_actions(open_user: Open, tmp_path: Path) -> None:
     """A stroke of 40 mm; a pressure angle of 30° under a roller, a least radius of 25 mm under a flat face."""
-    user = open_user(size=(1440, 900), whole=True)
+    user = open_user(size=(1280, 720), whole=True)
     for kind in ("Translating follower", "Oscillating follower", "Flat face"):
         size_and_export(user, kind, tmp_path)
         user.window.docks["find"].hide()
