@@ -10,7 +10,9 @@ from functools import cached_property
 from itertools import pairwise
 from math import hypot
 from types import MappingProxyType
+from typing import Any
 
+import numpy as np
 from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFontMetricsF, QPainter, QPen, QPolygonF
 
@@ -40,6 +42,7 @@ TOP, BOTTOM, EDGE = 6.0, 34.0, 14.0  # around the bands
 LOW, NUMBERS = 240.0, 20.0  # below this height there is room for the axis' numbers only
 ROOM = 14.0  # above and below the curve of a band, for texts
 LOW_BAND = 44.0  # below this height a band keeps no room for texts
+TRACE = 0.08  # of its colour where a drive moves
 POINT, ARROW = 3.5, 6.0  # of an event, of an arrowhead
 REACH, LINE_REACH = 7.0, 4.0  # of the mouse: from a point, from a line
 
@@ -53,7 +56,6 @@ class Shown:
     joins    (drive, join) that the mouse is over, or that is held
     label    beside the first of them, or beside the names where it is the band; wrong: in the colour of limits
     pair     two drives whose common movement is shaded, or none
-    machine  machine angle [deg] of the cursor; None: without
     link     from where to where a distance is being drawn: event's drive and join, and the place of the mouse
     """
 
@@ -63,7 +65,6 @@ class Shown:
     label: str = ""
     wrong: bool = False
     pair: tuple[int, ...] = ()
-    machine: float | None = None
     link: tuple[tuple[int, int], QPointF] | None = None
 
 
@@ -74,6 +75,7 @@ class TimingChart:
         self.design, self.width, self.height, self.unit, self.theme = design, width, height, unit, theme
         self.bands: tuple[Band, ...] = bands(design)
         self.distances: tuple[Distance, ...] = distances(design)
+        self._arrows: dict[int, list[list[QPointF]]] = {}
         self._metrics = QFontMetricsF(font(SMALL))
         names = [text for band in self.bands for text in (band.name, _stroke_text(band))]
         widest = max(map(QFontMetricsF(font(SMALL, bold=True)).horizontalAdvance, names), default=0.0)
@@ -90,7 +92,7 @@ class TimingChart:
         """Pixels that are one degree."""
         return (self.right - self.left) / 360.0
 
-    def x(self, angle: float) -> float:
+    def x(self, angle: Any) -> Any:
         return self.left + angle * self.degree
 
     def angle(self, x: float) -> float:
@@ -101,7 +103,7 @@ class TimingChart:
         """The band of a drive."""
         return QRectF(self.left, TOP + index * self.band_height, self.right - self.left, self.band_height)
 
-    def y(self, index: int, level: float) -> float:
+    def y(self, index: int, level: Any) -> Any:
         box = self.box(index)
         low, high = box.bottom() - self._room, box.top() + self._room
         return low - level * (low - high)
@@ -160,6 +162,11 @@ class TimingChart:
         return float(band.level[abs(band.angles - angle).argmin()])
 
     def _arrow(self, row: int) -> list[list[QPointF]]:
+        if row not in self._arrows:
+            self._arrows[row] = self._elbow(row)
+        return self._arrows[row]
+
+    def _elbow(self, row: int) -> list[list[QPointF]]:
         """An elbow from the first event to the level of the second and on to it; twice where it passes the end of the turn."""
         timing, at = self.design.timing[row], self.distances[row]
         first, second = (self._joins_of[named_event(self.design, event)] for event in (timing.first, timing.second))
@@ -206,6 +213,9 @@ class TimingChart:
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         painter.setFont(font(SMALL))
         self._taken: list[QRectF] = []
+        for index, band in enumerate(self.bands):
+            for begin, end in band.moving:
+                self._fill(painter, self.box(index), begin, end, QColor(_tint(drive_colour(index), self.theme.paper)))
         self._paint_axis(painter)
         for index in range(len(self.bands)):
             self._paint_band(painter, index, index == shown.chosen)
@@ -219,15 +229,17 @@ class TimingChart:
         for row in sorted(range(len(self.distances)), key=lambda row: (row != shown.row, self.distances[row].spare_deg)):
             self._paint_distance(painter, row, row == shown.row)
         self._paint_pair_text(painter, shown.pair)
-        if shown.machine is not None:
-            x = self.x(shown.machine)
-            painter.setPen(self._pen(self.theme.ink))
-            painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - self.foot + 4.0))
         if shown.link is not None:
             painter.setPen(self._pen(self.theme.ink, OUTLINE, DASHED))
             painter.drawLine(self.place(*shown.link[0]), shown.link[1])
         self._paint_label(painter, shown)
         painter.restore()
+
+    def paint_cursor(self, painter: QPainter, machine: float) -> None:
+        """A line at a machine angle [deg], over the chart."""
+        x = self.x(machine)
+        painter.setPen(self._pen(self.theme.ink))
+        painter.drawLine(QPointF(x, TOP), QPointF(x, self.height - self.foot + 4.0))
 
     def _paint_axis(self, painter: QPainter) -> None:
         theme, bottom = self.theme, self.height - self.foot
@@ -256,8 +268,6 @@ class TimingChart:
 
     def _paint_band(self, painter: QPainter, index: int, chosen: bool) -> None:
         theme, band, box, colour = self.theme, self.bands[index], self.box(index), drive_colour(index)
-        for begin, end in band.moving:
-            self._fill(painter, box, begin, end, colour, 0.08)
         painter.setPen(self._pen(theme.faint))
         painter.drawLine(QPointF(0.0, box.bottom()), box.bottomRight())
         painter.fillRect(QRectF(0.0, box.top() + 3.0, 6.0 if chosen else 4.0, box.height() - 6.0), brush(colour))
@@ -277,8 +287,10 @@ class TimingChart:
         for angle in band.joins:
             painter.drawLine(QPointF(self.x(angle), box.top() + 2.0), QPointF(self.x(angle), box.bottom() - 2.0))
         painter.setPen(self._pen(colour, 2.0 if chosen else OUTLINE))
-        line = [QPointF(self.x(a), self.y(index, v)) for a, v in zip(band.angles.tolist(), band.level.tolist(), strict=True)]
-        painter.drawPolyline(QPolygonF(line))
+        turns = np.diff(band.level, 1, prepend=np.nan, append=np.nan) != 0.0  # a dwell needs its ends only
+        kept = turns[:-1] | turns[1:]
+        x, y = self.x(band.angles[kept]), self.y(index, band.level[kept])
+        painter.drawPolyline(QPolygonF(list(map(QPointF, x.tolist(), y.tolist()))))
         self._paint_strokes(painter, index)
 
     def _paint_strokes(self, painter: QPainter, index: int) -> None:
@@ -359,7 +371,7 @@ class TimingChart:
             return
         high, low = self.box(min(pair)), self.box(max(pair))
         for begin, end in together(self.design, *pair):
-            self._fill(painter, QRectF(high.topLeft(), low.bottomRight()), begin, end, self.theme.limit, 0.13)
+            self._fill(painter, QRectF(high.topLeft(), low.bottomRight()), begin, end, brush(self.theme.limit, 0.13).color())
 
     def _paint_pair_text(self, painter: QPainter, pair: Sequence[int]) -> None:
         for begin, end in together(self.design, *pair) if len(pair) == 2 else ():
@@ -372,9 +384,9 @@ class TimingChart:
             painter.setPen(QColor(self.theme.limit))
             painter.drawText(box, Qt.AlignmentFlag.AlignCenter, text)
 
-    def _fill(self, painter: QPainter, box: QRectF, begin: float, end: float, colour: str, opacity: float) -> None:
+    def _fill(self, painter: QPainter, box: QRectF, begin: float, end: float, colour: QColor) -> None:
         for low, high in _within(begin, end):
-            painter.fillRect(QRectF(self.x(low), box.top(), (high - low) * self.degree, box.height()), brush(colour, opacity))
+            painter.fillRect(QRectF(self.x(low), box.top(), (high - low) * self.degree, box.height()), colour)
 
     def _paint_label(self, painter: QPainter, shown: Shown) -> None:
         if not shown.label or not shown.joins:
@@ -389,6 +401,13 @@ class TimingChart:
         painter.drawRect(box)
         painter.setPen(QColor(self.theme.limit if shown.wrong else self.theme.ink))
         painter.drawText(box, Qt.AlignmentFlag.AlignCenter, shown.label)
+
+
+def _tint(colour: str, paper: str) -> str:
+    """A trace of a colour on a paper, opaque: it is filled much faster."""
+    one, other = QColor(colour), QColor(paper)
+    mixed = (round(TRACE * a + (1.0 - TRACE) * b) for a, b in zip(one.getRgb()[:3], other.getRgb()[:3], strict=True))
+    return QColor(*mixed).name()
 
 
 def _within(begin: float, end: float) -> Iterator[tuple[float, float]]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from PySide6.QtCore import QEvent, QPointF, QRect, Qt, Signal
-from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent
+from PySide6.QtGui import QColor, QHelpEvent, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPixmap
 from PySide6.QtWidgets import QSizePolicy, QToolTip, QWidget
 
 from core.design import Design, Room, events_at, join_room, phase_room, turn_drive, turn_join
@@ -80,6 +80,8 @@ class TimingCanvas(QWidget):
         self._moved, self._means = 0.0, False
         self._on_axis = False
         self.label, self._wrong = "", False
+        self._picture: QPixmap | None = None
+        self._of: object = None
         self.typed = TypedAngle(self)
         self.typed.entered.connect(self._enter)
         self.setMouseTracking(True)
@@ -118,10 +120,27 @@ class TimingCanvas(QWidget):
 
     def paintEvent(self, event: QPaintEvent) -> None:
         painter = QPainter(self)
-        painter.fillRect(self.rect(), QColor(LIGHT.paper))
-        if self._design is not None:
-            self.chart.paint(painter, self.shown())
+        if self._design is None:
+            painter.fillRect(self.rect(), QColor(LIGHT.paper))
+        else:
+            painter.drawPixmap(0, 0, self._drawn())
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            if self.machine is not None:
+                self.chart.paint_cursor(painter, self.machine)
         painter.end()
+
+    def _drawn(self) -> QPixmap:
+        """The chart without the cursor, which moves much more often than all else changes."""
+        of = self.chart, self.shown()
+        if self._picture is None or self._of != of or self._picture.devicePixelRatio() != self.devicePixelRatioF():
+            picture = QPixmap(self.size() * self.devicePixelRatioF())
+            picture.setDevicePixelRatio(self.devicePixelRatioF())
+            picture.fill(QColor(LIGHT.paper))
+            painter = QPainter(picture)
+            of[0].paint(painter, of[1])
+            painter.end()
+            self._picture, self._of = picture, of
+        return self._picture
 
     def shown(self) -> Shown:
         """What is pointed out."""
@@ -130,7 +149,7 @@ class TimingCanvas(QWidget):
             drive, join = self._over
             joins = ((drive, join),) if join is not None else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
         label = self.label if self._held is not None or self._link is not None else ""
-        return Shown(self.chosen, self.row, joins, label, self._wrong, self.pair, self.machine, self._link)
+        return Shown(self.chosen, self.row, joins, label, self._wrong, self.pair, self._link)
 
     # -- mouse ----------------------------------------------------------------------------------------------
 

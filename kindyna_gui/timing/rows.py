@@ -135,11 +135,14 @@ class TimingRows(QWidget):
             for each, at in zip(design.timing, chart.distances, strict=True)
         ]
         with QSignalBlocker(self.list.selectionModel()):
-            self.list.show_rows(rows)
-            if row >= 0:
-                self.list.selectRow(row)
+            if [(each.tip, each.colour) for each in rows] == [(each.tip, each.colour) for each in self.list.rows.rows]:
+                self.list.update_rows(rows)
             else:
+                self.list.show_rows(rows)
+            if row < 0:
                 self.list.clearSelection()
+            elif self.list.currentIndex().row() != row:
+                self.list.selectRow(row)
         there, last = row >= 0, len(rows) - 1
         for name, on in (("copy", there), ("remove", there), ("up", row > 0), ("down", there and row < last)):
             self.buttons[name].setEnabled(on)
