@@ -394,8 +394,10 @@ class TimingChart:
         at = self.place(*shown.joins[0])
         painter.setFont(font(SMALL, bold=True))
         width = QFontMetricsF(painter.font()).horizontalAdvance(shown.label) + 10.0
-        left = at.x() + 10.0 if at.x() + 10.0 + width <= self.right else at.x() - 10.0 - width
-        box = QRectF(max(left, 2.0), max(at.y() - 24.0, 2.0), width, 17.0)
+        band = self.box(shown.joins[0][0])  # below it, or above it where there is none below: not over what is held
+        left = at.x() + 10.0 if at.x() + 10.0 + width <= self.right else self.right - width
+        top = band.bottom() + 2.0 if len(self.bands) == 1 or shown.joins[0][0] < len(self.bands) - 1 else band.top() - 19.0
+        box = QRectF(max(left, 2.0), top, width, 17.0)
         painter.fillRect(box, brush(self.theme.paper, 0.94))
         painter.setPen(self._pen(self.theme.faint))
         painter.drawRect(box)

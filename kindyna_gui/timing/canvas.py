@@ -79,6 +79,7 @@ class TimingCanvas(QWidget):
         self._at, self._begun = QPointF(), QPointF()
         self._moved, self._means = 0.0, False
         self._on_axis = False
+        self._stopped = -1  # the row of the timing that stops what is held
         self.label, self._wrong = "", False
         self._picture: QPixmap | None = None
         self._of: object = None
@@ -149,7 +150,8 @@ class TimingCanvas(QWidget):
             drive, join = self._over
             joins = ((drive, join),) if join is not None else tuple((drive, k) for k in range(len(self.chart.bands[drive].joins)))
         label = self.label if self._held is not None or self._link is not None else ""
-        return Shown(self.chosen, self.row, joins, label, self._wrong, self.pair, self._link)
+        row = self._stopped if self._held is not None and self._stopped >= 0 else self.row
+        return Shown(self.chosen, row, joins, label, self._wrong, self.pair, self._link)
 
     # -- mouse ----------------------------------------------------------------------------------------------
 
@@ -191,7 +193,7 @@ class TimingCanvas(QWidget):
             self._held = Held(drive, None, design, design.drives[drive].phase_deg, phase_room(design, drive))
         else:
             self._held = Held(drive, join, design, self.chart.bands[drive].joins[join], join_room(design, drive, join))
-        self._moved, self._means, self._wrong = 0.0, False, False
+        self._moved, self._means, self._wrong, self._stopped = 0.0, False, False, -1
         self.label = self._text(self._held, 0.0)
         self.taken.emit()
 
@@ -223,7 +225,8 @@ class TimingCanvas(QWidget):
             self.label += "  not possible"
         elif stop is not None:
             row = held.design.timing[stop]
-            self.label += f"  {plain(row.second)} {short(row.least_deg)}° after {plain(row.first)}"
+            self.label += f"   stops: {plain(row.second)} {short(row.least_deg)}° after {plain(row.first)}"
+        self._stopped = -1 if stop is None else stop
         self.update()
 
     def _apply(self, held: Held, by: float) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtCore import QSize, Qt, Signal
 from PySide6.QtGui import QKeyEvent, QKeySequence
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
 
@@ -63,7 +63,7 @@ class TimingRows(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._design: Design | None = None
-        self._row = -1
+        self._row, self._showing = -1, False
         self.list = RowsList()
         self.first, self.second = WordBox(), WordBox()
         self.first.setAccessibleName("First")
@@ -134,7 +134,8 @@ class TimingRows(QWidget):
             )
             for each, at in zip(design.timing, chart.distances, strict=True)
         ]
-        with QSignalBlocker(self.list.selectionModel()):
+        self._showing = True  # what is chosen in the list meanwhile is not the user's choice
+        try:
             if [(each.tip, each.colour) for each in rows] == [(each.tip, each.colour) for each in self.list.rows.rows]:
                 self.list.update_rows(rows)
             else:
@@ -143,6 +144,8 @@ class TimingRows(QWidget):
                 self.list.clearSelection()
             elif self.list.currentIndex().row() != row:
                 self.list.selectRow(row)
+        finally:
+            self._showing = False
         there, last = row >= 0, len(rows) - 1
         for name, on in (("copy", there), ("remove", there), ("up", row > 0), ("down", there and row < last)):
             self.buttons[name].setEnabled(on)
@@ -178,7 +181,7 @@ class TimingRows(QWidget):
     # -- by the user ----------------------------------------------------------------------------------------
 
     def _choose(self, row: int) -> None:
-        if row != self._row:
+        if row != self._row and not self._showing:
             self.chosen.emit(row)
 
     def _events_chosen(self, *_: object) -> None:
