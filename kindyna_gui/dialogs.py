@@ -46,6 +46,14 @@ class Unfinished(Enum):
     CANCEL = "cancel"
 
 
+class OnShaft(Enum):
+    """On which shaft of several drives a design shall be put."""
+
+    NEW = "a new one"
+    FILE = "that of a file"
+    CANCEL = "cancel"
+
+
 class OnRecovery(Enum):
     """What to do with unsaved work of a process that has died."""
 
@@ -171,6 +179,25 @@ def ask_on_conflict(parent: QWidget, name: str, lines: Sequence[str]) -> OnConfl
     box.setEscapeButton(QMessageBox.StandardButton.Cancel)
     box.exec()
     answer = buttons.get(box.clickedButton(), OnConflict.CANCEL)
+    box.deleteLater()
+    return answer
+
+
+def ask_on_shaft(parent: QWidget, name: str) -> OnShaft:
+    """On which shaft a design of one drive shall be put."""
+    box = QMessageBox(parent)
+    box.setIcon(QMessageBox.Icon.Question)
+    box.setWindowTitle("KINDYNA")
+    box.setText(f"Put {name} on a shaft that turns several drives.")
+    role = QMessageBox.ButtonRole
+    buttons = {
+        box.addButton("New shaft", role.AcceptRole): OnShaft.NEW,
+        box.addButton("Shaft of a file...", role.AcceptRole): OnShaft.FILE,
+        box.addButton(QMessageBox.StandardButton.Cancel): OnShaft.CANCEL,
+    }
+    box.setEscapeButton(QMessageBox.StandardButton.Cancel)
+    box.exec()
+    answer = buttons.get(box.clickedButton(), OnShaft.CANCEL)
     box.deleteLater()
     return answer
 

@@ -1,6 +1,6 @@
 """The camshaft as a rigid flywheel with a motor of straight characteristic: its load, its speed, its sizing."""
 
-from core.shaft.balancer import balance_drive, balance_motion
+from core.shaft.balancer import balance_drive, balance_motion, first_balancer
 from core.shaft.curve import NODES, LoadCurve, load_curve, panel_angles
 from core.shaft.flywheel import Flywheel, findings, levels
 from core.shaft.linear import filtered, lag, motor_inertia
@@ -10,8 +10,34 @@ from core.shaft.sizing import AgainstSpeed, against_speed, inertia_for, reached_
 from core.shaft.speed import SpeedCurve, steady_speed
 
 __all__ = [
-    "AIMS", "NODES", "AgainstSpeed", "Flywheel", "LoadCurve", "Phases", "Spacing", "SpeedCurve", "against_speed",
-    "balance_drive", "balance_motion", "best_phases", "combined", "filtered", "findings", "inertia_for", "lag",
-    "levels", "load_curve", "motor_inertia", "panel_angles", "peaks", "reached_along", "reached_with", "rms",
-    "separated", "speed_fluctuation", "steady_speed", "value",
+    "AIMS",
+    "NODES",
+    "AgainstSpeed",
+    "Flywheel",
+    "LoadCurve",
+    "Phases",
+    "Spacing",
+    "SpeedCurve",
+    "against_speed",
+    "balance_drive",
+    "balance_motion",
+    "best_phases",
+    "combined",
+    "filtered",
+    "findings",
+    "first_balancer",
+    "inertia_for",
+    "lag",
+    "levels",
+    "load_curve",
+    "motor_inertia",
+    "panel_angles",
+    "peaks",
+    "reached_along",
+    "reached_with",
+    "rms",
+    "separated",
+    "speed_fluctuation",
+    "steady_speed",
+    "value",
 ]  # fmt: skip

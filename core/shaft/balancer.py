@@ -156,3 +156,16 @@ def _by_own_angle(start: np.ndarray, width: np.ndarray, coefficients: np.ndarray
     for a, h, c in [(begins, wide, row), *ahead, *tail]:
         pieces.append(Piece(a / TURN, tuple((c * (TURN / h) ** np.arange(c.size)).tolist())))
     return pieces
+
+
+FIRST_STROKE = 0.1  # [m] of a balance cam to begin with
+SHARE = 0.25  # of the energy that its preload takes
+
+
+def first_balancer(energy_swing: float) -> Balancer:
+    """A balance cam to begin with, whose follower runs 100 mm for so much energy [J]: F0 s + ½ k s² = ΔE. All of it is to be changed."""
+    work = max(energy_swing, 1.0)
+    rate, preload = 2.0 * (1.0 - SHARE) * work / FIRST_STROKE**2, SHARE * work / FIRST_STROKE
+    return Balancer(
+        spring_rate_n_per_mm=float(f"{rate / 1e3:.3g}"), preload_n=float(f"{preload:.3g}"), base_radius_mm=200.0, roller_radius_mm=50.0
+    )

@@ -417,7 +417,7 @@ class Session(QObject):
             design = self._alone(whole, chosen) if rewhole else self.design
         except KindynaError:  # nothing can balance this torque
             chosen, design = 0, only(whole, 0)
-        rechosen = begun or chosen != self.chosen
+        rechosen = begun or chosen != self.chosen or whole.listed != self.whole.listed
         if not rechosen and design == self.design:
             design = self.design  # what is of this drive stays as it is
         another = rechosen or design is not self.design

@@ -24,6 +24,7 @@ from core.study import Study
 from kindyna_gui.documents.beginnings import beginning
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.drives import editing
+from kindyna_gui.drives.files import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.forms.form import Form
 from kindyna_gui.labels import reason, shortest
@@ -253,6 +254,28 @@ class DrivesView(View):
             action = menu.addAction(row.label)
             action.setStatusTip(f"A drive of this kind: {row.label}")
             action.triggered.connect(partial(self._add, slug))
+        for text, tip, slot in (
+            ("Chosen by its picture...", "A follower with its face and the form of its cam, or a linkage", self._add_by_picture),
+            ("From a file...", "All drives of a design file", self._add_from_file),
+        ):
+            action = menu.addAction(text)
+            action.setStatusTip(tip)
+            action.triggered.connect(slot)
+        menu.addSeparator()
+        action = menu.addAction("Balance cam")
+        action.setStatusTip("A cam against a spring that takes the swing out of the shaft's torque")
+        action.setEnabled(self.session.whole.balancer is None)
+        action.triggered.connect(lambda: editing.add_balancer(self.session))
+
+    def _add_by_picture(self, *_: object) -> None:
+        from kindyna_gui.window.gallery import mechanism_wanted
+
+        choice = mechanism_wanted(self)
+        if choice is not None:
+            editing.add(self.session, choice.begun(None))
+
+    def _add_from_file(self, *_: object) -> None:
+        add_from_file(self.session, self)
 
     def _add(self, slug: str, *_: object) -> None:
         editing.add(self.session, beginning(slug, name=FOLLOWER_KINDS[slug].label))

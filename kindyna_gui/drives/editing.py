@@ -4,9 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from core.design import Design, add_drive, copy_drive, move_drive, only, remove_drive, with_shaft
+from core.design import (
+    RESERVED,
+    Design,
+    add_drive,
+    as_list,
+    copy_drive,
+    edited,
+    move_drive,
+    only,
+    remove_drive,
+    slug,
+    with_only,
+    with_shaft,
+)
 from core.errors import KindynaError
-from kindyna_gui.documents.session import Session
+from core.shaft import first_balancer
+from kindyna_gui.documents.session import BALANCER, Session
 
 
 def add(session: Session, design: Design, name: str = "") -> bool:
@@ -24,6 +38,36 @@ def add(session: Session, design: Design, name: str = "") -> bool:
     return _done(session, whole, f"Add {', '.join(names)}", first)
 
 
+def listed(design: Design, name: str) -> Design:
+    """A design of one drive as a shaft of this name with it as the first of a list."""
+    return replace(as_list(_with_shaft(design), free_slug(design.name)), name=name)
+
+
+def list_them(session: Session) -> bool:
+    """The session's design, of one drive, as the first of a list."""
+    whole = listed(session.whole, session.whole.name)
+    return _done(session, whole, f"Put {session.whole.name} on a shaft of several", 0)
+
+
+def free_slug(name: str) -> str:
+    """The name, where a drive may be called so; else one that it may be called."""
+    wanted = slug(name).strip("_")
+    return name if wanted and slug(name) not in RESERVED else "Drive"
+
+
+def add_balancer(session: Session) -> bool:
+    """A balance cam to begin with, which is then chosen. False where there is one, or nothing can be balanced."""
+    whole = session.whole
+    try:
+        part = first_balancer(session.shaft.flywheel.energy_swing)
+    except KindynaError as error:
+        session.refuse(BALANCER, str(error))
+        return False
+    marks = tuple(f"{BALANCER}.{key}" for key in ("spring_rate_n_per_mm", "preload_n", "base_radius_mm", "roller_radius_mm"))
+    made = replace(whole, balancer=part, assumed=(*whole.assumed, *marks))
+    return whole.balancer is None and _done(session, made, "Add a balance cam", len(whole.drives))
+
+
 def _with_shaft(design: Design) -> Design:
     """A linkage alone says by its driver how fast it turns; on a shaft with others the shaft does."""
     return with_shaft(design) if design.shaft is None else design
@@ -35,11 +79,20 @@ def copy(session: Session) -> bool:
     return _done(session, copy_drive(session.whole, index), f"Copy {session.names[index]}", index + 1)
 
 
+def replace_chosen(session: Session, design: Design, label: str) -> bool:
+    """Another mechanism in place of the chosen drive's, which keeps its name and its place on the shaft."""
+    alone = replace(design, name=session.design.name, shaft=session.design.shaft)
+    whole = with_only(session.whole, session.chosen, alone)
+    whole = edited(whole, "shaft.speed_rpm", session.whole.camshaft.speed_rpm)  # a linkage's driver turns as the shaft does
+    return _done(session, whole, label, session.chosen)
+
+
 def remove(session: Session) -> bool:
     """The chosen drive, or the balance cam, taken away; the last drive stays."""
     index, name = session.chosen, session.names[session.chosen]
     if session.on_balancer:
-        return _done(session, replace(session.whole, balancer=None), f"Remove {name}", 0)
+        kept = tuple(path for path in session.whole.assumed if not path.startswith(f"{BALANCER}."))
+        return _done(session, replace(session.whole, balancer=None, assumed=kept), f"Remove {name}", 0)
     return _done(session, remove_drive(session.whole, index), f"Remove {name}", min(index, len(session.whole.drives) - 2))
 
 
@@ -65,4 +118,4 @@ def _done(session: Session, whole: Design, label: str, chosen: int) -> bool:
     return done
 
 
-__all__ = ["add", "copy", "move", "remove", "rename"]
+__all__ = ["add", "add_balancer", "copy", "list_them", "listed", "move", "remove", "rename", "replace_chosen"]

@@ -11,6 +11,7 @@ from core.design import Design, Elastic, motion_of, with_elastic
 from core.design import with_shaft as give_shaft
 from core.errors import KindynaError
 from kindyna_gui.documents.session import Refusal
+from kindyna_gui.drives.editing import replace_chosen
 from kindyna_gui.requirements import NO_CAM, NO_MOTION, NO_SHAFT, with_shaft
 
 if TYPE_CHECKING:
@@ -89,11 +90,15 @@ class Designing(QObject):
     def _choose_mechanism(self, keeps_motion: bool) -> None:
         from kindyna_gui.window import gallery
 
-        if self._window.documents.may_leave():
+        replaces = keeps_motion and self._session.several  # one drive, which Undo brings back
+        if replaces or self._window.documents.may_leave():
             choice = gallery.mechanism_wanted(self._window)
             if choice is not None:
                 motion = motion_of(self._session.design) if keeps_motion else None
-                self._window.documents.begin(choice.begun(motion), choice.called)
+                if replaces:
+                    replace_chosen(self._session, choice.begun(motion), f"Choose {choice.called}")
+                else:
+                    self._window.documents.begin(choice.begun(motion), choice.called)
 
     def change(self, make: Callable[[], Design], text: str) -> None:
         """Another design in one step; where it cannot be made or is refused, the status line shows why."""

@@ -195,6 +195,12 @@ class MainWindow(QMainWindow):
         rows = view.layer_actions() if view is not None else []
         return {action.objectName().partition(":")[2]: action.isChecked() for action in rows}
 
+    def add_to_shaft(self) -> None:
+        """Put the design on a shaft of several, or the drives of a file on this one."""
+        from kindyna_gui.drives import files
+
+        files.add_to_shaft(self)
+
     def export_picture(self, name: str) -> None:
         """Ask for a file and write the picture of a view there."""
         view = self.view(name)

@@ -13,6 +13,8 @@ from window_user import Open, User, pixel, settle
 from core.design import drive_names, only
 from core.project import load
 from core.study.stages import memory
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.pictures.film import Film, shoot
@@ -211,3 +213,43 @@ def test_an_animation_of_all_drives(app: object) -> None:
     assert moving is not None
     assert moving[:6] == b"GIF89a"
     assert moving != shoot(only(load(UNIT), 0), film)
+
+
+def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.MonkeyPatch) -> None:
+    session, view = unit.session, listed(unit)
+    unit.picks("design_to_open", example("card_picker"))
+    unit.choose("File", "Add this design to a shaft...")
+    assert len(session.whole.drives) == 5
+    assert session.whole.drives[4].mechanism == load(example("card_picker")).drive.mechanism
+    assert session.chosen == 4
+    session.stack.undo()
+    assert session.whole == load(UNIT)
+
+    menu = view.buttons["add"].menu()
+    menu.aboutToShow.emit()
+    next(action for action in menu.actions() if action.text() == "Balance cam").trigger()
+    settle()
+    view.settle()
+    assert column(view, NAME)[4] == "Balance cam"
+    assert session.on_balancer
+    left = session.shaft.torque
+    assert left.max() - left.min() < 1e-9 * (session.shaft.cams_torque.max() - session.shaft.cams_torque.min())
+    assert not unit.drawing().in_trouble
+    unit.see("displacement")
+    assert not session.edit("cam.base_radius_mm", 300.0, "Change"), "it follows from the drives"
+    assert session.edit("balancer.base_radius_mm", 300.0, "Change base radius to 300 mm")
+    assert session.design.drive.cam.base_radius_mm == 300.0
+    view.buttons["remove"].click()
+    assert session.whole == load(UNIT)
+
+    assert unit.window.documents.open_path(example("card_picker"))
+    single = session.whole
+    monkeypatch.setattr(dialogs, "ask_on_shaft", lambda *_: OnShaft.NEW)
+    unit.choose("File", "Add this design to a shaft...")
+    assert session.several
+    assert drive_names(session.whole) == (single.name,)
+    assert unit.drawing().strip.isVisible()
+    session.stack.undo()
+    assert session.whole == single
+    settle()
+    assert not unit.drawing().strip.isVisible()

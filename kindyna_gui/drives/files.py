@@ -1,0 +1,70 @@
+"""Shafts of several cams from what there is: a new one, the design at hand on one, the drives of a file on the one at hand."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from PySide6.QtWidgets import QWidget
+
+from core.errors import KindynaError
+from core.project import load
+from kindyna_gui import dialogs
+from kindyna_gui.dialogs import OnShaft
+from kindyna_gui.documents.session import Session
+from kindyna_gui.drives import editing
+from kindyna_gui.settings import Settings
+
+if TYPE_CHECKING:
+    from kindyna_gui.window.main_window import MainWindow
+
+NEW_NAME = "New shaft of cams"
+
+
+def new_shaft(window: MainWindow) -> None:
+    """Begin a shaft with one drive, chosen by its picture; others are added in the list of drives."""
+    from kindyna_gui.window.gallery import mechanism_wanted
+
+    if not window.documents.may_leave():
+        return
+    choice = mechanism_wanted(window)
+    if choice is not None:
+        window.session.start(editing.listed(choice.begun(None), NEW_NAME))
+        window.show_view("drives")
+
+
+def add_to_shaft(window: MainWindow) -> None:
+    """Put the design at hand on a shaft of several: a new one, or that of a file. Where several are at hand, ask for a file whose
+    drives come to them."""
+    session = window.session
+    window.documents.settle()
+    if session.several:
+        if add_from_file(session, window):
+            window.show_view("drives")
+        return
+    answer = dialogs.ask_on_shaft(window, session.whole.name)
+    if answer is OnShaft.NEW:
+        editing.list_them(session)
+    elif answer is OnShaft.FILE:
+        added = session.whole
+        path = dialogs.design_to_open(window, Settings().folder)
+        if path is None or not window.documents.open_path(path):
+            return
+        editing.add(session, added)
+    else:
+        return
+    window.show_view("drives")
+
+
+def add_from_file(session: Session, parent: QWidget) -> bool:
+    """Ask for a file, whose drives come behind those there are; False where none is added."""
+    path = dialogs.design_to_open(parent, Settings().folder)
+    if path is None:
+        return False
+    try:
+        return editing.add(session, load(path))
+    except KindynaError as error:
+        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return False
+
+
+__all__ = ["add_from_file", "add_to_shaft", "new_shaft"]
