@@ -87,7 +87,12 @@ class DrivesTable(QTableWidget):
 
 
 class DrivesView(View):
-    """The list, buttons for it, and the form of the chosen row."""
+    """The list, buttons for it, and the form of the chosen row.
+
+    picture_requested   a drive is to be chosen by its picture
+    """
+
+    picture_requested = Signal()
 
     of_whole = True
     stages = STAGES_OF_VIEWS["drives"]
@@ -255,24 +260,17 @@ class DrivesView(View):
             action.setStatusTip(f"A drive of this kind: {row.label}")
             action.triggered.connect(partial(self._add, slug))
         for text, tip, slot in (
-            ("Chosen by its picture...", "A follower with its face and the form of its cam, or a linkage", self._add_by_picture),
+            ("Chosen by its picture...", "A follower with its face and the form of its cam, or a linkage", self.picture_requested.emit),
             ("From a file...", "All drives of a design file", self._add_from_file),
         ):
             action = menu.addAction(text)
             action.setStatusTip(tip)
-            action.triggered.connect(slot)
+            action.triggered.connect(partial(_without_state, slot))
         menu.addSeparator()
         action = menu.addAction("Balance cam")
         action.setStatusTip("A cam against a spring that takes the swing out of the shaft's torque")
         action.setEnabled(self.session.whole.balancer is None)
         action.triggered.connect(lambda: editing.add_balancer(self.session))
-
-    def _add_by_picture(self, *_: object) -> None:
-        from kindyna_gui.window.gallery import mechanism_wanted
-
-        choice = mechanism_wanted(self)
-        if choice is not None:
-            editing.add(self.session, choice.begun(None))
 
     def _add_from_file(self, *_: object) -> None:
         add_from_file(self.session, self)
@@ -287,6 +285,11 @@ class DrivesView(View):
         if field is not None:
             field.focus()
         return field is not None
+
+
+def _without_state(slot: Callable[[], object], *_: object) -> None:
+    """Call a slot without the checked state that ``triggered`` brings."""
+    slot()
 
 
 __all__ = ["DrivesView"]

@@ -32,6 +32,15 @@ def new_shaft(window: MainWindow) -> None:
         window.show_view("drives")
 
 
+def add_by_picture(window: MainWindow) -> None:
+    """Ask for a mechanism, which becomes one drive more."""
+    from kindyna_gui.window.gallery import mechanism_wanted
+
+    choice = mechanism_wanted(window)
+    if choice is not None:
+        editing.add(window.session, choice.begun(None))
+
+
 def add_to_shaft(window: MainWindow) -> None:
     """Put the design at hand on a shaft of several: a new one, or that of a file. Where several are at hand, ask for a file whose
     drives come to them."""
@@ -67,4 +76,4 @@ def add_from_file(session: Session, parent: QWidget) -> bool:
         return False
 
 
-__all__ = ["add_from_file", "add_to_shaft", "new_shaft"]
+__all__ = ["add_by_picture", "add_from_file", "add_to_shaft", "new_shaft"]

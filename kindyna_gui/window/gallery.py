@@ -41,7 +41,6 @@ from kindyna_gui.places import FIRST_EXAMPLE, example, single_examples
 from kindyna_gui.requirements import lists_links
 
 if TYPE_CHECKING:
-    from kindyna_gui.drives.drives_view import DrivesView
     from kindyna_gui.window.main_window import MainWindow
 
 THUMBS = (QSize(200, 140), QSize(168, 118), QSize(136, 96))  # the smaller ones where the screen has no room for all of the others
@@ -304,7 +303,7 @@ class Gallery(QDialog):
         self.ok.setEnabled(self.chosen is not None)
 
 
-def mechanism_wanted(window: MainWindow | DrivesView) -> Choice | None:
+def mechanism_wanted(window: MainWindow) -> Choice | None:
     """Ask for a mechanism, beginning with the group of the one that is there; None where the user thinks better of it."""
     row = FOLLOWER_KINDS.get(window.session.design.drive.kind)
     dialog = Gallery(window, first=row.label if row else LINKAGES)

@@ -115,6 +115,8 @@ class MainWindow(QMainWindow):
             view.abilities_changed.connect(self._enable_segment_edits)
         if hasattr(view, "field_requested"):
             view.field_requested.connect(self.focus_field)
+        if hasattr(view, "picture_requested"):
+            view.picture_requested.connect(self.add_drive_by_picture)
         menus.add_view_keys(view, name, self.actions_by_key)
         return view
 
@@ -194,6 +196,12 @@ class MainWindow(QMainWindow):
         view = self.view("mechanism")
         rows = view.layer_actions() if view is not None else []
         return {action.objectName().partition(":")[2]: action.isChecked() for action in rows}
+
+    def add_drive_by_picture(self) -> None:
+        """One drive more, chosen by its picture."""
+        from kindyna_gui.drives import files
+
+        files.add_by_picture(self)
 
     def add_to_shaft(self) -> None:
         """Put the design on a shaft of several, or the drives of a file on this one."""

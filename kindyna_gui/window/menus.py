@@ -94,7 +94,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Item("Reco&ver unsaved work...", "recovery.offer_again", None, None,
                  "What was unsaved when KINDYNA ended without being closed"),
             SEPARATOR,
-            Item("Add this design to a shaf&t...", "add_to_shaft", None, None,
+            Item("Add this desi&gn to a shaft...", "add_to_shaft", None, None,
                  "Make it the first of several drives on one shaft, or add it to a shaft; to a shaft at hand add the drives of a file"),
             Item("&Import measured motion...", "designing.import_measured", None, None,
                  "Fit a motion to a table of measured displacements, velocities or accelerations"),
