@@ -24,7 +24,7 @@ from core.study import Study
 from kindyna_gui.documents.beginnings import beginning
 from kindyna_gui.documents.session import BALANCER, Session
 from kindyna_gui.drives import editing
-from kindyna_gui.drives.files import add_from_file
+from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.forms.form import Form
 from kindyna_gui.labels import reason, shortest

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from PySide6.QtWidgets import QWidget
-
-from core.errors import KindynaError
-from core.project import load
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
-from kindyna_gui.documents.session import Session
 from kindyna_gui.drives import editing
+from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.settings import Settings
 
 if TYPE_CHECKING:
@@ -64,16 +60,4 @@ def add_to_shaft(window: MainWindow) -> None:
     window.show_view("drives")
 
 
-def add_from_file(session: Session, parent: QWidget) -> bool:
-    """Ask for a file, whose drives come behind those there are; False where none is added."""
-    path = dialogs.design_to_open(parent, Settings().folder)
-    if path is None:
-        return False
-    try:
-        return editing.add(session, load(path))
-    except KindynaError as error:
-        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
-        return False
-
-
-__all__ = ["add_by_picture", "add_from_file", "add_to_shaft", "new_shaft"]
+__all__ = ["add_by_picture", "add_to_shaft", "new_shaft"]
