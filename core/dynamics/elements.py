@@ -386,9 +386,14 @@ class Loading:
         """Name -> element, of those whose power is a channel."""
         return MappingProxyType({element.name: element for element in self.others if element.name})
 
+    @property
+    def switches(self) -> tuple[Schedule, ...]:
+        """When its process forces work."""
+        return tuple(element.schedule for element in self.others if isinstance(element, ScheduledForce))
+
     def cuts(self, program: Any) -> np.ndarray:
         """Angles (m,) [rad] at which a force switches."""
-        found = [element.schedule.cuts(program) for element in self.others if isinstance(element, ScheduledForce)]
+        found = [schedule.cuts(program) for schedule in self.switches]
         return np.concatenate(found) if found else np.zeros(0)
 
     @property

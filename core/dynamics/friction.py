@@ -109,13 +109,17 @@ def magnitudes(normals: np.ndarray, gains: np.ndarray, coefficients: np.ndarray,
     1 and above there is no limit: ``JAMMED``, in the proportions just below.
     """
     over = np.where(jam < 1.0, 1.0, _BELOW / np.maximum(jam, 1.0))
-    gain = gains * coefficients[:, None] * over
+    x, y = (part * (coefficients[:, None] * over) for part in (gains.real, gains.imag))
+    flat = not y.any()  # of slides alone
     m = np.zeros(normals.shape)
     for _ in range(_ROUNDS):
-        reaction = normals + np.einsum("ijn,jn->in", gain, m)
-        size = np.abs(reaction)
-        heading = np.where(size > 0.0, reaction / np.where(size > 0.0, size, 1.0), 0.0)
-        slope = (heading.conj()[:, None] * gain).real
+        along = normals.real + np.einsum("ijn,jn->in", x, m)
+        across = normals.imag if flat else normals.imag + np.einsum("ijn,jn->in", y, m)
+        size = np.hypot(along, across)
+        per = 1.0 / np.where(size > 0.0, size, np.inf)
+        slope = (along * per)[:, None] * x
+        if not flat:
+            slope += (across * per)[:, None] * y
         change = _solved(slope, size - m)
         m = m + change
         if not (np.abs(change) > _DONE * np.abs(m).max(axis=0)).any():

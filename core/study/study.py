@@ -147,41 +147,32 @@ class Study:
         if not (loads.process or loads.pair_friction):
             return ()
 
-        def compute() -> tuple[float, ...]:
-            try:
-                angles = (*self.loading.cuts(uncut).tolist(), *self._turning_back(uncut))
-            except NoAnswer:
-                return ()
-            return tuple(sorted(set(angles)))
+        try:
+            loading, driven = self.loading, self.course if self.by_crank else self.design.drive.motion
+            switches = memory.get("switches", (driven, loading.switches), lambda: tuple(loading.cuts(uncut).tolist()))
+            pairs = tuple(friction.pair for friction in loading.frictions)
+            back = memory.get("turning back", (driven, self.mechanism, pairs), lambda: tuple(self._turning_back(uncut, pairs)))
+        except NoAnswer:
+            return ()
+        return tuple(sorted({*switches, *back}))
 
-        parts = self.design.drive.motion, self.mechanism_or_none, loads.process, loads.pair_friction
-        found: tuple[float, ...] = memory.get("cuts", parts, compute)
-        return found
-
-    def _turning_back(self, uncut: Any) -> Iterator[float]:
-        """Angles [rad] at which a pair that rubs slips the other way."""
+    def _turning_back(self, uncut: Any, pairs: tuple[str, ...]) -> Iterator[float]:
+        """Angles [rad] at which one of these pairs slips the other way."""
+        if not pairs:
+            return
         angles = piecewise_angles(uncut)
 
         def kinematics(there: Angles) -> Kinematics:
             return solve_mechanism(self.mechanism, uncut.state(there), self.course)
 
-        there = lru_cache(maxsize=1)(kinematics)
-        for friction in self.loading.frictions:
-            pair = there(angles).pairs[friction.pair]
-            if friction.pair != there(angles).driver_name and pair.kind == REVOLUTE:
+        sampled = kinematics(angles)
+        for name in pairs:
+            if name != sampled.driver_name:
 
-                def slip(at: Angles, name: str = friction.pair) -> np.ndarray:
-                    return np.broadcast_to(there(at).slip(name), at.theta.size)
+                def slip(at: Angles, name: str = name) -> np.ndarray:
+                    return np.broadcast_to(kinematics(at).slip(name), at.theta.size)
 
-                yield from crossings(slip, angles, slip(angles)).theta.tolist()
-
-    @property
-    def mechanism_or_none(self) -> Mechanism | None:
-        """The linkage that is solved; None where a follower does not come to its base position."""
-        try:
-            return self.mechanism
-        except NoAnswer:
-            return None
+                yield from crossings(slip, angles, np.broadcast_to(sampled.slip(name), angles.theta.size)).theta.tolist()
 
     @cached_property
     def angles(self) -> Angles:
