@@ -39,6 +39,7 @@ from core.design.edits import (
     with_stroke,
     without_segment,
 )
+from core.design.element_edits import load_lists, with_new_row, with_rows_in_order
 from core.design.element_rules import FOLLOWER_LINKS, link_names, link_points, pairs_of
 from core.design.elements import (
     ELEMENT_LISTS,
@@ -297,6 +298,7 @@ __all__ = [
     "laid_out",
     "link_names",
     "link_points",
+    "load_lists",
     "machine_joins",
     "milliseconds",
     "mirror_stroke",
@@ -346,9 +348,11 @@ __all__ = [
     "with_law",
     "with_layout",
     "with_motion",
+    "with_new_row",
     "with_only",
     "with_phase",
     "with_rise",
+    "with_rows_in_order",
     "with_segment_inserted",
     "with_shaft",
     "with_span",

@@ -11,7 +11,16 @@ import numpy as np
 import pytest
 
 from core import followers
-from core.design import FOLLOWER_LINKS, Design
+from core.design import (
+    FOLLOWER_LINKS,
+    Design,
+    faults,
+    get,
+    load_lists,
+    with_assumed,
+    with_new_row,
+    with_rows_in_order,
+)
 from core.errors import DesignError, NoStability
 from core.output.channels import channels
 from core.project import dumps
@@ -340,3 +349,23 @@ def test_findings_name_the_element(rows: dict[str, Any], code: str | None, field
     found = Study(design("slider_crank", **rows), SAMPLES).findings(("dynamics",))
     assert [(f.code, f.field) for f in found] == ([] if code is None else [(code, field)])
     assert all(f.message for f in found)
+
+
+# -- edits -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [*BETWEEN, "lecture_six_bar", "four_bar_coupler_cam"])
+def test_new_rows_act_at_once_and_leave_as_they_came(name: str) -> None:
+    made = before = design(name, friction=0.0) if name in ("transfer_lift", "card_picker") else design(name)
+    paths = [f"loads.{key}" for key in load_lists(made.drive) if key != "masses" or not made.drive.loads.masses]
+    for path in paths:
+        made = with_new_row(made, path)
+        assert faults(made) == [], path
+    made = with_assumed(with_rows_in_order(made, "loads.springs", (0, 0)), "loads.springs[1].rate_n_per_mm", True)
+    for residual in Study(made, 36).certificate(("dynamics",)).values():
+        assert residual.kept
+    made = with_rows_in_order(made, "loads.springs", (1,))
+    assert "loads.springs[0].rate_n_per_mm" in made.assumed
+    for path in paths:
+        made = with_rows_in_order(made, path, range(len(get(before, path))))
+    assert made == before
