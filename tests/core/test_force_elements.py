@@ -110,6 +110,8 @@ def test_every_element_balances_and_survives_its_file(name: str) -> None:
     elements = study.design.drive.loads
     count = sum(len(getattr(elements, key)) for key in ("springs", "torsion_springs", "process", "pair_friction"))
     assert len(powers) >= count
+    rubbed = [row.values(study) for row in powers if row.slug.startswith("friction")]
+    assert all(power.max() <= 0.0 > power.min() for power in rubbed)
     # what shaft and elements give raises the kinetic energy, and the masses' height
     cam = np.linspace(3.0, 5.9, 7)
     energy = next(row for row in channels(study.design) if row.slug == "kinetic_energy_j")
@@ -123,18 +125,18 @@ def test_every_element_balances_and_survives_its_file(name: str) -> None:
 
 @pytest.mark.parametrize("name", BETWEEN)
 def test_potentials_are_those_of_the_lengths(name: str) -> None:
-    """V' and V'' of every spring against differences of k (l - l0)²/2 and k (φ - φ0)²/2."""
+    """V' and V'' of every spring against differences of k (l - l0)²/2 and k (φ - φ0)²/2; V'' of every element against V'."""
     study, cam, step = full(name), np.linspace(0.35, 5.4, 6), 1e-5
     at = [study.at_theta(cam + d * step).linkage for d in (-1.0, 0.0, 1.0)]
-    for row in (*study.loading.named.values(),):
+    for row in study.loading.named.values():
+        first, second = row.potential(at[1])
+        scale = np.abs(first).max() + np.abs(second).max()
+        slope = [row.potential(k)[0] for k in (at[0], at[2])]
+        assert np.abs((slope[1] - slope[0]) / (2.0 * step) - second).max() <= 1e-6 * scale, row.name
         if row.name.startswith(("spring", "torsion")):
             size = [row.angle(k) if row.name[0] == "t" else np.abs(row.between(k)) - row.length for k in at]
             low, middle, high = (0.5 * row.rate * s * s for s in size)
-            first, second = row.potential(at[1])
-            scale = np.abs(first).max() + np.abs(second).max()
-            assert np.abs((high - low) / (2.0 * step) - first).max() <= 1e-6 * scale
-            slope = [row.potential(k)[0] for k in (at[0], at[2])]
-            assert np.abs((slope[1] - slope[0]) / (2.0 * step) - second).max() <= 1e-6 * scale
+            assert np.abs((high - low) / (2.0 * step) - first).max() <= 1e-6 * scale, row.name
             assert middle.max() > 0.0
 
 
