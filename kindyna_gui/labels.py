@@ -157,6 +157,11 @@ def heading_of(design: Design, path: str) -> str:
     return driver_text(design.drive.mechanism.driver) if path.startswith("linkage.driver.") else ""
 
 
+def row_name(design: Design, path: str) -> str:
+    """What a row of the loads is called: ``Spring 2``, ``Friction at A``, ``Mass of link 3``."""
+    return heading_of(design, f"{path}.")
+
+
 def driver_text(driver: Driver) -> str:
     """``Link 4 follows the motion``."""
     return f"Link {driver.link} {'turns at speed' if driver.kind == CRANK else 'follows the motion'}"

@@ -2,26 +2,37 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QGridLayout, QLabel, QScrollArea, QWidget
 
-from core.design import Design, Entry, entries, is_assumed
+from core.design import ELEMENT_LISTS, Design, Entry, entries, get, is_assumed
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.fields import COLUMNS, Field, Spec
 from kindyna_gui.labels import entry_label, heading_of
 from kindyna_gui.rebuilt import Rebuilt
 
-_STRUCTURE = frozenset({"number", "link", "on", "kind"})
+_STRUCTURE = frozenset({"number", "link", "other", "on", "kind"})
 """What a linkage consists of, rather than its dimensions: it is laid out in its file, begun from a preset, or chosen in the
 menu Compo."""
+_OF_ELEMENT = re.compile(rf"loads\.({'|'.join(ELEMENT_LISTS)})\[")
 
 
 def rows_of(design: Design, section: str) -> list[Entry]:
     """The rows of a section, in the order of the file."""
-    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE]
+    return [row for row in entries(design, section) if row.path.rpartition(".")[2] not in _STRUCTURE and _stands(design, row)]
+
+
+def _stands(design: Design, row: Entry) -> bool:
+    """Whether an entry can be given as it stands: of a force element those that are left open belong to another way to attach it,
+    or to switch it; but a slide may have a length."""
+    if row.value is not None or not _OF_ELEMENT.match(row.path):
+        return True
+    head, _, key = row.path.rpartition(".")
+    return key == "length_mm" and get(design, f"{head}.radius_mm") is None
 
 
 def _spec_of(design: Design, row: Entry) -> Spec:

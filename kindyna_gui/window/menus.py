@@ -177,6 +177,8 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
         (
             _view("D&rives", "drives", "The drives on the shaft: add, copy, remove, rename, turn against each other, peak torques"),
             _field("&Loads", "loads", "Masses, springs and forces"),
+            Submenu("&Add to the loads", _later("forms.load_rows", "fill_added"), "load rows"),
+            Submenu("Ta&ke from the loads", _later("forms.load_rows", "fill_taken"), "taken load rows"),
             SEPARATOR,
             _view("&Contact force", "contact_force", "Force between roller and cam"),
             _view("Contact &pressure", "contact_pressure", "Hertz pressure between follower and cam, with what its materials bear"),

@@ -1,0 +1,39 @@
+"""Dyna > Add to the loads, Take from the loads: masses, springs and forces of any design by mouse and keys."""
+
+from window_user import Open
+
+from core.design import get
+from kindyna_gui.places import example
+
+
+def test_a_four_bar_gets_a_mass_a_spring_and_a_load_by_the_menu(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    before = user.window.session.design
+    for entry in ("Mass", "Spring and damper", "Process force"):
+        user.choose("Dyna", "Add to the loads", entry)
+    user.enter("loads.springs[0].rate_n_per_mm", "7.5")
+    design = user.window.session.design
+    assert get(design, "loads.springs[0].rate_n_per_mm") == 7.5
+    assert (len(design.drive.loads.springs), len(design.drive.loads.process)) == (1, 1)
+    assert len(design.drive.loads.masses) == len(before.drive.loads.masses) + 1
+    user.choose("Dyna", "Take from the loads", "Spring 1")
+    assert user.window.session.design.drive.loads.springs == ()
+    for _ in range(5):
+        user.window.session.stack.undo()
+    assert user.window.session.design == before
+
+
+def test_a_follower_has_springs_and_friction_but_no_list_of_masses(same_window: Open) -> None:
+    user = same_window(example("rocker_cam"))
+    user.choose("Dyna", "Add to the loads", "Friction")
+    assert user.window.session.design.drive.loads.pair_friction[0].pair == "pivot"
+    user.choose("Dyna", "Take from the loads", "Friction at pivot")
+
+
+def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
+    user = same_window(example("slider_crank"))
+    for _ in range(4):
+        user.choose("Dyna", "Add to the loads", "Friction")
+    shown = [path for path in user.parameters().forms["loads"].fields if "pair_friction" in path]
+    assert [path.rpartition(".")[2] for path in shown if "[0]" in path] == ["coefficient", "radius_mm"]
+    assert [path.rpartition(".")[2] for path in shown if "[3]" in path] == ["coefficient", "length_mm"]
