@@ -127,7 +127,7 @@ def segment_of(path: str) -> int | None:
 
 _OF_LINK = re.compile(r"linkage\.links\[(\d+)\]\.points\.(\w+)\.([xy])_mm")
 _OF_LIST = re.compile(r"(linkage\.sliders|loads\.masses|loads\.forces)\[(\d+)\]\.")
-_OF_ELEMENT = re.compile(r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(from|to|points)?(?:\[(\d+)\])?")
+_OF_ELEMENT = re.compile(r"loads\.(springs|torsion_springs|pair_friction|process)\[(\d+)\]\.(?:(from|to|points)(?:\[(\d+)\])?\.)?")
 _ELEMENTS = {"springs": "Spring", "torsion_springs": "Torsion spring", "pair_friction": "Friction at", "process": "Process force"}
 
 

@@ -3,6 +3,7 @@
 from window_user import Open
 
 from core.design import get
+from kindyna_gui.labels import heading_of
 from kindyna_gui.places import example
 
 
@@ -37,3 +38,8 @@ def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     shown = [path for path in user.parameters().forms["loads"].fields if "pair_friction" in path]
     assert [path.rpartition(".")[2] for path in shown if "[0]" in path] == ["coefficient", "radius_mm"]
     assert [path.rpartition(".")[2] for path in shown if "[3]" in path] == ["coefficient", "length_mm"]
+    user.choose("Dyna", "Add to the loads", "Process force")
+    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    paths = [path for path in user.parameters().forms["loads"].fields if "process" in path or "springs" in path]
+    heads = {heading_of(user.design, path) for path in paths}
+    assert heads == {"Process force 1", "Spring 1", "Spring 1, from"}
