@@ -338,7 +338,7 @@ class ShaftStudy:
         for i, (name, study) in enumerate(self.drives.items()):
             found += [replace(f, field=path_of(i, f.field), values={**f.values, "drive": name}) for f in _of_drive(study, stages)]
         found += [_failure(name, error) for name, error in self.failures.items()]
-        found += [] if stages else self._timing_findings()
+        found += self._timing_findings() if not stages or "motion" in stages else []
         if not stages or "dynamics" in stages:
             found += self._shaft_findings()
         if not stages or "stability" in stages:

@@ -43,6 +43,7 @@ LOW, NUMBERS = 240.0, 20.0  # below this height there is room for the axis' numb
 ROOM = 14.0  # above and below the curve of a band, for texts
 LOW_BAND = 44.0  # below this height a band keeps no room for texts
 TRACE = 0.08  # of its colour where a drive moves
+TWO_LINES = 32.0  # a band of this height has room for name and stroke
 POINT, ARROW = 3.5, 6.0  # of an event, of an arrowhead
 REACH, LINE_REACH = 7.0, 4.0  # of the mouse: from a point, from a line
 
@@ -275,7 +276,7 @@ class TimingChart:
         painter.setPen(QColor(theme.ink))
         column = QRectF(10.0, box.top(), self.left - 16.0, box.height())
         name = QFontMetricsF(painter.font()).elidedText(band.name, Qt.TextElideMode.ElideRight, column.width())
-        below = _stroke_text(band)
+        below = _stroke_text(band) if box.height() >= TWO_LINES else ""
         painter.drawText(column.adjusted(0.0, 0.0, 0.0, -15.0 if below else 0.0), Qt.AlignmentFlag.AlignVCenter, name)
         painter.setFont(font(SMALL))
         painter.setPen(QColor(theme.quiet))

@@ -17,6 +17,7 @@ from kindyna_gui.pictures.units import short
 from kindyna_gui.timing.typed import TypedAngle
 
 STEP, FINE = 0.5, 0.1  # degrees; of the travel and of the step with Ctrl
+LEAST_HEIGHT, LEAST_BAND = 90, 26  # pixels
 TREMBLE = 3.0  # pixels that a hand may tremble before it means to turn something
 
 HOW = (
@@ -88,7 +89,7 @@ class TimingCanvas(QWidget):
         self.setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setMinimumSize(260, 90)
+        self.setMinimumSize(260, LEAST_HEIGHT)
 
     # -- what is shown --------------------------------------------------------------------------------------
 
@@ -98,6 +99,8 @@ class TimingCanvas(QWidget):
             self._design, self._chart = design, None
             if self._held is None:
                 self.typed.hide()
+            bands = 0 if design is None else len(design.drives)
+            self.setMinimumHeight(max(LEAST_HEIGHT, bands * LEAST_BAND + 26))
         self.update()
 
     def set_unit(self, unit: str) -> None:

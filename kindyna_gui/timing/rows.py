@@ -63,7 +63,7 @@ class TimingRows(QWidget):
     def __init__(self) -> None:
         super().__init__()
         self._design: Design | None = None
-        self._row, self._showing = -1, False
+        self._row, self._showing, self._note = -1, False, ""
         self.list = RowsList()
         self.first, self.second = WordBox(), WordBox()
         self.first.setAccessibleName("First")
@@ -152,8 +152,13 @@ class TimingRows(QWidget):
         self._form.setVisible(there)
         if there:
             self._show_form(design, row)
-        coloured(self.message, WRONG if note else QUIET)
-        self.message.show_message(note or ("" if rows else EMPTY))
+        self._note = note
+        self._show_note()
+
+    def _show_note(self) -> None:
+        """What is to be said of the list as it stands."""
+        coloured(self.message, WRONG if self._note else QUIET)
+        self.message.show_message(self._note or ("" if self._count else EMPTY))
 
     def _show_form(self, design: Design, row: int) -> None:
         names = list(events(design))
@@ -171,6 +176,7 @@ class TimingRows(QWidget):
             self.least.entered.connect(self._least_entered)
             self.least.finished.connect(self.finished)
             self.least.unreadable.connect(self._unreadable)
+            self.least.withdrawn.connect(self._show_note)
             label = QLabel("at least")
             label.setBuddy(self.least)
             for column, part in enumerate((label, self.least, QLabel("°")), 2):

@@ -82,6 +82,14 @@ def test_rows_are_added_changed_moved_and_removed(same_window: Open) -> None:
     assert session.whole.timing[6].least_deg == 165.0
     assert distances(session.whole)[6].spare_deg == pytest.approx(-4.5)
     assert rows.list.rows.rows[6].tip.startswith("4.5° too early")
+    rows.least.selectAll()
+    user.type("400")
+    user.press(Qt.Key.Key_Return)
+    assert rows.least.refused
+    assert rows.message.text() == "allowed: -360 ... 360°"
+    user.press(Qt.Key.Key_Escape)
+    assert not rows.least.refused
+    assert rows.message.text() == ""
     rows.buttons["up"].click()
     assert session.whole.timing[5].least_deg == 165.0
     rows.buttons["remove"].click()
@@ -106,6 +114,8 @@ def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: O
     text = view.rows.message.text()
     assert "rows 6, 7" in text
     assert "5° more than there is" in text
+    user.window.status.count_findings()
+    assert user.window.status.findings.text() == "2 errors", "the row that is broken, and those that contradict each other"
     user.window.focus_field("timing[2]")
     assert view.canvas.row == 2
 
