@@ -6,12 +6,14 @@ from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QAction, QKeyEvent, QPalette
+from PySide6.QtWidgets import QStackedWidget
 
 from core.motion.extremes import Range
 from core.output.channels import Channel
 from core.study import Study
 from kindyna_gui.documents.exports import save_numbers, save_picture
 from kindyna_gui.documents.session import Session
+from kindyna_gui.graph.drives_plot import DrivesPlot, curves_of_all
 from kindyna_gui.graph.live_plot import LivePlot
 from kindyna_gui.graph.marked_view import MarkedView
 from kindyna_gui.graph.quantities import figures_of, quantities_for, rows_of, split, stages_of, why_empty
@@ -36,7 +38,10 @@ class PlotView(MarkedView):
         self.note.setIndent(6)
         self.rows: tuple[Channel, ...] = ()
         self.message = ""  # in place of the curves
-        self.set_column(self.plot, self.note, grows=self.plot)
+        self._pages = QStackedWidget()
+        self._pages.addWidget(self.plot)
+        self._drives: DrivesPlot | None = None  # made when it is first asked for
+        self.set_column(self._pages, self.note, grows=self._pages)
         self.content.setBackgroundRole(QPalette.ColorRole.Base)
         self.content.setAutoFillBackground(True)
         self.plot.angle_moved.connect(self._turn)
@@ -49,6 +54,11 @@ class PlotView(MarkedView):
             action.triggered.connect(slot)
             self.plot.addAction(action)
         self.plot.addActions([self.marks, self.plot.whole_action])
+        self.all_drives = QAction("Of all drives", self, checkable=True, visible=session.several)
+        self.all_drives.setToolTip("All drives on the shaft by their colours over the machine angle; of torques their sum too")
+        self.all_drives.toggled.connect(self.invalidate)
+        self.plot.addAction(self.all_drives)
+        session.whole_changed.connect(self._whole_changed)
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -60,7 +70,46 @@ class PlotView(MarkedView):
         """Those that the quantities shown need."""
         return stages_of(self.quantities)
 
+    @property
+    def shows_all(self) -> bool:
+        """Whether the curves are those of all drives on the shaft."""
+        return self.all_drives.isChecked() and self.session.several
+
+    @property
+    def plot_of_all(self) -> DrivesPlot:
+        """The plot of all drives, made now where it is not there yet."""
+        if self._drives is None:
+            self._drives = DrivesPlot()
+            self._drives.setContextMenuPolicy(Qt.ContextMenuPolicy.ActionsContextMenu)
+            self._drives.addAction(self.all_drives)
+            self._drives.angle_moved.connect(self._turn_machine)
+            self._pages.addWidget(self._drives)
+        return self._drives
+
+    def _whole_changed(self) -> None:
+        self.all_drives.setVisible(self.session.several)
+        if self.all_drives.isChecked():
+            self.invalidate()
+
+    def _show_all(self, study: Study) -> None:
+        """The curves of all drives, each over the machine angle."""
+        lines, title, missing = curves_of_all(self.session.shaft, self.usual)
+        if lines:
+            self.plot_of_all.show_all(lines, title)
+        else:
+            self.plot_of_all.show_message("\n".join(missing) or why_empty(study, self.usual))
+        self.note.show_message("; ".join(missing) if lines else "")
+        self._pages.setCurrentWidget(self.plot_of_all)
+
+    def _turn_machine(self, machine: float) -> None:
+        self.player.play(False)
+        self.player.set_machine(machine)
+
     def refresh(self, study: Study) -> None:
+        if self.shows_all:
+            self._show_all(study)
+            return
+        self._pages.setCurrentWidget(self.plot)
         quantities = self.quantities
         if not quantities and study.design.drive.links:
             _ = study.linkage  # where it stands nowhere, that is the reason
@@ -82,6 +131,9 @@ class PlotView(MarkedView):
         self.plot.show_extremes(found)
 
     def follow(self, theta: float) -> None:
+        if self.shows_all:
+            self.plot_of_all.set_machine(self.player.machine)
+            return
         self.plot.set_angle(theta, self.session.at(theta) if self.rows else None)
         self.extremes.resume()
 
@@ -98,6 +150,8 @@ class PlotView(MarkedView):
         from kindyna_gui.pictures.files import curves_file
 
         self.pull()
+        if self.shows_all:
+            return super().picture(ending)
         return curves_file(self.session.study, [self.rows], ending, self.marks.isChecked())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:

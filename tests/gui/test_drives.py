@@ -4,6 +4,7 @@ from math import atan2, cos, degrees, isclose, radians
 from pathlib import Path
 from shutil import copyfile
 
+import numpy as np
 import pytest
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
@@ -17,6 +18,7 @@ from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
+from kindyna_gui.graph.plots_view import PlotView
 from kindyna_gui.pictures.film import Film, shoot
 from kindyna_gui.places import example
 
@@ -253,3 +255,22 @@ def test_designs_come_together_on_a_shaft(unit: User, monkeypatch: pytest.Monkey
     assert session.whole == single
     settle()
     assert not unit.drawing().strip.isVisible()
+
+
+def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
+    view = unit.see("torque")
+    assert isinstance(view, PlotView)
+    view.all_drives.trigger()
+    settle()
+    shaft, lines = unit.session.shaft, view.plot_of_all.lines
+    assert len(lines) == 5
+    x, total = lines[-1]
+    drives = sum(np.interp(x, *line) for line in lines[:-1])
+    assert np.abs(drives - total).max() < 1e-3 * np.abs(total).max(), "the last one is their sum"
+    at = [np.interp(302.72, *line) for line in lines]
+    assert max(range(4), key=lambda i: at[i]) == list(shaft.drives).index("Lift")
+    unit.window.player.set_machine(radians(90.0))
+    assert isclose(view.plot_of_all.machine, 90.0)
+    view.all_drives.trigger()
+    settle()
+    assert view.plot.isVisible()

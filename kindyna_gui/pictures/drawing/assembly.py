@@ -26,7 +26,7 @@ BUILDERS = (cam_parts.cam, parts.roller, parts.linkage)
 LEFT_OUT = frozenset({"labels", "pitch", "base", "normal", "centre"})
 """Layers that would make a thicket of several mechanisms."""
 TINT = 0.22  # of a drive's colour in the fill of its cam
-ASPECT = 1.4  # of the picture that drives beside each other are laid out for: width to height
+ASPECT = 1.4  # of a picture whose size is not known yet: width to height
 SEEN_THROUGH = 0.75  # opacity of drives behind the chosen one, about the common shaft
 BALANCER = "Balance cam"
 
@@ -62,7 +62,7 @@ class Figure:
             self.parts.append(part)
         self.loops = [part.item for part in self.parts if isinstance(part.item, Loop)]
         self._whole = framing.whole(self.geometry, self.parts)
-        self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 1.0), backing=True)
+        self.tag = Tag(name, theme.letters(colour), theme, TEXT, lean=(0.5, 0.3), backing=True)
         self.tag.setZValue(15.0)
         self.corner = 0j
 
@@ -121,6 +121,7 @@ class Assembly(QGraphicsScene):
         self._region: tuple[QRectF, float] | None = None
         self._machine = 0.0
         self._chosen = 0
+        self._aspect = ASPECT
         self.overlay = Overlay(theme, self.addItem)
         self.overlay.angle_name = "machine angle"
 
@@ -171,7 +172,7 @@ class Assembly(QGraphicsScene):
         if self.about_shaft or not figures:
             return [0j] * len(figures)
         layouts = [_grid([figure.rect for figure in figures], columns) for columns in range(1, len(figures) + 1)]
-        return min(layouts, key=lambda each: max(each[1].real / ASPECT, each[1].imag))[0]
+        return min(layouts, key=lambda each: max(each[1].real / self._aspect, each[1].imag))[0]
 
     # -- motion ---------------------------------------------------------------------------------------------
 
@@ -208,6 +209,10 @@ class Assembly(QGraphicsScene):
 
     def fit(self, width: float, height: float) -> tuple[QRectF, float]:
         """What a picture of so many pixels shows of all: visible rectangle [mm] and scale [pixels per mm]."""
+        aspect = width / max(height, 1.0)
+        if aspect != self._aspect and not self.about_shaft:  # as many in a row as make the picture largest
+            self._aspect = aspect
+            self._place()
         return framing.fitted(self._whole, width, height)
 
     def show_region(self, visible: QRectF, scale: float, keep_labels: bool = False) -> None:
