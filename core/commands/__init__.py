@@ -55,6 +55,7 @@ COMMANDS: Mapping[str, Command] = MappingProxyType(
         "profile": _row("the cam's profile, or its cutter's path, as CSV, DXF or SVG", "profile"),
         "inspection": _row("the lift that a probe measures on the cam, and whether a measured table keeps its tolerance", "inspection"),
         "find": _row("a dimension that just keeps its limits: base radius, offset, roller, span, face, pivot, arm, spring", "find"),
+        "contact": _row("the speed from which the follower leaves its cam, its flights, the contact force over angle and speed", "contact"),
         "centres": _row("instant centres and velocities of a linkage at one position", "centres"),
         "laws": _row("the motion laws and their peak coefficients", "laws"),
         "blend": _row("a motion blended from elementary curves", "blend"),

@@ -45,12 +45,21 @@ def flank_changes(at: At, program: Program, loading: Loading, play: float) -> tu
     moved masses, all by the driver's coordinate. It strikes with v = ∫a dt where ∬a dt² = play: v = √(2 a play) where a jumps,
     v = (9/2 · ȧ play²)^(1/3) where it grows from zero, to first order in the play. What the play changes of a itself is left out.
     """
+    found = sign_changes(lambda there: at(there)[1].carrying, program)
+    changes = sorted((theta, int(sign < 0.0)) for theta, sign in found if sign != 0.0)
+    speeds = _impacts(at, program, loading, play, changes) if play > 0.0 and changes else [None] * len(changes)
+    return tuple(FlankChange(theta, to, speed) for (theta, to), speed in zip(changes, speeds, strict=True))
+
+
+def sign_changes(force_at: Callable[[Angles], np.ndarray], program: Program) -> list[tuple[float, float]]:
+    """The cam angles [rad] at which a force (n,) changes its sign, refined, jumps included, each with the sign afterwards. A force that
+    is nothing beside the largest has none."""
     angles = piecewise_angles(program)
-    forces = at(angles)[1].carrying
+    forces = force_at(angles)
     least = NOTHING * float(np.abs(forces).max(initial=0.0))
 
     def carrying(there: Angles) -> np.ndarray:
-        force = at(there)[1].carrying
+        force = force_at(there)
         return np.where(np.abs(force) <= least, 0.0, force)
 
     value = np.where(np.abs(forces) <= least, 0.0, forces)
@@ -58,9 +67,7 @@ def flank_changes(at: At, program: Program, loading: Loading, play: float) -> tu
     inner = list(zip(roots.theta.tolist(), roots.piece.tolist(), strict=True))
     found = [(theta, _sign_after(carrying, theta, piece, program)) for theta, piece in inner]
     found += _jumps(angles, value, inner)
-    changes = sorted((theta, int(sign < 0.0)) for theta, sign in found if sign != 0.0)
-    speeds = _impacts(at, program, loading, play, changes) if play > 0.0 and changes else [None] * len(changes)
-    return tuple(FlankChange(theta, to, speed) for (theta, to), speed in zip(changes, speeds, strict=True))
+    return found
 
 
 def _sign_after(carrying: Callable[[Angles], np.ndarray], theta: float, piece: int, program: Program) -> float:

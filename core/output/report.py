@@ -9,6 +9,7 @@ from typing import Any
 from core.design import CRANK, UNITS, Design, distances, entries
 from core.laws import find_law
 from core.output.channels import Channel, channels
+from core.output.contact_files import lift_off_lines
 from core.output.lines import columns, digits, finding_line, printable
 from core.output.shaft_summary import shaft_flywheel, shaft_torque
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
@@ -132,6 +133,12 @@ def _life(study: Study) -> list[str]:
     return _heading("Rolling life L10, ISO 281") + columns(rows) if len(rows) > 1 else []
 
 
+def _contact(study: Study) -> list[str]:
+    """From which speed the follower leaves the cam."""
+    lines = lift_off_lines(study) if "cam" in study.stages else []
+    return _heading("Keeping contact") + lines if lines else []
+
+
 def _flywheel(study: Study | ShaftStudy, wheel: Mapping[str, float | None]) -> list[str]:
     if not wheel:
         return []
@@ -233,7 +240,7 @@ def report(study: Study) -> str:
     lines = [name, "=" * len(name)]
     lines += linkage_inputs(study) if study.design.drive.links else []
     lines += _inputs(study) + _motion(study) + _base(study)
-    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages) + _life(study)
+    lines += _extremes(study, channels(study.design), stages) + _limits(study, stages) + _contact(study) + _life(study)
     lines += _flywheel(study, flywheel(study)) + _stability(study) + _findings(study, stages) + _certificate(study, stages)
     return "\n".join(lines) + "\n"
 

@@ -14,7 +14,7 @@ import numpy as np
 from core import cam, dynamics, followers, mechanism, motion, shaft
 from core.cam import CamShape, Wall
 from core.design import NO_LIMITS, Design, Linkage, with_drive
-from core.dynamics import ContactForce, FlankChange, Forces, Friction, LiftOff, Loading
+from core.dynamics import ContactForce, FlankChange, Flights, Forces, Friction, LiftOff, Loading
 from core.errors import NoAnswer, NoPosition, NoStability, NoSuchStage, angle_list, at_angles
 from core.findings import ERROR, NOTE, WARNING, Finding, Residual
 from core.instant_centres import CentreTable, all_centres
@@ -365,6 +365,23 @@ class Study:
         design = self.design
         key = replace(design.drive, cam=design.drive.bare_cam, limits=NO_LIMITS), design.sense  # at any speed the same
         found: LiftOff | None = memory.get("lift-off", key, self.contact_force.lift_off)
+        return found
+
+    def flights(self, turns: float = 3.0) -> Flights:
+        """The flights of the follower after it has left the cam, at the design's own speed. Raises NoAnswer as ``contact_force``, and
+        where it is pressed nowhere or flies out of its reach."""
+        contact, loads = self.contact_force, self.design.drive.loads
+
+        def compute() -> Flights:
+            lever = self.at_theta(np.zeros(1)).dynamics.contacts[0].lever[0]
+            away = -float(np.sign(lever * self.mechanism.sense))
+            restitution = getattr(loads, "restitution", None) or 0.0
+            return dynamics.flights(
+                lambda angles: contact.at_speed(angles, self.omega), self.mechanism, self.loading, self.program, self.omega, away,
+                restitution, turns,
+            )  # fmt: skip
+
+        found: Flights = memory.get("flights", (self.depends_on("dynamics"), turns), compute)
         return found
 
     @property

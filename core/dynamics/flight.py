@@ -1,0 +1,268 @@
+"""After lift-off: the follower flies free from the angle at which the contact force vanishes until it lands on the cam again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from core.dynamics.elements import Loading, ScheduledForce
+from core.dynamics.flank_changes import sign_changes
+from core.dynamics.forces import newton_euler
+from core.errors import NoAnswer
+from core.frozen import frozen
+from core.mechanism import Mechanism, course_for, solve_mechanism
+from core.mechanism.kinematics import Kinematics
+from core.motion import TURN, Angles, MotionState
+from core.numerics.derivatives import Derivatives
+from core.numerics.search import Ends, bounded_minimum, bracketed_root
+
+NODES = 40  # of what moves the follower, as polynomials over its place
+ROUNDING = 1e-15  # of the largest coefficient: what is left out
+ROOM = 0.5  # of the stroke: how far beyond its ends the follower is foreseen to fly at first
+FARTHEST = 20.0  # strokes: beyond them it is gone
+RTOL, ATOL = 1e-11, 1e-13  # of the integration; the latter of the stroke
+STEP = math.radians(3.0)
+INSIDE = np.concatenate((10.0 ** np.arange(-6.0, -1.0), np.linspace(0.1, 1.0, 13)))  # of a step: where the gap is looked at
+NO_GAP = 1e-11  # of the stroke: below it the follower has not left the cam
+AT_REST = 1e-5  # of the greatest landing speed: a slower rebound is none
+SAME = 1e-9  # [rad] angles of lift-off that are one
+MOST = 400  # flights
+PATH = 12  # points of a path in every step
+
+
+@frozen(eq=False)
+class Flight:
+    """One flight. Angles [rad] are counted on over the turns.
+
+    lift, land  where it begins and ends; land is infinite where it does not within the turns asked for
+    height      [m or rad] the greatest distance from the motion that the cam asks for, along the motion, at ``highest``
+    speed       [m/s or rad/s] of landing, against the motion of the cam, ≥ 0
+    theta, y    (k,) the way: angles, and the follower's motion [m or rad]
+    """
+
+    lift: float
+    land: float
+    height: float
+    highest: float
+    speed: float
+    theta: np.ndarray
+    y: np.ndarray
+
+
+@frozen(eq=False)
+class Flights:
+    """All flights within some turns, from the first lift-off on. steady: after resting it leaves the cam where it did before, so that
+    the flights from ``repeats`` on come again; turns: of one repetition, 0 where they do not repeat."""
+
+    flights: tuple[Flight, ...]
+    steady: bool
+    repeats: int = 0
+    turns: int = 0
+
+
+class _Free:
+    """M y'' + H y'² + C y' + S = 0 of the follower without its cam, y its motion [m or rad] and ' by time: polynomials over y.
+
+    Without friction in its pairs. Process forces are taken as they are at each angle.
+    """
+
+    def __init__(self, mechanism: Mechanism, loading: Loading, low: float, high: float) -> None:
+        self._mechanism, self._low, self._high = mechanism, low, high
+        self._course = course_for(mechanism, low, high)
+        timed = tuple(e for e in loading.others if isinstance(e, ScheduledForce) and e.acts)
+        steady = Loading(loading.masses, tuple(e for e in loading.others if e not in timed))
+        self._timed = Loading((), timed) if timed else None
+        x = chebyshev.chebpts1(NODES)
+        kinematics = self._kinematics(0.5 * (low + high) + 0.5 * (high - low) * x, np.zeros(NODES))
+        solved = partial(newton_euler, kinematics, None)
+        standing, inertial = solved(steady, 0.0).driver, solved(loading.inertial, 1.0).driver
+        mass = solved(loading.inertial, 0.0, 1.0).driver
+        damped = solved(steady, 1.0).driver - standing - inertial
+        rows = np.array([mass, inertial, damped, standing]) @ np.linalg.inv(chebyshev.chebvander(x, NODES - 1)).T
+        keep = np.abs(rows) > ROUNDING * NODES * np.abs(rows).max(axis=1, keepdims=True)
+        last = int(np.flatnonzero(keep.any(axis=0)).max(initial=0)) + 1
+        self._rows = np.ascontiguousarray(rows[:, :last].T)
+
+    def _kinematics(self, y: np.ndarray, theta: np.ndarray) -> Kinematics:
+        one, none = np.ones(y.size), np.zeros(y.size)
+        state = MotionState(Angles(np.mod(theta, TURN), np.zeros(y.size, dtype=int)), Derivatives.of((y, one, none, none)), one)
+        return solve_mechanism(self._mechanism, state, self._course)
+
+    def reaches(self, y: float, away: float) -> bool:
+        """Whether a place is near enough to the cam that the polynomials hold."""
+        return y <= self._high if away > 0.0 else y >= self._low
+
+    def acceleration(self, theta: float, y: float, speed: float) -> float:
+        """y'' by time; beyond the ends, which a step that is cut off at its landing may pass, as at the ends."""
+        at = min(max((y - 0.5 * (self._low + self._high)) / (0.5 * (self._high - self._low)), -1.0), 1.0)
+        mass, inertial, damped, standing = chebyshev.chebval(at, self._rows)
+        if self._timed is not None:
+            place = self._kinematics(np.array([y]), np.array([theta]))
+            standing += newton_euler(place, None, self._timed, 0.0).driver[0]
+        return float(-(standing + speed * (damped + speed * inertial)) / mass)
+
+
+def flights(
+    contact: Callable[[Angles], np.ndarray], mechanism: Mechanism, loading: Loading, program: Any, omega: float, away: float,
+    restitution: float = 0.0, turns: float = 3.0,
+) -> Flights:  # fmt: skip
+    """The flights of the follower of an open cam.
+
+    Where F_c falls below zero, or the motion's velocity drops, the follower flies as M y'' + ... = 0 says; it lands where its place has
+    come back to the motion s(θ), with y' - s'. It rebounds with ``restitution`` times that, and rests where no rebound is left and the
+    cam presses it. Both events are roots.
+
+    contact   F_c (n,) [N] on the cam at any angles, at this speed
+    omega     [rad/s]; away: +1 where a larger motion leads away from the cam, else -1
+    turns     within which new flights begin
+
+    Raises NoAnswer where the cam never presses the follower, or it flies out of its reach.
+    """
+    flyer = _Flyer(mechanism, loading, program, omega, away)
+    angles = program.angles(np.linspace(0.0, TURN, 3600, endpoint=False))
+    pressed = contact(angles)
+    if not (pressed > 0.0).any():
+        raise NoAnswer("the cam presses the follower nowhere", "loads", "lower the speed, or give it a stronger spring")
+    lifts = sorted({*(theta % TURN for theta, sign in sign_changes(contact, program) if sign < 0.0), *flyer.drops()})
+    found: list[Flight] = []
+    rests: dict[int, int] = {}  # lift-off from rest -> number of its flight
+    if not lifts:
+        return Flights((), True)
+    theta, speed, resting, end, fastest = lifts[0], None, True, lifts[0] + TURN * turns, 0.0
+    while theta < end and len(found) < MOST:
+        if resting:
+            key = min(range(len(lifts)), key=lambda i: abs(_apart(lifts[i], theta)))
+            if abs(_apart(lifts[key], theta)) < SAME:
+                if key in rests:
+                    first = rests[key]
+                    return Flights(tuple(found), True, first, max(1, round((theta - found[first].lift) / TURN)))
+                rests[key] = len(found)
+        flight, after = flyer.fly(theta, speed, end + TURN)
+        if flight is None:  # it does not get off
+            theta, speed, resting = _next(lifts, theta), None, True
+            continue
+        found.append(flight)
+        if not math.isfinite(flight.land):
+            break
+        theta, fastest = flight.land, max(fastest, flight.speed)
+        rebound = restitution * flight.speed
+        resting = rebound <= AT_REST * fastest
+        speed = None if resting else after + away * rebound / omega
+        if resting and float(contact(program.angles(np.array([theta % TURN])))[0]) >= 0.0:
+            theta = _next(lifts, theta)
+    return Flights(tuple(found), False)
+
+
+def _apart(one: float, other: float) -> float:
+    return (one - other + math.pi) % TURN - math.pi
+
+
+def _next(lifts: list[float], theta: float) -> float:
+    """The next angle of lift-off after an angle that is counted on."""
+    return min(theta + (lift - theta) % TURN if (lift - theta) % TURN > SAME else theta + TURN for lift in lifts)
+
+
+class _Flyer:
+    """Flights of one follower over one motion."""
+
+    def __init__(self, mechanism: Mechanism, loading: Loading, program: Any, omega: float, away: float) -> None:
+        self._mechanism, self._loading, self._program, self._omega, self._away = mechanism, loading, program, omega, away
+        y = program.state(program.angles(np.linspace(0.0, TURN, 721))).displacement[0]
+        self._low, self._high = float(y.min()), float(y.max())
+        self._stroke = self._high - self._low or 1e-3
+        self._free = self._reaching(ROOM)
+
+    def _reaching(self, room: float) -> _Free:
+        beyond, small = room * self._stroke, 1e-3 * self._stroke
+        low, high = (small, beyond) if self._away > 0.0 else (beyond, small)
+        return _Free(self._mechanism, self._loading, self._low - low, self._high + high)
+
+    def drops(self) -> list[float]:
+        """Angles [rad] at which the velocity jumps towards the cam, so that the follower flies on."""
+        return [j.theta % TURN for j in self._program.joins if j.jumps[1] and self._away * j.jump[1] < 0.0]
+
+    def motion(self, theta: np.ndarray, order: int = 0) -> np.ndarray:
+        """s or s' (n,) at angles that are counted on."""
+        return np.asarray(self._program.state(self._program.angles(np.mod(theta, TURN))).displacement[order])
+
+    def _before(self, theta: float) -> tuple[float, float]:
+        """s and s' left of an angle."""
+        at = theta % TURN or TURN
+        piece = max(int(np.searchsorted(self._program.starts, at - SAME, side="right")) - 1, 0)
+        rows = self._program.state(Angles(np.array([at]), np.array([piece]))).displacement
+        return float(rows[0][0]), float(rows[1][0])
+
+    def fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
+        """The flight from an angle with dy/dθ, None: that of the cam; and s' where it lands. No flight where it does not get off.
+
+        Raises NoAnswer where it flies out of reach."""
+        room = ROOM
+        while True:
+            try:
+                return self._fly(theta, speed, end)
+            except _OutOfReachError:
+                room *= 4.0
+                degrees = math.degrees(theta % TURN)
+                try:
+                    self._free = self._reaching(room)
+                except NoAnswer:
+                    room = math.inf
+                if room > FARTHEST:
+                    hint = "lower the speed, or give it a stronger spring"
+                    raise NoAnswer("the follower flies out of its reach", "loads", hint, [(degrees, degrees)]) from None
+
+    def _fly(self, theta: float, speed: float | None, end: float) -> tuple[Flight | None, float]:
+        from scipy.integrate import DOP853
+
+        def change(at: float, y: np.ndarray) -> tuple[float, float]:
+            return y[1], self._free.acceleration(at, float(y[0]), float(y[1]) * self._omega) / self._omega**2
+
+        place, slope = self._before(theta)
+        start = np.array([place, slope if speed is None else speed])
+        tolerance = ATOL * self._stroke
+        solver = DOP853(change, theta, start, end, max_step=STEP, rtol=RTOL, atol=tolerance)
+        path, values, off = [np.array([theta])], [np.array([place])], False
+        highest, height = theta, 0.0
+        while solver.status == "running":
+            solver.step()
+            if not self._free.reaches(float(solver.y[0]), self._away):
+                raise _OutOfReachError
+            dense, begin = solver.dense_output(), solver.t_old
+
+            def gap(at: float, dense: Any = dense) -> float:
+                return float(self._away * (dense(at)[0] - self.motion(np.array([at]))[0]))
+
+            points = begin + (solver.t - begin) * INSIDE
+            gaps = self._away * (dense(points)[0] - self.motion(points))
+            top = int(np.argmax(gaps))
+            left = np.maximum.accumulate(gaps) > NO_GAP * self._stroke
+            landed = np.flatnonzero((gaps <= 0.0) & (left | off))
+            down = int(landed[0]) if landed.size else None
+            if not off and not left[-1] and gaps[-1] < 0.0:
+                return None, 0.0
+            if gaps[top] > height and (down is None or top < down):
+                low, high = (points[top - 1] if top else begin), points[min(top + 1, points.size - 1)]
+                highest, least = bounded_minimum(lambda at, gap=gap: -gap(at), float(low), float(high), 1e-9)  # type: ignore[misc]
+                height = max(-least, float(gaps[top]))
+            off = off or bool(gaps[top] > NO_GAP * self._stroke)
+            land = solver.t
+            if down is not None:
+                a = float(points[down - 1]) if down else float(begin)
+                land = bracketed_root(gap, Ends(a, gap(a), float(points[down]), float(gaps[down]))).b
+            way = np.linspace(begin, land, PATH + 1)[1:]
+            path.append(way)
+            values.append(dense(way)[0])
+            if down is not None:
+                slope = float(self.motion(np.array([land]), 1)[0])
+                landing = max(-self._away * (float(dense(land)[1]) - slope) * self._omega, 0.0)
+                return Flight(theta, land, height, highest, landing, np.concatenate(path), np.concatenate(values)), slope
+        return Flight(theta, math.inf, height, highest, 0.0, np.concatenate(path), np.concatenate(values)), 0.0
+
+
+class _OutOfReachError(Exception):
+    """The follower has come farther than the polynomials reach."""
