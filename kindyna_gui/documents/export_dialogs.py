@@ -54,7 +54,7 @@ class TablesWanted:
 class TablesDialog(QDialog):
     """Folder and cam angles per turn."""
 
-    def __init__(self, parent: QWidget, folder: Path, study: Study) -> None:
+    def __init__(self, parent: QWidget, folder: Path, study: Study, several: bool = False) -> None:
         super().__init__(parent)
         self.setWindowTitle("Export tables")
         self.folder = QLineEdit(str(folder))
@@ -73,12 +73,15 @@ class TablesDialog(QDialog):
         how_many.addWidget(self.samples)
         how_many.addWidget(self.step, 1)
         *first, last = names(study.design)
-        summary = QLabel(f"Writes {', '.join(first)} and {last}; files of these names are replaced.")
+        files = f"{', '.join(first)} and {last}"
+        if several:
+            files = "shaft.csv and summary.json of the whole shaft, and the tables of each drive in a folder of its name"
+        summary = QLabel(f"Writes {files}; files of these names are replaced.")
         summary.setWordWrap(True)
         coloured(summary, QUIET)
         form = QFormLayout()
         form.addRow("Folder", where)
-        form.addRow(f"{study.angle_name.capitalize()}s per turn", how_many)
+        form.addRow("Machine angles per turn" if several else f"{study.angle_name.capitalize()}s per turn", how_many)
         export = _lay_out(self, form, summary, "Export")
         self.folder.textChanged.connect(lambda text: export.setEnabled(bool(text.strip())))
 
@@ -150,9 +153,9 @@ def _lay_out(dialog: QDialog, form: QFormLayout, summary: QLabel, accept: str) -
 # -- the questions, as functions that tests can answer ----------------------------------------------------
 
 
-def tables_wanted(parent: QWidget, folder: Path, study: Study) -> TablesWanted | None:
+def tables_wanted(parent: QWidget, folder: Path, study: Study, several: bool = False) -> TablesWanted | None:
     """Ask where tables shall go; None where the user cancels."""
-    dialog = TablesDialog(parent, folder, study)
+    dialog = TablesDialog(parent, folder, study, several)
     accepted = dialog.exec() == QDialog.DialogCode.Accepted
     wanted = dialog.wanted if accepted else None
     dialog.deleteLater()

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from PySide6.QtCore import QObject, Qt, Signal
 from PySide6.QtWidgets import QApplication, QWidget
 
-from core.design import Design
+from core.design import Design, slug
 from core.errors import KindynaError
 from core.numerics.cancellation import checkpoint
 from core.output.channels import Channel
@@ -131,11 +131,16 @@ class Exports(QObject):
         stem = path.stem if path is not None else self._session.whole.name
         return "".join(c if c.isalnum() or c in "-_" else "_" for c in stem).strip("_") or "design"
 
+    @property
+    def _drive_name(self) -> str:
+        """The same for a file of the chosen drive."""
+        return f"{self._name}_{slug(self._session.design.name)}" if self._session.several else self._name
+
     def tables(self) -> None:
         """Profile, kinematics, dynamics and summary, at as many cam angles as wanted."""
         from kindyna_gui.documents import export_dialogs
 
-        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study)
+        wanted = export_dialogs.tables_wanted(self._window, self._settings.folder, self._session.study, self._session.several)
         if wanted is None:
             return
         design = self._session.whole
@@ -170,7 +175,7 @@ class Exports(QObject):
         if wanted is None:
             return
         job, ending = wanted
-        path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._name}{ending}")
+        path = dialogs.profile_to_save(self._window, self._settings.folder / f"{self._drive_name}{ending}")
         self._write_beside(path, lambda path: write(job, path))
 
     def inspection(self) -> None:
@@ -181,7 +186,7 @@ class Exports(QObject):
         made = inspection_wanted(self._window, self._session.design)
         if made is None:
             return
-        path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._name}_lift.csv")
+        path = dialogs.inspection_to_save(self._window, self._settings.folder / f"{self._drive_name}_lift.csv")
         self._write_beside(path, lambda path: write(made, path))
 
     def _write_beside(self, path: Path | None, make: Callable[[Path], Sequence[Path]]) -> None:
@@ -209,7 +214,7 @@ class Exports(QObject):
         sheet = drawing_dialog.drawing_wanted(self._window, self._session.design)
         if sheet is None:
             return
-        path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._name}.pdf")
+        path = dialogs.drawing_to_save(self._window, self._settings.folder / f"{self._drive_name}.pdf")
         if path is not None:
             self._report(written(self._window, path, lambda: sheet_file(sheet, path.suffix.lower()), paints=True))
 

@@ -12,10 +12,15 @@ from PySide6.QtWidgets import QLineEdit, QToolButton
 from window_user import Open, User, pixel, settle
 
 from core.design import drive_names, only
+from core.output.export import texts
+from core.output.shaft_files import shaft_streams
 from core.project import load
+from core.study import ShaftStudy
 from core.study.stages import memory
 from kindyna_gui import dialogs
 from kindyna_gui.dialogs import OnShaft
+from kindyna_gui.documents import export_dialogs, profile_dialog
+from kindyna_gui.documents.export_dialogs import TablesWanted
 from kindyna_gui.drives.drives_view import NAME, PHASE, TORQUE, DrivesView
 from kindyna_gui.drives.strip import BESIDE, ON_SHAFT
 from kindyna_gui.graph.plots_view import PlotView
@@ -274,3 +279,17 @@ def test_a_plot_of_all_drives_lies_over_the_machine_angle(unit: User) -> None:
     view.all_drives.trigger()
     settle()
     assert view.plot.isVisible()
+
+
+def test_tables_of_the_shaft_and_the_profile_of_the_chosen_drive(unit: User, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out"
+    monkeypatch.setattr(export_dialogs, "tables_wanted", lambda *_: TablesWanted(out, 72))
+    unit.choose("File", "Export", "Tables...")
+    wanted = texts(shaft_streams(ShaftStudy(load(UNIT), 72)))
+    assert {name: (out / name).read_text("utf-8") for name in wanted} == wanted
+    assert unit.faults == []
+    click_drive(unit, 2)
+    asked: list[object] = []
+    monkeypatch.setattr(profile_dialog, "profile_wanted", lambda _, design: asked.append(design))
+    unit.choose("File", "Export", "Profile...")
+    assert asked == [only(load(UNIT), 2)]
