@@ -11,7 +11,7 @@ from PySide6.QtCore import QBuffer, QByteArray, QCoreApplication, QEvent, QIODev
 from PySide6.QtGui import QImageWriter
 from PySide6.QtWidgets import QApplication, QTabWidget, QWidget
 
-from core.design import Design
+from core.design import Design, only
 from core.study import Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.linkage.mechanism_view import MechanismView
@@ -109,12 +109,12 @@ def picture_angle(study: Study) -> float:
 
 
 def shots(design: Design, size: tuple[int, int]) -> dict[str, bytes]:
-    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest.
+    """File name -> picture of the window, as it opens and in each task, and of each view, where the pressure angle is largest, of
+    several drives that of the first.
 
     Raises NoAnswer.
     """
-    study = Study(design)
-    top = picture_angle(study)
+    top = picture_angle(Study(only(design, 0)))
     window = hidden_window(design, size)
     try:
         window.player.set_theta(round(top * 180.0 / pi, 1) * pi / 180.0)

@@ -173,7 +173,8 @@ def task_with(name: str) -> str:
     for task, row in TASKS.items():
         if name in row.pages or any(name == group.names[0] for group in row.groups if group.names):
             return task
-    return next((task for task, row in TASKS.items() if any(name in group.names for group in row.groups)), next(iter(TASKS)))
+    behind = (task for task, row in TASKS.items() if name in row.of_several or any(name in group.names for group in row.groups))
+    return next(behind, next(iter(TASKS)))
 
 
 __all__ = ["TASKS", "Group", "Side", "Task", "task_with"]

@@ -13,6 +13,7 @@ from PySide6.QtWidgets import QApplication
 
 from core.design import Design, Timing, distances, events, with_phase
 from core.project import load, save
+from kindyna_gui import screenshots
 from kindyna_gui.__main__ import main
 from kindyna_gui.pictures.timing_chart import MILLISECONDS
 from kindyna_gui.places import example
@@ -205,7 +206,9 @@ def platform(app: QApplication, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("platform")
-def test_the_chart_as_vectors_picture_and_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_chart_as_vectors_picture_and_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     def written(design: Path, name: str, *words: str) -> tuple[int, bytes]:
         code = main(["--headless", "timing", str(design), "--out", str(tmp_path / name), *words])
         return code, (tmp_path / name).read_bytes()
@@ -225,6 +228,9 @@ def test_the_chart_as_vectors_picture_and_table(tmp_path: Path, capsys: pytest.C
     assert written(late, "again.pdf")[1] == page
     assert written(unit, "chart.png")[1].startswith(b"\x89PNG")
     assert b"Clamp.return.1.end,123.0,1025.0\n" in written(unit, "events.csv")[1]
+    monkeypatch.setattr(screenshots, "TASKS", {})  # one view is enough
+    monkeypatch.setattr(screenshots, "VIEWS", {"timing": screenshots.VIEWS["timing"]})
+    assert set(screenshots.shots(UNIT, (1280, 720))) == {"window.png", "timing.png"}
     capsys.readouterr()
     assert main(["--headless", "timing", str(unit), "--out", "chart.txt"]) == 2
     assert "allowed endings: .pdf, .svg, .png, .csv" in capsys.readouterr().err
