@@ -230,9 +230,14 @@ class Spring:
 
     def between(self, kinematics: Kinematics, order: int = 0) -> np.ndarray:
         """d = z_other - z_one (n,) [m], complex, or a derivative by cam angle."""
-        ends = (pose_of(kinematics, place.body).carried(place.at)[order] for place in (self.other, self.one))
-        other, one = ends
-        return spread(other - one, kinematics.theta.size)
+        one, other = self.ends(kinematics, order)
+        return np.asarray(other - one)
+
+    def ends(self, kinematics: Kinematics, order: int = 0) -> tuple[np.ndarray, np.ndarray]:
+        """z_one and z_other (n,) [m], complex, or a derivative by cam angle."""
+        n = kinematics.theta.size
+        one, other = (pose_of(kinematics, place.body).carried(place.at)[order] for place in (self.one, self.other))
+        return spread(one, n), spread(other, n)
 
     def stretch(self, kinematics: Kinematics) -> np.ndarray:
         """l' (n,) [m]; 0 where the ends meet."""

@@ -1,5 +1,8 @@
 """Dyna > Add to the loads, Take from the loads: masses, springs and forces of any design by mouse and keys."""
 
+import numpy as np
+import pytest
+from PySide6.QtCore import QPointF
 from window_user import Open
 
 from core.design import get
@@ -43,3 +46,19 @@ def test_the_form_shows_what_can_be_given(same_window: Open) -> None:
     paths = [path for path in user.parameters().forms["loads"].fields if "process" in path or "springs" in path]
     heads = {heading_of(user.design, path) for path in paths}
     assert heads == {"Process force 1", "Spring 1", "Spring 1, from"}
+
+
+def test_a_spring_is_drawn_between_its_ends_and_stretches(same_window: Open) -> None:
+    user = same_window(example("four_bar"))
+    user.choose("Dyna", "Add to the loads", "Spring and damper")
+    scene = user.drawing().scene
+    lengths = []
+    for degrees in (0.0, 90.0):
+        study = user.turn(degrees)
+        item = scene.parts["spring.spring1"].item
+        here = study.at_theta(np.deg2rad([degrees])).linkage.bodies["link4"].place("B")[0]
+        ends = [item.mapToScene(QPointF(x, 0.0)) for x in (0.0, 1.0)]
+        assert (ends[0].x(), ends[0].y()) == pytest.approx((-50.0, -50.0))
+        assert complex(ends[1].x(), ends[1].y()) == pytest.approx(1e3 * complex(here), abs=1e-6)
+        lengths.append(abs(here))
+    assert lengths[0] != pytest.approx(lengths[1])

@@ -23,6 +23,10 @@ def whole(geometry: Geometry, parts: Iterable[Part]) -> QRectF:
     for part in parts:
         if part.move is None and part.key.partition(".")[0] in _STANDING:
             rect = rect.united(part.item.boundingRect())
+        if part.move is not None and part.key.startswith("spring."):
+            for i in range(0, geometry.samples, max(1, geometry.samples // 8)):
+                part.move(i)
+                rect = rect.united(part.item.sceneBoundingRect())
         if part.move is not None and part.key.startswith("stem."):
             for i in (int(np.argmin(np.abs(geometry.reference))), int(np.argmax(np.abs(geometry.reference)))):
                 part.move(i)

@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from core.cam import CamShape, FaceOutline, Flank, RoundFlank, keyway_corners, row_of
+from core.dynamics import Place, Spring
 from core.errors import NoAnswer
 from core.followers import FACE_PLACE
 from core.frozen import frozen
@@ -51,6 +52,11 @@ class Body:
             if all(abs(place - other) > 1e-9 * size for other in kept.values()):
                 kept[name] = place
         return kept
+
+
+def _drawn(spring: Spring) -> tuple[Place, Place, bool, bool]:
+    """What the drawing of a spring depends on."""
+    return spring.one, spring.other, bool(spring.rate), bool(spring.damping)
 
 
 @frozen(eq=False)
@@ -292,7 +298,20 @@ class Geometry:
             and self.shape is other.shape
             and (self.sense, self.base_radius, self.bored) == (other.sense, other.base_radius, other.bored)
             and self.keyway == other.keyway
+            and [_drawn(spring) for spring, _, _ in self.springs] == [_drawn(spring) for spring, _, _ in other.springs]
         )
+
+    @cached_property
+    def springs(self) -> tuple[tuple[Spring, np.ndarray, np.ndarray], ...]:
+        """Springs and dampers between points, with both ends (n,) [mm]; none where the loads have no answer."""
+        if not self.study.design.drive.loads.springs:
+            return ()
+        try:
+            elements = self.study.loading.others
+        except NoAnswer:
+            return ()
+        found = [element for element in elements if isinstance(element, Spring)]
+        return tuple((spring, *(MM * end for end in spring.ends(self.kinematics))) for spring in found)
 
     @cached_property
     def near_centres(self) -> np.ndarray:

@@ -14,7 +14,7 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QGraphicsItem, QGraphicsScene
 
 from core.study import Study
-from kindyna_gui.pictures.drawing import cam_parts, framing, parts, vectors
+from kindyna_gui.pictures.drawing import cam_parts, framing, parts, spring_parts, vectors
 from kindyna_gui.pictures.drawing.dimension_parts import dimensions, strokes
 from kindyna_gui.pictures.drawing.framing import MARGIN_UNITS
 from kindyna_gui.pictures.drawing.geometry import Geometry
@@ -47,6 +47,7 @@ BUILDERS: tuple[Callable[[Geometry, Theme], Iterator[Part]], ...] = (
     cam_parts.cam,
     parts.roller,
     parts.linkage,
+    spring_parts.springs,
     cam_parts.contact,
 )
 FIELDS: Mapping[str, Callable[[Geometry], vectors.Field]] = MappingProxyType(
