@@ -507,7 +507,8 @@ class Quick:
         self.theta = np.arange(SAMPLES) * 2.0 * pi / SAMPLES
         self.omega = 6.0
         cam = SimpleNamespace(base_radius_mm=80.0)
-        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=SimpleNamespace(cam=cam, links=()))
+        drive = SimpleNamespace(cam=cam, links=(), loads=SimpleNamespace(springs=()))
+        self.design = SimpleNamespace(name="quick", shaft=SimpleNamespace(sense=1.0), drive=drive)
         self.stages, self.sense = ("linkage", "cam"), 1.0
         end = 0.3 + 0.1 * np.exp(1j * self.theta)
         rocker = np.angle(end - (0.3 - 0.3j))
