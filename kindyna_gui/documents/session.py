@@ -397,7 +397,9 @@ class Session(QObject):
 
     def _why_not(self, design: Design) -> Reasons:
         """Of a design of the drive: faults of the whole with it, else a stage of this drive that has no answer."""
-        wrong = self._faults(with_only(self.whole, self.chosen, design)) if self.several else ()
+        was = self.design
+        shared = (design.name, design.shaft, motion_of(design)) != (was.name, was.shaft, motion_of(was))  # names, speed, timing
+        wrong = self._faults(with_only(self.whole, self.chosen, design)) if self.several and shared else ()
         return wrong or refusal_reasons(design, self.stages_on_screen())
 
     def _faults(self, whole: Design) -> Reasons:

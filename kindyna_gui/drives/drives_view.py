@@ -184,7 +184,9 @@ class DrivesView(View):
         named = self.table.item(number, NAME)
         flags = Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable
         named.setFlags(flags | Qt.ItemFlag.ItemIsEditable if number < len(whole.drives) else flags)
-        named.setIcon(row.icon)
+        if named.data(Qt.ItemDataRole.UserRole) != row.colour + row.problem:
+            named.setData(Qt.ItemDataRole.UserRole, row.colour + row.problem)
+            named.setIcon(row.icon)
 
     def _write(self, row: int, column: int, text: str, problem: str) -> None:
         """A text into a cell, red where there is a problem."""
@@ -195,6 +197,8 @@ class DrivesView(View):
             item.setFlags(Qt.ItemFlag.ItemIsEnabled | Qt.ItemFlag.ItemIsSelectable)
             if column in (PHASE, TORQUE):
                 item.setTextAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        if (item.text(), item.toolTip()) == (text, problem):
+            return
         item.setText(text)
         item.setToolTip(problem)
         item.setForeground(QColor(WRONG) if problem else self.table.palette().text())

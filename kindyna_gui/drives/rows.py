@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QColor, QIcon, QPainter, QPen, QPixmap
 
@@ -41,6 +43,7 @@ def drive_rows(session: Session) -> tuple[DriveRow, ...]:
     return (*rows, *(DriveRow(name, BALANCE) for name in session.names[len(rows) :]))
 
 
+@lru_cache(maxsize=64)
 def swatch(colour: str) -> QIcon:
     """A small square of a colour."""
     made = QIcon()
