@@ -79,6 +79,7 @@ VIEWS: Mapping[str, ViewRow] = MappingProxyType(
         "findings": ViewRow("Findings", lazily("window.findings_view", "FindingsView"), BOTTOM),
         "certificate": ViewRow("Certificate", lazily("window.certificate_view", "CertificateView"), BOTTOM),
         "timing": ViewRow("Timing", lazily("timing.timing_view", "TimingView"), BOTTOM, picture=True),
+        "contact": ViewRow("Keeping contact", lazily("graph.contact_view", "ContactView"), RIGHT),
         "flywheel": ViewRow("Flywheel", lazily("graph.flywheel_view", "FlywheelView"), BOTTOM),
     }
 )

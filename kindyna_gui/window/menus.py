@@ -181,6 +181,7 @@ MENUS: tuple[tuple[str, tuple[Entry, ...]], ...] = (
             Submenu("Ta&ke from the loads", _later("forms.load_rows", "fill_taken"), "taken load rows"),
             SEPARATOR,
             _view("&Contact force", "contact_force", "Force between roller and cam"),
+            _view("K&eeping contact", "contact", "Contact force over angle and speed, and the flight of a follower that leaves its cam"),
             _view("Contact &pressure", "contact_pressure", "Hertz pressure between follower and cam, with what its materials bear"),
             _view("&Torque", "torque", "Torque at the camshaft, with and without flywheel"),
             _view("&Flywheel", "flywheel", "Size of the flywheel for the wanted evenness of speed"),

@@ -25,6 +25,7 @@ STAGES_OF_VIEWS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "findings": STAGES,
         "certificate": STAGES,
         "timing": NONE,
+        "contact": ("linkage", "cam", "dynamics"),
         "flywheel": ("dynamics",),
         "stability": ("stability",),
         "centres": ("linkage",),

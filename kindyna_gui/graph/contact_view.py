@@ -1,0 +1,164 @@
+"""Keeping contact: the contact force over cam angle and speed, and the flight of a follower that has left its cam."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+from PySide6.QtGui import QHideEvent
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QStackedWidget
+
+from core.design import UNITS, Design
+from core.dynamics import ContactMap, Flights
+from core.errors import KindynaError
+from core.output.contact_files import lift_off_lines, map_of
+from core.study import Study
+from kindyna_gui.background import Background
+from kindyna_gui.documents.session import Session
+from kindyna_gui.forms.amount import fill_choices
+from kindyna_gui.forms.number_box import WordBox
+from kindyna_gui.labels import reason
+from kindyna_gui.pictures.plots.contact_map import ACROSS, ContactMapPlot
+from kindyna_gui.pictures.plots.xy import Line, XYPlot
+from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
+from kindyna_gui.pictures.units import short, with_unit
+from kindyna_gui.requirements import NotHere
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+
+NO_CAM = "A follower can leave a cam; this design has none. Compo > Cam roller gives one to a linkage that follows a motion."
+MAP, FLIGHT = "map", "flight"
+PAGES = {MAP: "Force over speed", FLIGHT: "Flight after lift-off"}
+ANGLES, SPEEDS = 361, 80
+PAGE_WIDTH = 150  # pixels
+MOST_TURNS = 3
+POINTS = 361  # of the motion, in each turn
+
+
+class ContactView(View):
+    """Computed beside the window, and only what is on top while it can be seen."""
+
+    stages = STAGES_OF_VIEWS["contact"]
+    pause_ms = 150
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.page, self.text = WordBox(), QLabel(wordWrap=True)
+        self.page.setAccessibleName("What is shown")
+        fill_choices(self.page, PAGES)
+        self.page.setMinimumWidth(PAGE_WIDTH)
+        self.map, self.flight, self._plots = ContactMapPlot(), XYPlot(ACROSS, ""), QStackedWidget()
+        for plot in (self.map, self.flight):
+            plot.setMinimumSize(220, 100)
+            self._plots.addWidget(plot)
+        self._work = Background(self)
+        self._work.result.connect(self._computed)
+        self.page.activated.connect(self._choose)
+        row = QHBoxLayout()
+        row.setContentsMargins(6, 4, 6, 2)
+        row.setSpacing(8)
+        row.addWidget(self.page)
+        row.addWidget(self.text, 1)
+        self.text.setMinimumHeight(2 * self.fontMetrics().lineSpacing() + 2)  # so that nothing below it moves
+        self.set_column(row, self._plots, grows=self._plots)
+
+    def refresh(self, study: Study) -> None:
+        if study.design.drive.cam is None:
+            raise NotHere(NO_CAM)
+        study.contact_force  # noqa: B018 - says why, where no contact can be lost
+        page = str(self.page.currentData())
+        self._plots.setCurrentIndex(list(PAGES).index(page))
+        self._work.start([((page, study.design), partial(_COMPUTED[page], study.design))])
+
+    def _choose(self, _: int) -> None:
+        self._stale = True
+        self.pull()
+
+    def _computed(self, key: tuple[str, Design], result: Any) -> None:
+        page, design = key
+        plot: XYPlot = self.map if page == MAP else self.flight
+        if isinstance(result, KindynaError):
+            self.text.setText("")
+            plot.show_message(reason(design, result))
+            return
+        lines, found = result
+        self.text.setText(" ".join(lines))
+        if isinstance(found, ContactMap):
+            self.map.show_map(found, design.speed_rpm)
+        elif isinstance(found, Flights):
+            self._show_flights(design, found)
+
+    def _show_flights(self, design: Design, found: Flights) -> None:
+        """The follower's way beside the motion, with where each flight ends."""
+        if not found.flights:
+            self.flight.show_message(f"At {short(design.speed_rpm, 6)} rpm the follower stays on the cam.")
+            return
+        study, unit = Study(design), UNITS[design.drive.motion.unit]
+        last = max((one.theta[-1] for one in found.flights), default=0.0)
+        turns = min(MOST_TURNS, max(1, math.ceil(last / (2.0 * math.pi))))
+        theta = np.linspace(0.0, 2.0 * math.pi * turns, POINTS * turns)
+        motion = study.at_theta(np.mod(theta, 2.0 * math.pi)).motion.displacement[0]
+        lines = [Line(np.rad2deg(theta), motion / unit.factor, BLUE, "motion", DASHED)]
+        for i, one in enumerate(one for one in found.flights if one.lift < theta[-1]):
+            inside = one.theta <= theta[-1]
+            way = Line(np.rad2deg(one.theta[inside]), one.y[inside] / unit.factor, VERMILION, "" if i else "flight")
+            lines.append(way)
+        first = found.flights[0]
+        marks = [(math.degrees(first.lift), "off")]
+        if first.land < theta[-1]:
+            marks.append((math.degrees(first.land), "on"))
+        self.flight.name_axes(ACROSS, f"Displacement, {unit.symbol}")
+        self.flight.show_lines(lines, tuple(marks))
+
+    # -- when -----------------------------------------------------------------------------------------------
+
+    @property
+    def busy(self) -> bool:
+        return self._pause.isActive() or self._work.busy
+
+    def settle(self) -> None:
+        super().settle()
+        if self._pause.isActive():
+            self._pause.stop()
+            self.pull()
+        self._work.wait(30.0)
+
+    def leave(self) -> None:
+        self._work.close()
+
+    def hideEvent(self, event: QHideEvent) -> None:
+        super().hideEvent(event)
+        if self._work.busy:
+            self._work.stop()
+            self._stale = True
+
+
+def _map(design: Design) -> tuple[list[str], ContactMap]:
+    study = Study(design)
+    return lift_off_lines(study), map_of(study, np.linspace(0.0, 2.0 * math.pi, ANGLES)[:-1], None, SPEEDS)
+
+
+def _flights(design: Design) -> tuple[list[str], Flights]:
+    study = Study(design)
+    found = study.flights()
+    return _flight_text(study, found), found
+
+
+def _flight_text(study: Study, found: Flights) -> list[str]:
+    """The first flight, and how many there are."""
+    if not found.flights:
+        return lift_off_lines(study)
+    first, unit = found.flights[0], UNITS[study.program.motion.unit]
+    text = f"Off at {math.degrees(first.lift):.2f}°, {with_unit(short(first.height / unit.factor, 4), unit.symbol)} high"
+    if math.isfinite(first.land):
+        text += f", on at {math.degrees(first.land):.2f}° with {short(first.speed / unit.factor, 4)} {unit.symbol}/s"
+    if not found.steady:
+        return [f"{text}; flights do not repeat in three turns."]
+    count = len(found.flights) - found.repeats
+    return [f"{text}; {count} flight{'s' if count > 1 else ''} {'a turn' if found.turns == 1 else f'in {found.turns} turns'}"]
+
+
+_COMPUTED = {MAP: _map, FLIGHT: _flights}

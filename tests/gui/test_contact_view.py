@@ -1,0 +1,63 @@
+"""Dyna > Keeping contact: the map of the contact force and the flights are the core's, computed while they can be seen."""
+
+import math
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, settle, wait_for
+
+from core.project import load
+from core.study import Study
+from kindyna_gui.graph.contact_view import ContactView
+from kindyna_gui.places import example
+
+
+def rested(view: ContactView) -> ContactView:
+    wait_for(lambda: view.up_to_date and not view.busy, 30_000)
+    return view
+
+
+def see(user: User) -> ContactView:
+    user.choose("Dyna", "Keeping contact")
+    view = user.window.view("contact")
+    assert isinstance(view, ContactView)
+    return rested(view)
+
+
+def test_the_map_and_the_flight_are_shown(open_user: Open) -> None:
+    user = open_user(example("rocker_cam"))
+    view = see(user)
+    found = Study(user.design).lift_off
+    assert found is not None
+    rpm = found.omega * 30.0 / math.pi
+    assert f"{rpm:.6g} rpm on" in view.text.text()
+    assert view.map.image.isVisible()
+    zero = np.concatenate([y for _, y in view.map.lines[1:]])
+    assert rpm == pytest.approx(np.nanmin(zero), rel=1e-3)
+    user.session.edit("shaft.speed_rpm", 1500.0, "Speed")
+    user.session.end_gesture()
+    rested(view)
+    view.page.setFocus()
+    QTest.keyClick(view.page, Qt.Key.Key_Down)
+    settle()
+    rested(view)
+    flights = Study(user.design).flights()
+    assert f"Off at {math.degrees(flights.flights[0].lift):.2f}°" in view.text.text()
+    assert f"{len(flights.flights)} flights a turn" in view.text.text()
+    (x, y), way = view.flight.lines[0], view.flight.lines[1]
+    assert way[0][0] == pytest.approx(math.degrees(flights.flights[0].lift))
+    above = np.rad2deg(flights.flights[0].y) - np.interp(way[0], x, y)
+    assert above.max() == pytest.approx(math.degrees(flights.flights[0].height), rel=1e-2)
+    user.window.docks["contact"].hide()
+    user.session.edit("shaft.speed_rpm", 300.0, "Speed")
+    user.session.end_gesture()
+    QTest.qWait(2 * view.pause_ms)
+    assert not view.busy
+    see(user)
+    assert "stays on the cam" in view.flight.message
+    user.session.put(load(example("groove")), "Take the groove")
+    wait_for(lambda: view.in_trouble)
+    user.session.put(load(example("four_bar")), "Take the four-bar")
+    wait_for(lambda: view.not_here)
