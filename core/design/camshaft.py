@@ -163,7 +163,8 @@ def remove_drive(design: Design, index: int) -> Design:
     if len(design.drives) == 1:
         return design
     name = design.drives[index].name or ""
-    fewer = reorder_timing(design, [i for i, t in enumerate(design.timing) if name not in (drive_of(t.first), drive_of(t.second))])
+    names = {name, slug(name)}
+    fewer = reorder_timing(design, [i for i, t in enumerate(design.timing) if not names & {drive_of(t.first), drive_of(t.second)}])
     return _reordered(fewer, [i for i in range(len(design.drives)) if i != index])
 
 
@@ -220,7 +221,8 @@ def _renamed(design: Design, old: str, name: str) -> Design:
         return design
 
     def event(text: str) -> str:
-        return name + text.removeprefix(old) if drive_of(text) == old else text
+        written = drive_of(text)
+        return name + text.removeprefix(written) if written in (old, slug(old)) else text
 
     return replace(design, timing=tuple(Timing(event(t.first), event(t.second), t.least_deg) for t in design.timing))
 

@@ -26,6 +26,8 @@ from core.design import (
     milliseconds,
     moving,
     phase_room,
+    remove_drive,
+    rename_drive,
     reorder_timing,
     together,
     turn_drive,
@@ -148,6 +150,19 @@ def test_events_as_a_table_with_angle_and_time() -> None:
     assert angles == sorted(angles)
     assert len(angles) == 16
     assert {row[0]: float(row[1]) for row in rows[1:]} == events(named)
+
+
+def test_a_drive_that_rows_name_by_its_slug_is_renamed_and_removed_with_them() -> None:
+    rows = tuple(Timing(row.first.lower(), row.second.lower(), row.least_deg) for row in UNIT.timing)
+    design = replace(UNIT, timing=rows)
+    assert distances(design) == distances(UNIT)
+    renamed = rename_drive(design, 0, "Transport")
+    assert faults(renamed) == []
+    assert distances(renamed) == distances(UNIT)
+    fewer = remove_drive(design, 0)
+    assert faults(fewer) == []
+    assert len(fewer.timing) == 2
+    assert phase_room(design, 1) == phase_room(UNIT, 1)
 
 
 def test_rows_of_the_timing_are_removed_copied_and_moved_with_their_marks() -> None:
