@@ -34,6 +34,8 @@ FAMILIES: Mapping[str, str] = MappingProxyType(
         "curvature": "#8C6D1F",
         "length": "#5A6B7B",
         "angle": "#6A51A3",
+        "energy": "#A6761D",
+        "power": "#B0305C",
         "ratio": "#7A7A7A",
     }
 )
