@@ -2,6 +2,7 @@
 
 import json
 import math
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from core.dynamics import contact_map
 from core.errors import KindynaError
 from core.find import find
 from core.project import load
+from core.project.reading import from_table
 from core.study import Study
 
 EXAMPLES = Path(__file__).parents[2] / "resources" / "examples"
@@ -87,6 +89,22 @@ def test_the_spring_found_keeps_the_force_at_every_angle_and_speed(name: str, rp
     back = find(solution.design, other, stated)
     ((path, again),) = back.answer.items()
     assert again == pytest.approx(get(design, path), rel=1e-6)
+
+
+@pytest.mark.parametrize("rubs", [False, True])
+def test_dampers_process_forces_and_friction_of_pins_count(rubs: bool) -> None:
+    table = tomllib.loads((EXAMPLES / "rocker_cam.toml").read_text(encoding="utf-8"))
+    table["loads"]["torsion_springs"] = [{"link": 2, "on": 1, "rate_nm_per_rad": 6.0, "damping_nm_s_per_rad": 0.3}]
+    table["loads"]["process"] = [{"torque_nm": -4.0, "cam_from_deg": 200.0, "cam_to_deg": 260.0}]
+    if rubs:
+        table["loads"]["pair_friction"] = [{"pair": "pivot", "radius_mm": 8.0, "coefficient": 0.1}]
+    design = from_table(table)
+    found = Study(design).lift_off
+    assert found is not None
+    there = Study(edited(design, SPEED, found.omega / RPM))
+    assert there.extremes("dynamics", ("contact_force",))["contact_force"].low.value == pytest.approx(0.0, abs=1e-9)
+    solution = find(design, "preload", {f"{FORCE}_min": 5.0, f"{SPEED}_max": 1500.0})
+    assert 5.0 - 1e-6 <= least_by_scan(solution.design, 1500.0, 1800, 7) <= 5.05
 
 
 def test_the_worst_speed_may_be_standstill() -> None:
