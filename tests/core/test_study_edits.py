@@ -42,6 +42,8 @@ DEPENDS: dict[str, dict[str, tuple[str, ...]]] = {
         "shaft.motor_inertia_kg_m2": (),
         "shaft.gear_ratio": (),
         "loads": ("dynamics", "stability"),
+        "loads.least_contact_force_n": (),
+        "loads.restitution": (),
     },
     LINKAGE: {
         "name": (),
