@@ -24,7 +24,7 @@ from kindyna_gui.places import example
 from kindyna_gui.window import main_window
 from kindyna_gui.window.main_window import MainWindow
 
-DESIGNS = ("transfer_lift", "card_picker", "four_bar_coupler_cam", "lecture_six_bar")
+DESIGNS = ("transfer_lift", "card_picker", "four_bar_coupler_cam", "lecture_six_bar", "transfer_unit")
 
 
 def say(line: dict[str, Any]) -> None:
@@ -49,6 +49,17 @@ def drag(window: MainWindow, dice: random.Random) -> None:
         say({"begin": number})
         QTest.qWait(20)
     window.session.end_gesture()
+
+
+def draw(window: MainWindow, dice: random.Random) -> None:
+    """A number by the mouse: held, plots wait for a pause."""
+    window.session.take_hold()
+    drag(window, dice)
+    window.session.release()
+
+
+def choose_drive(window: MainWindow, dice: random.Random) -> None:
+    window.session.choose_drive(dice.randrange(len(window.session.whole.drives)))
 
 
 def leave_the_motion_unfinished(window: MainWindow, dice: random.Random) -> None:
@@ -81,7 +92,9 @@ def begin(window: MainWindow, dice: random.Random) -> None:
     window.documents.begin(load(example(dice.choice(DESIGNS))), "another")
 
 
-ACTIONS = (edit_a_number,) * 8 + (drag,) * 2 + (leave_the_motion_unfinished,) * 3 + (segment, undo, undo, redo, save, begin)
+ACTIONS = (
+    *(edit_a_number,) * 8, drag, draw, *(leave_the_motion_unfinished,) * 3, segment, undo, undo, redo, save, begin, choose_drive, choose_drive
+)  # fmt: skip
 
 
 def state(session: Session) -> dict[str, Any]:

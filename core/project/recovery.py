@@ -31,16 +31,19 @@ class Unsaved:
     path     of the design's own file, None where it has none
     draft    the motion that is not finished, of text, numbers, lists and dictionaries; None where there is none
     time     when it was written, seconds since 1970
+    drive    number of the drive whose motion that is, from 0
     """
 
     design: str
     path: Path | None
     draft: Mapping[str, Any] | None = None
     time: float = 0.0
+    drive: int = 0
 
 
 def _text(unsaved: Unsaved) -> str:
-    head = {"path": None if unsaved.path is None else str(unsaved.path), "time": unsaved.time, "draft": unsaved.draft}
+    path = None if unsaved.path is None else str(unsaved.path)
+    head = {"path": path, "time": unsaved.time, "draft": unsaved.draft, "drive": unsaved.drive}
     line = json.dumps(head).replace("\x7f", "\\u007f")  # which no comment of TOML may hold
     return f"{_HEAD}{line}\n{unsaved.design}"
 
@@ -51,7 +54,7 @@ def _parsed(text: str) -> Unsaved:
     try:
         head = json.loads(first.removeprefix(_HEAD))
         path, draft, when = head["path"], head["draft"], float(head["time"])
-        return Unsaved(rest, None if path is None else Path(path), draft, when)
+        return Unsaved(rest, None if path is None else Path(path), draft, when, int(head.get("drive", 0)))
     except (ValueError, KeyError, TypeError):
         return Unsaved(text, None)
 
@@ -148,9 +151,9 @@ def find(folder: Path) -> list[Recoverable]:
     return sorted(left, key=lambda each: each.unsaved.time, reverse=True)
 
 
-def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None) -> Unsaved:
+def now(design: str, path: Path | None, draft: Mapping[str, Any] | None = None, drive: int = 0) -> Unsaved:
     """Unsaved work as of this moment."""
-    return Unsaved(design, path, draft, time.time())
+    return Unsaved(design, path, draft, time.time(), drive)
 
 
 def _lock_of(path: Path) -> Path:

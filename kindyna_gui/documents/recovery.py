@@ -33,8 +33,8 @@ def recovery_folder() -> Path:
     return state_folder() / "recovery"
 
 
-def _unsaved(design: Design, path: Path | None, draft: Draft | None, chosen: int) -> Unsaved:
-    return recovery.now(dumps(design), path, None if draft is None else {**draft.state(), "drive": chosen})
+def _unsaved(design: Design, path: Path | None, draft: Draft | None, drive: int) -> Unsaved:
+    return recovery.now(dumps(design), path, None if draft is None else draft.state(), drive)
 
 
 def _end(writer: RecoveryWriter, *_: object) -> None:
@@ -147,7 +147,7 @@ class Recovery(QObject):
         path = None if unsaved.path is None else str(unsaved.path)
         try:
             self._session.restore({"design": unsaved.design, "path": path, "modified": True, "draft": unsaved.draft,
-                                   "drive": (unsaved.draft or {}).get("drive", 0)})  # fmt: skip
+                                   "drive": unsaved.drive})  # fmt: skip
         except KindynaError as error:
             dialogs.show_faults(self._window, "This work cannot be recovered.", str(error).splitlines())
             return False

@@ -52,10 +52,9 @@ class Comparison:
     lost: bool = True
 
 
-def _with_draft(design: Design, state: Mapping[str, Any]) -> Design:
+def _with_draft(design: Design, state: Mapping[str, Any], drive: int) -> Design:
     """The design with the unfinished motion of one of its drives. Raises DesignError."""
-    index = int(state.get("drive", 0))
-    return with_only(design, index, Draft.from_state(state).applied(only(design, index)))
+    return with_only(design, drive, Draft.from_state(state).applied(only(design, drive)))
 
 
 def compare(unsaved: Unsaved) -> Comparison:
@@ -64,7 +63,7 @@ def compare(unsaved: Unsaved) -> Comparison:
     path = unsaved.path
     try:
         design = loads(unsaved.design, source="the recovery file")
-        typed = design if unsaved.draft is None else _with_draft(design, unsaved.draft)
+        typed = design if unsaved.draft is None else _with_draft(design, unsaved.draft, unsaved.drive)
     except KindynaError as error:
         return Comparison(f"Damaged work, {when}".rstrip(", "), f"It cannot be read: {error}")
     title = f"{design.name if path is None else path.name}, {when}".rstrip(", ")

@@ -21,7 +21,7 @@ import sys
 from pathlib import Path
 from core.project.recovery import RecoveryFile, Unsaved
 file = RecoveryFile(Path(sys.argv[1]))
-file.write(Unsaved(sys.argv[2], Path("/a/b.toml"), {DRAFT!r}, 17.5))
+file.write(Unsaved(sys.argv[2], Path("/a/b.toml"), {DRAFT!r}, 17.5, 2))
 print("written", flush=True)
 sys.stdin.readline()
 file.close()
@@ -57,7 +57,7 @@ def test_the_work_of_a_dead_process_is_found_once(
     writer.send_signal(by)
     writer.wait()
     (found,) = find(tmp_path)
-    assert found.unsaved == Unsaved(DESIGN, Path("/a/b.toml"), DRAFT, 17.5)
+    assert found.unsaved == Unsaved(DESIGN, Path("/a/b.toml"), DRAFT, 17.5, 2)
     assert loads(found.file.read_text()) == loads(DESIGN), "it can be opened as any design"
     assert find(tmp_path) == [], "it is being dealt with"
     found.release()

@@ -101,6 +101,8 @@ def lost(home: Path, killed_at: float, by: signal.Signals) -> str:
     unsaved = found[0].unsaved
     path = None if unsaved.path is None else str(unsaved.path)
     there = {"design": unsaved.design, "path": path, "draft": unsaved.draft}
+    if unsaved.draft is not None:
+        there["drive"] = unsaved.drive
     same = [i for i, each in enumerate(states) if {key: each[key] for key in there} == there]
     if cut_off and unsaved.time >= states[-1]["clock"]:
         load(found[0].file)

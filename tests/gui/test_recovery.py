@@ -164,6 +164,24 @@ def test_an_untitled_design_with_an_unfinished_motion(open_user: Open, left_behi
     assert isinstance(user.session.draft, Draft)
 
 
+def test_an_unfinished_motion_of_one_of_several_drives(open_user: Open) -> None:
+    user: User = open_user(example("transfer_unit"))
+    session = user.session
+    assert session.choose_drive(2)
+    assert session.edit("motion.segments[0].span_deg", 300.0, "Change span")
+    assert session.draft is not None, "the motion does not make a turn"
+    state = session.state()
+    wait_for(lambda: bool(kept()))
+    text = kept()[0].read_text()
+    session.stack.setIndex(0)
+    wait_for(lambda: not kept())
+    assert session.choose_drive(0)
+    recovery_folder().joinpath("dead.toml").write_text(text)
+    user.clicks("Recover")
+    offer(user)
+    assert session.state() == state
+
+
 def test_what_the_file_holds_already_is_not_offered(open_user: Open, mine: Path, left_behind: LeftBehind) -> None:
     left_behind(Unsaved(dumps(LIFT), mine))
     user: User = open_user()
