@@ -93,7 +93,8 @@ def begin(window: MainWindow, dice: random.Random) -> None:
 
 
 ACTIONS = (
-    *(edit_a_number,) * 8, drag, draw, *(leave_the_motion_unfinished,) * 3, segment, undo, undo, redo, save, begin, choose_drive, choose_drive
+    *(edit_a_number,) * 8, drag, draw, *(leave_the_motion_unfinished,) * 3,
+    segment, undo, undo, redo, save, begin, choose_drive, choose_drive,
 )  # fmt: skip
 
 

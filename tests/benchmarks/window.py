@@ -336,7 +336,7 @@ def _open_tables(window: MainWindow) -> None:
 
 def _open_plots(window: MainWindow, plots: int) -> list[Dock]:
     """So many plots beside each other instead of behind each other, and no others; their docks."""
-    docks = [window.docks[name] for name, row in VIEWS.items() if row.area == RIGHT]
+    docks = [window.docks[name] for name, row in VIEWS.items() if row.quantities]
     for name in MORE[: max(0, plots - len(docks))]:
         make = lazily("graph.plots_view", "PlotView", quantities=(name,))
         dock = Dock(
