@@ -9,8 +9,8 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from core.commands import NOTHING_DONE, Painter
-from core.commands.common import design_file, drive_option, studied, verdict
+from core.commands import DONE, DONE_WITH_ERRORS, NOTHING_DONE, Painter
+from core.commands.common import design_file, drive_option, studied
 from core.design import only, with_only
 from core.errors import KindynaError
 from core.find import LIMITS, ON_SHAFT, SEARCHES, WANTED, Solution, find
@@ -59,11 +59,14 @@ def run(arguments: argparse.Namespace, painter: Painter | None) -> int:
         return NOTHING_DONE
     if arguments.into is not None:
         save(solution.design if what in ON_SHAFT else with_only(whole, number, solution.design), arguments.into)
-    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or WANTED[what].holding else ("cam",)
-    for finding in study.findings(stages):
-        if finding.severity == ERROR:
-            print(finding_line(finding, study.angle_name), file=sys.stderr)
-    return verdict(study, stages)
+    holding = what in WANTED and WANTED[what].holding
+    study, stages = studied(solution.design), ("dynamics",) if what in ON_SHAFT or holding else ("cam",)
+    errors = [finding for finding in study.findings(stages) if finding.severity == ERROR]
+    if holding:  # the answer is where contact is about to be lost: rounding must not decide
+        errors = [finding for finding in errors if finding.code != "separation"]
+    for finding in errors:
+        print(finding_line(finding, study.angle_name), file=sys.stderr)
+    return DONE_WITH_ERRORS if errors else DONE
 
 
 class _Progress:

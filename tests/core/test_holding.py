@@ -157,6 +157,9 @@ def test_the_command_prints_the_answer(capsys: pytest.CaptureFixture[str], tmp_p
     found = Study(load(file)).lift_off
     assert found is not None
     assert data["answer"] == {SPEED: pytest.approx(found.omega / RPM, rel=1e-9)}
+    for name in ("card_picker", "kim_1990", "rocker_flat"):
+        for what in ("preload", "lift-off-speed"):  # at the very limit, whatever rounding makes of it
+            assert main(["find", str(EXAMPLES / f"{name}.toml"), what]) == 0
     assert main(["find", file, "preload", "--limit", "shaft.speed_rpm_max=1500", "--into", str(tmp_path / "held.toml")]) == 0
     made = load(tmp_path / "held.toml")
     assert Study(edited(made, SPEED, 1500.0)).contact_force.at_own(1500.0 * RPM).value == pytest.approx(0.0, abs=1e-6)
