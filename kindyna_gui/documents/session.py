@@ -338,6 +338,10 @@ class Session(QObject):
             return False
         return self._change((whole, self.draft, index), self._faults(whole), label, path)
 
+    def put_file(self, design: Design, label: str, path: str = "") -> bool:
+        """Put another design of all that the file has in place as one step; False where it is refused."""
+        return self.put_whole(design, label, path) if self.several else self.put(design, label, path)
+
     def _step(self, design: Design, draft: Draft | None, label: str, path: str) -> bool:
         """Put design and draft of the drive in place together; False where the design is refused."""
         if draft is not None and draft.reason:  # another length may have given it an answer

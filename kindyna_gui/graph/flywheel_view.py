@@ -6,7 +6,8 @@ from PySide6.QtWidgets import QHBoxLayout, QPushButton
 
 from core.design import UNITS
 from core.output.summary import speeds
-from core.study import Study
+from core.shaft import Flywheel
+from core.study import ShaftStudy, Study
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import step_text
@@ -25,6 +26,17 @@ _PEAKS = {
 }
 
 
+def _whole_peaks(shaft: ShaftStudy, floor: float) -> list[Row]:
+    """Those of all drives together, and of the motor."""
+    found = {"Shaft torque": shaft.peaks}
+    if shaft.levelled and shaft.flywheel.runs:
+        found[_PEAKS["motor_torque"]] = shaft.motor_range["motor_torque"]
+    return [
+        _row(f"{label}, {end}", value, "N·m", floor=floor)
+        for label, ends in found.items() for end, value in (("lowest", ends.low.value), ("highest", ends.high.value))
+    ]  # fmt: skip
+
+
 def _row(label: str, value: float, symbol: str, tip: str = "", floor: float = 0.0) -> Row:
     """floor: size below which the value is what rounding leaves of a zero."""
     value = 0.0 if abs(value) <= floor else value
@@ -39,6 +51,7 @@ DIGITS = 5  # of what the sizing shows, and puts into the design
 class FlywheelView(View):
     """The figures of the flywheel, and the button that fits one of the inertia needed."""
 
+    of_whole = True
     stages = STAGES_OF_VIEWS["flywheel"]
     pause_ms = 200
 
@@ -57,9 +70,10 @@ class FlywheelView(View):
     def refresh(self, study: Study) -> None:
         self._needed = 0.0
         self.use_button.setEnabled(False)
-        design = with_shaft(study.design, NO_WHEEL)
-        wheel, shaft = study.flywheel, design.shaft
-        floor = ROUNDING * torque_size(study)
+        several, whole = self.session.several, self.session.whole_study
+        shaft = whole.design.shaft if several else with_shaft(study.design, NO_WHEEL).shaft
+        wheel = whole.flywheel
+        floor = ROUNDING * max(torque_size(each) for each in (self.session.shaft.drives.values() if several else (study,)))
         tiny = floor / (shaft.speed_fluctuation * study.omega**2)
         self._needed = float(f"{wheel.needed_inertia:.{DIGITS}g}") if wheel.needed_inertia > tiny else 0.0
         percent = f"{100 * shaft.speed_fluctuation:g} % fluctuation of speed"
@@ -72,20 +86,29 @@ class FlywheelView(View):
             _row("Energy swing", wheel.energy_swing, "J", swing_tip, floor),
             _row(f"Inertia for {percent}", wheel.needed_inertia, "kg·m²", inertia_tip, tiny),
             _row("Inertia fitted", shaft.flywheel_inertia_kg_m2, "kg·m²"),
-            *self._reached(study),
-            *self._peaks(study, floor),
+            *self._reached(wheel, self._speeds(study), study.omega),
+            *(_whole_peaks(self.session.shaft, floor) if several else self._peaks(study, floor)),
         ])  # fmt: skip
 
-    def _reached(self, study: Study) -> list[Row]:
+    def _speeds(self, study: Study) -> tuple[float, float] | None:
+        """Lowest and highest speed over the turn [rad/s]; None where the motor stalls."""
+        if not self.session.several:
+            return speeds(study)
+        shaft = self.session.shaft
+        if shaft.levelled and not shaft.flywheel.runs:
+            return None
+        found = shaft.motor_range["speed"]
+        return found.low.value, found.high.value
+
+    def _reached(self, wheel: Flywheel, limits: tuple[float, float] | None, omega: float) -> list[Row]:
         """What the flywheel fitted makes of the speed."""
-        limits = speeds(study)
         if limits is None:
             tip = "the true motion with this flywheel comes to a standstill; enlarge it, or the motor's slope"
-            least = _row("Least inertia with which it does not", study.flywheel.least_inertia, "kg·m²", tip)
+            least = _row("Least inertia with which it does not", wheel.least_inertia, "kg·m²", tip)
             return [Row(("The motor stalls", "", ""), tip=tip), least]
         rpm = UNITS["rpm"].factor
         return [
-            Row(("Fluctuation reached", digits(100.0 * (limits[1] - limits[0]) / study.omega, 4), "%"), tip="(highest - lowest)/mean"),
+            Row(("Fluctuation reached", digits(100.0 * (limits[1] - limits[0]) / omega, 4), "%"), tip="(highest - lowest)/mean"),
             Row(("Speed, lowest", digits(limits[0] / rpm, DIGITS), "rpm")),
             Row(("Speed, highest", digits(limits[1] / rpm, DIGITS), "rpm")),
         ]  # fmt: skip

@@ -23,7 +23,7 @@ from PySide6.QtWidgets import (
 from core.design import with_elastic
 from core.errors import KindynaError
 from core.stability import EDGE_ERROR, Chart, Stability, chart
-from core.study import Study
+from core.study import ShaftStudy, Study
 from kindyna_gui.background import Background, Job
 from kindyna_gui.documents.session import Session
 from kindyna_gui.look import QUIET, coloured
@@ -56,6 +56,7 @@ class StabilityView(View):
     drawn   the chart that is shown; None before the first
     """
 
+    of_whole = True
     stages = ("stability",)
 
     def __init__(self, session: Session, player: Player) -> None:
@@ -139,7 +140,6 @@ class StabilityView(View):
         self.upwards.currentIndexChanged.connect(self._draw_chart)
         self.use.clicked.connect(self.use_wanted)
         self.session.started.connect(self._another_design)
-        self.session.drive_chosen.connect(self._another_design)
 
     # -- showing --------------------------------------------------------------------------------------------
 
@@ -148,11 +148,13 @@ class StabilityView(View):
         self.wanted = self.found = None
         self.use.hide()
         try:
-            design = with_shaft(study.design, NO_SHAFT)
+            design = self.session.whole
+            if not self.session.several:
+                with_shaft(design, NO_SHAFT)
             if design.shaft.elastic is None:
                 raise NotHere(RIGID)
             if self.drawn is None:
-                self._show(*self._computed(study))
+                self._show(*self._computed(self.session.whole_study))
                 return
         except KindynaError:
             self.drawn = None
@@ -160,7 +162,7 @@ class StabilityView(View):
         self._mark(ANEW)
         self._soon_anew.start()
 
-    def _computed(self, study: Study) -> tuple[Stability, Chart, str]:
+    def _computed(self, study: Study | ShaftStudy) -> tuple[Stability, Chart, str]:
         """What the page shows first, with the text of its head. Raises NoStability, NoAnswer."""
         found = study.flexible_shaft()
         drawn = self._chart(found, study.design.name, COARSE, UNSEEN, coarse=True)()
@@ -187,12 +189,12 @@ class StabilityView(View):
     def _compute_anew(self) -> None:
         """Begin what an edit has made necessary, beside the window."""
         if self.on_screen():
-            study = self.session.study
+            study = self.session.whole_study
             self.anew.start([(study, partial(self._computed, study))])
             self._rest()
 
-    def _computed_anew(self, study: Study, made: tuple[Stability, Chart, str] | KindynaError) -> None:
-        if study is self.session.study:
+    def _computed_anew(self, study: Study | ShaftStudy, made: tuple[Stability, Chart, str] | KindynaError) -> None:
+        if study is self.session.whole_study:
             if isinstance(made, KindynaError):
                 self.drawn = None
                 self.show_reason(made)
@@ -361,7 +363,7 @@ class StabilityView(View):
         """Put the shaft of the wanted point into the design."""
         if self.wanted is None or self.found is None:
             return
-        elastic = self.session.design.shaft.elastic
+        elastic = self.session.whole.shaft.elastic
         inertia, stiffness = self.found.machine.shaft_for(*self.wanted)
         made = replace(
             elastic,
@@ -369,8 +371,8 @@ class StabilityView(View):
             stiffness_nm_per_rad=float(f"{stiffness:.6g}"),
         )
         self.session.end_gesture()
-        self.session.put(
-            with_elastic(self.session.design, made), f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}"
+        self.session.put_file(
+            with_elastic(self.session.whole, made), f"Move shaft to η = {self.wanted[0]:.4g}, Q = {self.wanted[1]:.4g}"
         )
         self.session.end_gesture()
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from PySide6.QtCore import QObject, Signal
@@ -142,20 +143,23 @@ class Designing(QObject):
             except KindynaError as error:
                 self.status_message.emit(str(error))
                 return
-            self._session.put(changed, "Make the shaft flexible")
+            whole = self._session.whole
+            marks = tuple(path for path in changed.assumed if path.startswith("shaft.") and path not in whole.assumed)
+            made = replace(with_elastic(whole, changed.shaft.elastic), assumed=(*whole.assumed, *marks))
+            self._session.put_file(made if self._session.several else changed, "Make the shaft flexible")
             self._session.end_gesture()
         self._window.show_view("stability")
         self._window.focus_field("shaft.stiffness_nm_per_rad")
 
     @property
     def _elastic(self) -> Elastic | None:
-        design = self._session.design
+        design = self._session.whole
         return design.shaft.elastic if design.shaft is not None else None
 
     def make_rigid(self) -> None:
         """Take the elasticity out of the design."""
         if self._elastic is not None:
-            self._session.put(with_elastic(self._session.design, None), "Make the shaft rigid")
+            self._session.put_file(with_elastic(self._session.whole, None), "Make the shaft rigid")
             self._session.end_gesture()
 
 

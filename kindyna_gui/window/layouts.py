@@ -6,7 +6,7 @@ stand and nothing else: what comes into view catches up by itself, what goes out
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from PySide6.QtCore import QObject, QSize, Qt, Signal
@@ -162,8 +162,8 @@ class Layouts(QObject):
             if group.names:
                 self._docks[group.names[0]].raise_()
         for there, names in zip(self._kinds[self.current], row.of_kinds, strict=True):
-            if there and names:
-                self._docks[names[0]].raise_()
+            for front in self._fronts(names) if there else ():
+                self._docks[front].raise_()
 
     def open(self, dock: Dock) -> None:
         """Show a dock at its place, which keeps its width; alone at its side it takes the usual part of the window."""
@@ -217,8 +217,13 @@ class Layouts(QObject):
             self._docks[name].setVisible(there)
         if there and any(name not in names for name in own):  # one stands alone at its side
             self.proportion()
-        if there or others:
-            self._docks[own[0] if there else others[0]].raise_()
+        for front in self._fronts(own) if there else others[:1]:
+            self._docks[front].raise_()
+
+    def _fronts(self, own: Sequence[str]) -> list[str]:
+        """The first of these docks at each place."""
+        rows = ([name for name in own if name in names] for _, names in TASKS[self.current].places)
+        return [row[0] for row in rows if row]
 
 
 __all__ = ["Layouts", "first_task"]

@@ -143,13 +143,13 @@ TASKS: Mapping[str, Task] = MappingProxyType(
             "mechanism",
             (
                 Group(LEFT, more=("motion", "find")),
-                Group(RIGHT, ("torque",), ("camshaft_speed",), 1.15),
-                Group(RIGHT, ("contact_force",), ("contact_pressure", "contact")),
+                Group(RIGHT, ("torque",), ("camshaft_speed", "shaft_torque", "against_speed"), 1.15),
+                Group(RIGHT, ("contact_force",), ("contact_pressure", "contact", "shaft_figures")),
                 Group(BOTTOM, more=("timing",)),
                 Group(RIGHT, ("parameters", "flywheel", "findings"), ("drives",), 1.15),
             ),
             MappingProxyType({**USUAL, BOTTOM: Side(0.31, 226)}),
-            of_several=("drives", "timing"),
+            of_several=("drives", "timing", "shaft_torque", "against_speed", "shaft_figures"),
         ),
         "stability": Task(
             "&Stability",

@@ -1,0 +1,208 @@
+"""The shaft's torque over the machine angle: each drive's, the sum, with balance cam and flywheel; its figures, and the true speed."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import Qt, QTimer
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QSplitter, QWidget
+
+from core.design import UNITS
+from core.errors import NoAnswer
+from core.shaft import LoadCurve, peaks, rms
+from core.study import ShaftStudy, Study
+from kindyna_gui.documents.session import BALANCE_CAM, Session
+from kindyna_gui.drives.rows import swatch
+from kindyna_gui.forms.tables import Heading, Row, RowsTable
+from kindyna_gui.labels import reason
+from kindyna_gui.look import QUIET
+from kindyna_gui.note import Note
+from kindyna_gui.pictures.style import BALANCE, FAMILIES, LIGHT, drive_colour
+from kindyna_gui.pictures.units import digits, measure, readable
+from kindyna_gui.requirements import NotHere
+from kindyna_gui.shaft.turn_plot import TurnCurve, TurnPlot
+from kindyna_gui.view import View
+from kindyna_gui.window.player import Player, obey
+from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
+
+ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several drives shows here what they ask of it together."
+LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
+HEADINGS = (Heading("Torque, N·m", wide=True), Heading("Mean", number=True), Heading("RMS", number=True), Heading("Peak", number=True),
+            Heading("at °", number=True), Heading("Peak power", number=True))  # fmt: skip
+SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
+RPM = UNITS["rpm"].factor
+ROUNDING = 1e-12  # of the peak: less is rounding
+
+
+class _TurnView(View):
+    """Plots over the machine angle of all drives together; what takes longer than they comes once editing pauses."""
+
+    of_whole = True
+    keeps_pace = False
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self._later = QTimer(self, singleShot=True, interval=LATER_MS)
+        self._later.timeout.connect(self._show_later)
+
+    def _lay_out(self, plots: tuple[TurnPlot, ...], *more: QWidget) -> None:
+        self.plots = plots
+        self.note = Note(QUIET, margin=3)
+        parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
+        for part in (*plots, *more):
+            parted.addWidget(part)
+        parted.setSizes([1000] * (len(plots) + len(more)))
+        self.set_column(parted, self.note, grows=parted)
+        for plot in plots:
+            plot.angle_moved.connect(self._turn)
+
+    def refresh(self, study: Study) -> None:
+        if not self.session.several:
+            raise NotHere(ALONE)
+        self.draw(self.session.shaft)
+        self._later.start()
+
+    def draw(self, shaft: ShaftStudy) -> None:
+        """What follows each edit."""
+
+    def draw_later(self, shaft: ShaftStudy) -> None:
+        """What takes longer."""
+
+    def _show_later(self) -> None:
+        self._later.stop()
+        if not self.in_trouble and self.session.several:
+            self.draw_later(self.session.shaft)
+            self.follow(self.player.theta)
+
+    def settle(self) -> None:
+        super().settle()
+        if self._later.isActive():
+            self._show_later()
+
+    @property
+    def busy(self) -> bool:
+        return super().busy or self._later.isActive()
+
+    def follow(self, theta: float) -> None:
+        machine = self.player.machine_of(theta)
+        for plot in self.plots:
+            plot.set_machine(machine)
+
+    def _turn(self, machine: float) -> None:
+        self.player.play(False)
+        self.player.set_machine(machine)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        if not obey(self.player, event):
+            super().keyPressEvent(event)
+
+
+class ShaftTorqueView(_TurnView):
+    """Each drive's torque in its colour, below it their sum: with balance cam, and as the motor gives it."""
+
+    stages = STAGES_OF_VIEWS["shaft_torque"]
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.drives, self.sums = TurnPlot("Drives", "N·m"), TurnPlot("Shaft", "N·m")
+        self._lay_out((self.drives, self.sums))
+
+    def draw(self, shaft: ShaftStudy) -> None:
+        chosen = self.session.names[self.session.chosen]
+        curves = [
+            TurnCurve(name, shaft.drive_torque(name), drive_colour(shaft.number(name)), read=name == chosen)
+            for name in shaft.carried if name not in shaft.failures
+        ]  # fmt: skip
+        lacking = ""
+        try:
+            if shaft.design.balancer is not None:
+                curves.append(TurnCurve(BALANCE_CAM, shaft.balancer_torque, BALANCE, read=chosen == BALANCE_CAM))
+            self._draw_sums(shaft)
+        except NoAnswer as error:
+            lacking = reason(shaft.design, error)
+            self.sums.show_message("")
+        self.note.show_message(lacking)
+        if curves:
+            self.drives.show_curves(shaft.angle_degrees, curves)
+        else:
+            self.drives.show_message("No drive loads the shaft.")
+
+    def _draw_sums(self, shaft: ShaftStudy, *motor: TurnCurve) -> None:
+        cams = [TurnCurve(CAMS, shaft.cams_torque, LIGHT.quiet)] if shaft.design.balancer is not None else []
+        self.sums.show_curves(shaft.angle_degrees, [*cams, TurnCurve(SHAFT, shaft.torque, LIGHT.ink, read=True), *motor])
+
+    def draw_later(self, shaft: ShaftStudy) -> None:
+        if not shaft.levelled:
+            return
+        try:
+            self._draw_sums(shaft, TurnCurve(MOTOR, shaft.motor_torque, FAMILIES["torque"], read=True))
+        except NoAnswer as error:
+            self.note.show_message(reason(shaft.design, error))
+
+
+class ShaftFiguresView(_TurnView):
+    """The true speed where a flywheel levels it, and a table: mean, root mean square, peak and peak power of each and all."""
+
+    stages = STAGES_OF_VIEWS["shaft_figures"]
+
+    def __init__(self, session: Session, player: Player) -> None:
+        super().__init__(session, player)
+        self.speed, self.table = TurnPlot("Speed", "rpm", from_zero=False), RowsTable(HEADINGS)
+        self.table.setWordWrap(False)
+        self._lay_out((self.speed,), self.table)
+
+    def draw(self, shaft: ShaftStudy) -> None:
+        if not self.table.rows.rows:
+            self.draw_later(shaft)
+
+    def draw_later(self, shaft: ShaftStudy) -> None:
+        self.speed.setVisible(shaft.levelled)
+        try:
+            if shaft.levelled:
+                self.speed.show_curves(shaft.angle_degrees, [TurnCurve("", shaft.speed / RPM, FAMILIES["speed"], read=True)])
+        except NoAnswer as error:
+            self.speed.show_message(reason(shaft.design, error))
+        self.table.show_rows(figures(shaft))
+
+
+def figures(shaft: ShaftStudy) -> list[Row]:
+    """Mean, root mean square, peak with its machine angle and peak power of each drive, of the sums, and of the motor."""
+    rows = [
+        _row(name, shaft.drive_load(name), shaft.omega, drive_colour(shaft.number(name)))
+        for name in shaft.carried if name not in shaft.failures
+    ]  # fmt: skip
+    try:
+        if shaft.design.balancer is not None:
+            rows.append(_row(CAMS, shaft.cams_load, shaft.omega, LIGHT.quiet))
+        rows.append(_row(SHAFT, shaft.load, shaft.omega, LIGHT.ink))
+        if shaft.levelled:
+            found = shaft.motor_range
+            ends = found["motor_torque"]
+            peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
+            power = measure(*_readable("W", found["motor_power"].high.value))
+            cells = (MOTOR, digits(shaft.mean_torque), "", digits(peak.value), _angle(peak.theta), power)
+            rows.append(Row(cells, swatch(FAMILIES["torque"]), "with the flywheel, at the true speed"))
+    except NoAnswer as error:
+        rows.append(Row((reason(shaft.design, error), "", "", "", "", "")))
+    return rows
+
+
+def _row(name: str, load: LoadCurve, omega: float, colour: str) -> Row:
+    ends = peaks(load)
+    peak = max((ends.low, ends.high), key=lambda end: abs(end.value))
+    power = measure(*_readable("W", ends.high.value * omega))
+    mean = load.mean if abs(load.mean) > ROUNDING * abs(peak.value) else 0.0
+    return Row((name, digits(mean), digits(rms(load)), digits(peak.value), _angle(peak.theta), power), swatch(colour))
+
+
+def _readable(symbol: str, value: float) -> tuple[float, str]:
+    rung = readable(symbol, abs(value))
+    return value / rung.size, rung.symbol
+
+
+def _angle(theta: float) -> str:
+    return digits(math.degrees(theta) % 360.0, 4)
+
+
+__all__ = ["ShaftFiguresView", "ShaftTorqueView"]
