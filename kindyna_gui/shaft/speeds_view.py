@@ -18,7 +18,7 @@ from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
-from kindyna_gui.pictures.style import BLUE, DASHED, FAMILIES, GREEN, LIGHT, VERMILION
+from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, LIGHT, VERMILION
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.requirements import NO_WHEEL, with_shaft
 from kindyna_gui.view import View
@@ -78,9 +78,9 @@ class AgainstSpeedView(View):
         rung = readable("N·m", float(np.abs(found.peak).max()))
         self.torque.name_axes(SPEED, f"Torque, {rung.symbol}")
         levelled = bool(np.any(found.motor_peak != found.peak))
-        rows = [("Peak", found.peak, VERMILION, ()), ("RMS", found.rms, BLUE, ()), ("Mean", found.mean, GREEN, ())]
-        rows += [("Motor peak", found.motor_peak, LIGHT.ink, DASHED)] if levelled else []
-        self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name, dash) for name, y, colour, dash in rows], own)
+        rows = [("Peak", found.peak, VERMILION), ("RMS", found.rms, BLUE), ("Mean", found.mean, GREEN)]
+        rows += [("Motor peak", found.motor_peak, LIGHT.ink)] if levelled else []
+        self.torque.show_lines([Line(found.rpm, y / rung.size, colour, name) for name, y, colour in rows], own)
         if np.isfinite(found.fluctuation).any():
             self.fluctuation.name_axes(SPEED, "Fluctuation, %")
             allowed = 100.0 * self.session.whole.camshaft.speed_fluctuation

@@ -26,7 +26,7 @@ from kindyna_gui.view import View
 from kindyna_gui.window.player import Player, obey
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
-ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several drives shows here what they ask of it together."
+ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
 HEADINGS = (Heading("Torque, N·m", wide=True), Heading("Mean", number=True), Heading("RMS", number=True), Heading("Peak", number=True),
             Heading("at °", number=True), Heading("Peak power", number=True))  # fmt: skip
@@ -50,7 +50,9 @@ class _TurnView(View):
         self.plots = plots
         self.note = Note(QUIET, margin=3)
         parted = QSplitter(Qt.Orientation.Vertical, childrenCollapsible=False)
-        for part in (*plots, *more):
+        for plot in plots:
+            parted.addWidget(plot)
+        for part in more:
             parted.addWidget(part)
         parted.setSizes([1000] * (len(plots) + len(more)))
         self.set_column(parted, self.note, grows=parted)

@@ -108,7 +108,7 @@ class TurnPlot(XYPlot):
         if not self._read:
             return
         self._cursor.setPos(self.angle, 0.0)
-        nearest = int(round(self.angle / 360.0 * self._theta.size)) % self._theta.size
+        nearest = round(self.angle / 360.0 * self._theta.size) % self._theta.size
         values = [float(curve.values[nearest]) / self.rung.size for curve in self._read]
         place_readouts(self._readings, self.angle, values, self.rung, self.frame())
 

@@ -26,8 +26,7 @@ from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 NEEDS = {"motion": {"motion"}, "linkage": {"motion", "linkage"}, "cam": {"motion", "linkage", "cam"}}
 NEEDS["dynamics"] = {*NEEDS["cam"], "dynamics"}
 NEEDS["stability"] = set()  # of a rigid shaft nothing is computed
-NO_PLOTS = ("mechanism", "graph", "laws", "stability", "centres", "circle", "polygon", "timing")
-PLOTS = {name: row for name, row in VIEWS.items() if row.picture and name not in NO_PLOTS}
+PLOTS = {name: row for name, row in VIEWS.items() if row.quantities}
 ALL = ("motion", "linkage", "cam", "dynamics")
 
 
