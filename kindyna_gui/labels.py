@@ -204,6 +204,7 @@ def name_of(design: Design, path: str) -> str:
                 return f"{head}: {label}"
             return f"{prefix}, {label[:1].lower()}{label[1:]}" if prefix else label
     return {"motion.segments": "Motion", "name": "Name", "linkage.links": "Links", "cam.point": "Cam roller",
+            "loads.least_contact_force_n": "Least contact force",
             "linkage.driver.link": "Driver", "linkage.driver.kind": "Driver"}.get(path, path)
 
 

@@ -14,9 +14,9 @@ import numpy as np
 from core.design import Balancer, Design, Shaft, distances, get, numbered, with_phase
 from core.design.camshaft import drive_of
 from core.errors import KindynaError
-from core.find.limits import CONVEX, LIMITS
+from core.find.limits import ANY_PRESSURE, CONVEX, LIMITS
 from core.find.solution import Solution
-from core.find.trial import Trials, usual_pressure
+from core.find.trial import PRESSURE_LIMITS, Trials, usual_pressure
 from core.numerics.search import Ends, bounded_minimum, bracketed_root
 from core.shaft import (
     AIMS,
@@ -60,13 +60,42 @@ class Wish(NamedTuple):
 
 
 class ShaftRow(NamedTuple):
-    """title as a heading; paths whose bounds may be stated, by their beginnings; limits: keys of the balance cam's limits; search."""
+    """title as a heading; paths whose bounds may be stated, by their beginnings; limits: keys of the balance cam's limits; search;
+    there: whether a design has such a thing; stated: the keys that a design's search takes, with the values that hold where no others
+    are stated, None where none does; aims: what may be least, where there is a choice."""
 
     title: str
     paths: tuple[str, ...]
     limits: tuple[str, ...]
     search: Callable[[Design, Wish], Solution]
     help: str
+    there: Callable[[Design], bool]
+    stated: Callable[[Design], Mapping[str, float | None]]
+    aims: Mapping[str, str] = MappingProxyType({})
+
+
+def offered_on_shaft(design: Design) -> tuple[str, ...]:
+    """The rows of ``ON_SHAFT`` that a design has something for."""
+    return tuple(what for what, row in ON_SHAFT.items() if row.there(design))
+
+
+def _turns_shaft(design: Design) -> bool:
+    return design.shaft is not None and (design.listed or design.drive.cam is not None or design.by_crank)
+
+
+def _wheel_keys(design: Design) -> Mapping[str, float | None]:
+    ends = dict.fromkeys(f"{FLYWHEEL}{end}" for end in ENDS)
+    return {f"{FLUCTUATION}_max": design.camshaft.speed_fluctuation, **ends}
+
+
+def _phase_keys(design: Design) -> Mapping[str, float | None]:
+    return dict.fromkeys(f"drives[{i}].phase_deg{end}" for i in range(1, len(design.drives)) for end in ENDS)
+
+
+def _spring_keys(design: Design) -> Mapping[str, float | None]:
+    paths = (RATE, PRELOAD)
+    return {ANY_PRESSURE: min(PRESSURE_LIMITS.values()), **dict.fromkeys((f"{FORCE}_min", *(f"{p}{end}" for p in paths for end in ENDS))),
+            **dict.fromkeys(key for key in LIMITS if key != ANY_PRESSURE)}  # fmt: skip
 
 
 def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: str = "peak") -> Solution:
@@ -99,13 +128,14 @@ def find_on_shaft(design: Design, what: str, stated: Mapping[str, float], aim: s
 def _answered(
     wanted: str, before: Design, made: Design, answer: Mapping[str, float], reached: Mapping[str, float], limits: Mapping[str, float],
     curve: Sequence[tuple[float, float]], curve_of: str, against: tuple[str, ...] = (), end: str = "",
+    reached_before: Mapping[str, float] = MappingProxyType({}),
 ) -> Solution:  # fmt: skip
-    """A solution; curve: finite points, of which each value is one."""
+    """A solution; curve: finite points, of which each value is one; reached_before: with the present values."""
     points = dict(sorted((float(x), float(y)) for x, y in curve if math.isfinite(y)))
     first = next(iter(answer.values()), 0.0)
     near = (min(points, default=first), max(points, default=first))
     present = {path: get(before, path) for path in answer}
-    return Solution(wanted, made, answer, reached, limits, tuple(points.items()), curve_of, near, present, {}, against, end)
+    return Solution(wanted, made, answer, reached, limits, tuple(points.items()), curve_of, near, present, reached_before, against, end)
 
 
 def _load(design: Design) -> LoadCurve:
@@ -134,8 +164,11 @@ def _flywheel(design: Design, wish: Wish) -> Solution:
     curve = [(i, reached_with(load, shaft, i + own)) for i in sorted({*around.tolist(), found}) if i + own]
     end = f"{FLYWHEEL} = {found:.9g}" if found != needed and not against else ""
     made = replace(design, shaft=replace(shaft, flywheel_inertia_kg_m2=found))
+    fitted = shaft.flywheel_inertia_kg_m2 + own
+    before = {FLUCTUATION: reached_with(load, shaft, fitted)} if fitted else {}
     return _answered(
         "least flywheel", design, made, {FLYWHEEL: found}, {FLUCTUATION: reached}, {FLUCTUATION: wanted}, curve, FLUCTUATION, against, end,
+        before,
     )  # fmt: skip
 
 
@@ -172,13 +205,18 @@ def _phases(design: Design, wish: Wish) -> Solution:
     line = reached_along(loads, found.turned, 1, steps, wish.aim)
     first = design.drives[numbers[1]].phase_deg + np.rad2deg(found.turned[1] + steps)
     curve = sorted(zip(np.mod(first, 360.0).tolist(), line.tolist(), strict=True))
-    total = ShaftStudy(replace(made, balancer=None))
-    reached = {
-        "peak_torque_nm": abs(total.peak_torque.value), "rms_torque_nm": total.rms_torque, "energy_swing_j": total.flywheel.energy_swing,
-        **{f"timing[{i}].least_deg": at.after_deg for i, at in enumerate(distances(made))},
-    }  # fmt: skip
+    reached, before = (_with_phases(each) for each in (made, design))
     kept = {f"timing[{i}].least_deg": row.least_deg for i, row in enumerate(design.timing)}
-    return _answered(f"least {wish.aim}", design, made, answer, reached, kept, curve, REACHED[wish.aim])
+    return _answered(f"phases of least {wish.aim}", design, made, answer, reached, kept, curve, REACHED[wish.aim], reached_before=before)
+
+
+def _with_phases(design: Design) -> Mapping[str, float]:
+    """What the cams of a design ask of the shaft, and how its timing is kept."""
+    total = ShaftStudy(replace(design, balancer=None))
+    return {
+        "peak_torque_nm": abs(total.peak_torque.value), "rms_torque_nm": total.rms_torque, "energy_swing_j": total.flywheel.energy_swing,
+        **{f"timing[{i}].least_deg": at.after_deg for i, at in enumerate(distances(design))},
+    }  # fmt: skip
 
 
 # -- balancer ----------------------------------------------------------------------------------------------
@@ -305,9 +343,13 @@ def _sprung(
     force = trials.least_force(rate, preload)
     reached[FORCE] = force
     made = replace(trials.design, balancer=trials.part(rate, preload))
+    own = trials.balancer.spring_rate_n_per_mm, trials.balancer.preload_n
+    before = {reading.key: reading.reached for reading in trials.at(*own).readings}
+    if before:
+        before[FORCE] = trials.least_force(*own)
     return _answered(
         "least preload", trials.design, made, {RATE: rate, PRELOAD: preload}, reached,
-        {**trials.limits, **({FORCE: trials.force} if trials.force else {})}, curve, PRELOAD, against, end,
+        {**trials.limits, **({FORCE: trials.force} if trials.force else {})}, curve, PRELOAD, against, end, before,
     )  # fmt: skip
 
 
@@ -328,15 +370,19 @@ def _unserved(trials: _Balances, rates: list[float], most: float) -> Solution:
 ON_SHAFT: Mapping[str, ShaftRow] = MappingProxyType(
     {
         "flywheel": ShaftRow(
-            "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel, "the least flywheel for the fluctuation of speed that is allowed"
+            "Least flywheel", (FLYWHEEL, FLUCTUATION), (), _flywheel, "the least flywheel for the fluctuation of speed that is allowed",
+            _turns_shaft, _wheel_keys,
         ),
         "phases": ShaftRow(
             "Best phases", ("drives[",), (), _phases,
             "the phases of least peak torque that keep the timing; --for rms or fluctuation: least of these",
+            lambda design: design.listed and len(design.drives) > 1, _phase_keys,
+            MappingProxyType({"peak": "Least peak torque", "rms": "Least RMS torque", "fluctuation": "Least fluctuation"}),
         ),
         "balancer": ShaftRow(
             "Spring of the balance cam", (RATE, PRELOAD, FORCE, "balancer.least_contact_force_n"), tuple(LIMITS), _balancer,
             "the spring of least preload that stays above a force, and of such springs the softest",
+            lambda design: design.balancer is not None, _spring_keys,
         ),
     }
 )  # fmt: skip

@@ -18,7 +18,7 @@ from core.findings import ERROR
 from core.frozen import frozen
 from core.motion.extremes import find_extremes
 from core.numerics.search import EPS, Ends, bounded_minimum, bracketed_root
-from core.study import Study
+from core.study import ShaftStudy, Study
 
 NEARER = 1e-3  # of the distance between two values tried: how near samples take an answer before it is refined
 BEST = 1e-5  # the same of the best where nothing serves
@@ -78,7 +78,9 @@ class Solution:
     @property
     def errors(self) -> tuple[str, ...]:
         """What no limit of the search says and is wrong all the same with the cam of the answer: its hub, its keyway, its cutter."""
-        found = Study(self.design).findings(("cam",)) if self.serves and self.design.drive.cam is not None else ()
+        if not self.serves or (not self.design.listed and self.design.drive.cam is None):
+            return ()
+        found = (ShaftStudy(self.design) if self.design.listed else Study(self.design)).findings(("cam",))
         return tuple(finding.message for finding in found if finding.severity == ERROR)
 
 

@@ -21,17 +21,17 @@ from PySide6.QtWidgets import (
 
 from core.design import Design, get
 from core.errors import KindynaError
-from core.find import WANTED, Solution, find, limits_without, offered, varied
+from core.find import ON_SHAFT, Solution, find, offered, offered_on_shaft, varied
 from core.numerics.cancellation import Cancelled
 from core.study import Study
 from kindyna_gui.background import Background
 from kindyna_gui.documents.session import Session
 from kindyna_gui.find.limit_rows import LimitRows
-from kindyna_gui.find.texts import answer_html, keys_of, start_value, step_name
+from kindyna_gui.find.texts import answer_html, keys_of, places_of, start_value, step_name, title_of, usual_limits
 from kindyna_gui.find.trade_plot import TradePlot
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
-from kindyna_gui.labels import name_of, reason
+from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.requirements import NotHere
 from kindyna_gui.view import View
@@ -64,6 +64,7 @@ class Count:
 class FindView(View):
     """Seeks beside the window, when the design or a limit changes while it can be seen."""
 
+    of_whole = True
     stages = STAGES_OF_VIEWS["find"]
     pause_ms = 200
 
@@ -144,11 +145,22 @@ class FindView(View):
     # -- what is sought -------------------------------------------------------------------------------------
 
     def refresh(self, study: Study) -> None:
-        rows = offered(study.design)
+        rows = self._offered()
         if not rows:
             raise NotHere(NO_CAM)
-        _fill(self.what, {what: WANTED[what].title for what in rows})
+        _fill(self.what, {what: title_of(what) for what in rows})
         self._search()
+
+    def _offered(self) -> tuple[str, ...]:
+        """Of the drive at hand, and of the whole shaft."""
+        own = () if self.session.on_balancer else offered(self.session.design)
+        return (*own, *offered_on_shaft(self.session.whole))
+
+    @property
+    def _design(self) -> Design:
+        """What is sought in: the drive at hand, or the whole."""
+        design: Design = self.session.whole if self._wanted in ON_SHAFT else self.session.design
+        return design
 
     @property
     def _wanted(self) -> str:
@@ -156,10 +168,15 @@ class FindView(View):
 
     def _limits(self, design: Design) -> Mapping[str, float]:
         """Those that hold: the design's own or the usual ones, as far as the user has not typed others or taken them away."""
-        keys = keys_of(self._wanted, varied(design, self._wanted, self.place.currentData() or ""))
+        keys = self._keys(design)
         typed = {key: value for key, value in self._typed.items() if key in keys}
-        held = {**limits_without(design, self._wanted, {}), **typed}
+        held = {**usual_limits(design, self._wanted), **typed}
         return {key: held[key] for key in keys if held.get(key) is not None}  # type: ignore[misc]
+
+    def _keys(self, design: Design) -> tuple[str, ...]:
+        """Everything that may be limited."""
+        paths = () if self._wanted in ON_SHAFT else varied(design, self._wanted, self.place.currentData() or "")
+        return keys_of(design, self._wanted, paths)
 
     def _choose(self, _: int) -> None:
         self._search()
@@ -177,19 +194,22 @@ class FindView(View):
 
     def _search(self) -> None:
         """Seek under the limits at hand; what was sought before is given up."""
-        design = self.session.design
-        if self.not_here or not offered(design):
+        if self.not_here or not self._offered():
             return
-        places = WANTED[self._wanted].places(design)
-        _fill(self.place, {path: name_of(design, path) for path in places})
+        design, what = self._design, self._wanted
+        places = places_of(design, what)
+        _fill(self.place, places)
         self.place.setVisible(len(places) > 1)
         limits = self._limits(design)
         place = self.place.currentData() or ""
-        self.limits.show_limits(design, limits, keys_of(self._wanted, varied(design, self._wanted, place)))
+        self.limits.show_limits(design, limits, self._keys(design))
         self._rest()
         self.searches += 1
         self._count = Count()
-        job = partial(_sought, design, self._wanted, dict(limits), place=place, alone=True, tell=self._count.tell)
+        if what in ON_SHAFT:
+            job = partial(find, design, what, dict(limits), **({"aim": place} if place else {}))
+        else:
+            job = partial(find, design, what, dict(limits), place=place, alone=True, tell=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
@@ -214,7 +234,7 @@ class FindView(View):
         self._tick.start()
 
     def _show_count(self) -> None:
-        self.counted.setText(f"{self._count.number} designs tried")
+        self.counted.setText(f"{self._count.number} designs tried" if self._count.number else "")
 
     def _answered(self, design: Design, result: Solution | KindynaError | Cancelled) -> None:
         self._quiet()
@@ -233,7 +253,7 @@ class FindView(View):
         self.answer.setText(f"<span style='color:{WRONG}'>{reason(design, result)}</span>")
 
     def _offer_take_over(self) -> None:
-        found, design = self.solution, self.session.design
+        found, design = self.solution, self._design
         if found is None:
             return
         apart = any(_differ(get(design, path), value) for path, value in found.answer.items())
@@ -244,8 +264,9 @@ class FindView(View):
         """The answer into the design, as one step."""
         if self.solution is None:
             return
-        found, design = self.solution, self.session.design
-        self.session.put(found.design, step_name(design, found), next(iter(found.answer)))
+        found, design = self.solution, self._design
+        put = self.session.put_file if self._wanted in ON_SHAFT else self.session.put
+        put(found.design, step_name(design, found), next(iter(found.answer)))
         self.session.end_gesture()
 
     # -- when -----------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from html import escape
@@ -9,7 +10,7 @@ from math import isfinite
 from types import MappingProxyType
 
 from core.design import Design, Info, Limits, Unit, entries, info_of, split_unit
-from core.find import LIMITS, WANTED, Solution
+from core.find import LIMITS, ON_SHAFT, WANTED, Solution, limits_without
 from core.frozen import frozen
 from kindyna_gui.labels import name_of, sentence
 from kindyna_gui.look import QUIET, WRONG
@@ -21,6 +22,7 @@ DECIMALS = 4  # of what is reached
 START = MappingProxyType({True: 30.0, False: 1.0})  # of an upper limit, of a lower one, where the design has nothing to go by
 START_DIGITS = 2
 PRESENT_DIGITS = 6
+MOST_NAMED = 2  # values in the name of a step
 
 
 @frozen
@@ -53,12 +55,29 @@ def figure_of(design: Design, key: str) -> Figure:
         return Figure(info.label, _BOUNDS["_max" if row.most else "_min"], info, unit)
     path, end = key[:-4], key[-4:]
     info, unit = _entry(design, path)
-    return Figure(name_of(design, path), _BOUNDS[end], replace(info, optional=True), unit)
+    return Figure(_owned(design, path), _BOUNDS[end], replace(info, optional=True), unit)
 
 
-def keys_of(what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
+def title_of(what: str) -> str:
+    """Of a search."""
+    return (ON_SHAFT[what] if what in ON_SHAFT else WANTED[what]).title
+
+
+def usual_limits(design: Design, what: str) -> Mapping[str, float]:
+    """Those that hold where the user has typed none."""
+    if what not in ON_SHAFT:
+        return limits_without(design, what, {})
+    return {key: value for key, value in ON_SHAFT[what].stated(design).items() if value is not None}
+
+
+def places_of(design: Design, what: str) -> Mapping[str, str]:
+    """What is to be chosen beside the limits: of the fields that may be varied one, or of what may be least."""
+    return ON_SHAFT[what].aims if what in ON_SHAFT else {path: name_of(design, path) for path in WANTED[what].places(design)}
+
+
+def keys_of(design: Design, what: str, paths: tuple[str, ...]) -> tuple[str, ...]:
     """Everything that may be limited when these fields are varied."""
-    return WANTED[what].keys(paths)
+    return tuple(ON_SHAFT[what].stated(design)) if what in ON_SHAFT else WANTED[what].keys(paths)
 
 
 def start_value(key: str, solution: Solution | None) -> float:
@@ -82,9 +101,23 @@ def _label_of(design: Design, key: str) -> tuple[str, Unit]:
         figure = figure_of(design, key)
         return figure.label, figure.unit
     if "." in key:
-        return name_of(design, key), _entry(design, key)[1]
+        return _owned(design, key), _entry(design, key)[1]
     name, unit = split_unit(key)
-    return sentence(name.replace("_", " ")), unit
+    return sentence(name.replace("_", " ").replace("rms", "RMS")), unit
+
+
+_ROW = re.compile(r"(drives|timing)\[(\d+)\]\.(?:phase|least)_deg")
+
+
+def _owned(design: Design, path: str) -> str:
+    """A field's name, of a drive's phase and a row of the timing with what it is of."""
+    match = _ROW.fullmatch(path)
+    if match is None:
+        return name_of(design, path)
+    if match[1] == "drives":
+        return f"{design.drives[int(match[2])].name}: phase"
+    row = design.timing[int(match[2])]
+    return f"{row.first} to {row.second}"
 
 
 def unit_of(design: Design, key: str) -> Unit:
@@ -149,5 +182,7 @@ def typed_text(value: float, unit: Unit) -> str:
 
 def step_name(design: Design, solution: Solution) -> str:
     """Of the step of the undo stack."""
+    if len(solution.answer) > MOST_NAMED:
+        return f"Take over {solution.wanted}"
     values = ", ".join(value_of(design, path, value, 6) for path, value in solution.answer.items())
     return f"Take over {values[:1].lower()}{values[1:]}"

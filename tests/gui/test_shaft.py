@@ -1,0 +1,75 @@
+"""kindyna_gui.shaft: torque, flywheel and stability of a whole shaft in the window, by mouse."""
+
+from math import degrees
+from pathlib import Path
+from shutil import copyfile
+
+import numpy as np
+import pytest
+from PySide6.QtCore import Qt
+from PySide6.QtTest import QTest
+from window_user import Open, User, settle, wait_for
+
+from core.find import find
+from core.project import load
+from core.study import ShaftStudy
+from kindyna_gui.find.find_view import FindView
+from kindyna_gui.places import example
+from kindyna_gui.shaft.torque_view import ShaftFiguresView, ShaftTorqueView
+from kindyna_gui.stability.stability_view import StabilityView
+
+UNIT = example("transfer_unit")
+FLYWHEEL = "shaft.flywheel_inertia_kg_m2"
+
+
+@pytest.fixture
+def unit(open_user: Open, tmp_path: Path) -> User:
+    path = tmp_path / "unit.toml"
+    copyfile(UNIT, path)
+    return open_user(path)
+
+
+def test_torque_flywheel_and_stability_are_those_of_all_drives(unit: User) -> None:
+    whole = ShaftStudy(load(UNIT), 1800)
+    torque = unit.see("shaft_torque")
+    assert isinstance(torque, ShaftTorqueView)
+    torque.settle()
+    drives, sums = torque.drives.lines, torque.sums.lines
+    assert len(drives) == 4
+    kilo = torque.drives.rung.size
+    assert np.allclose(kilo * sum(y[:-1] for _, y in drives), whole.torque, atol=1e-9)
+    assert np.allclose(sums[0][1][:-1] * torque.sums.rung.size, whole.torque)
+    assert np.allclose(sums[1][1][:-1] * torque.sums.rung.size, whole.motor_torque)
+    QTest.mouseClick(torque.sums.viewport(), Qt.MouseButton.LeftButton, pos=torque.sums.pixel_at(300.0).toPoint())
+    settle()
+    assert degrees(unit.window.player.machine) == pytest.approx(300.0, abs=1.5)
+
+    figures = unit.see("shaft_figures")
+    assert isinstance(figures, ShaftFiguresView)
+    figures.settle()
+    rows = {row.cells[0]: row.cells for row in figures.table.rows.rows}
+    assert list(rows) == ["Feed", "Clamp", "Lift", "Torque", "Shaft", "Motor"]
+    assert rows["Shaft"][1:4] == ("13.54", "170.3", "483.9")
+
+    seeker = unit.see("find")
+    assert isinstance(seeker, FindView)
+    seeker.what.setCurrentIndex(seeker.what.findData("flywheel"))
+    seeker.what.activated.emit(seeker.what.currentIndex())
+    wait_for(lambda: not seeker.busy and seeker.solution is not None)
+    found = find(load(UNIT), "flywheel", {})
+    assert seeker.solution is not None
+    assert seeker.solution.answer == found.answer
+    assert seeker.solution.before["shaft.speed_fluctuation"] == pytest.approx(
+        (whole.motor_range["speed"].high.value - whole.motor_range["speed"].low.value) / whole.omega, rel=1e-6
+    )
+    QTest.mouseClick(seeker.take, Qt.MouseButton.LeftButton)
+    settle()
+    assert unit.session.whole.shaft.flywheel_inertia_kg_m2 == found.answer[FLYWHEEL]
+    assert len(unit.steps) == 1
+    unit.session.stack.undo()
+    assert unit.session.whole == load(UNIT)
+
+    chart = unit.see("stability")
+    assert isinstance(chart, StabilityView)
+    assert chart.found is not None
+    assert chart.found.machine.q == whole.flexible_shaft().machine.q
