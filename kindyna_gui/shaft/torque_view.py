@@ -28,7 +28,7 @@ from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
 ALONE = "This design has one drive: its torque stands in the plot Torque. A shaft of several shows here what they ask together."
 LATER_MS = 150  # after an edit, before what takes longer: motor, true speed, figures
-HEADINGS = (Heading("Torque, N·m", wide=True), Heading("Mean", number=True), Heading("RMS", number=True), Heading("Peak", number=True),
+HEADINGS = (Heading("Torque, N·m"), Heading("Mean", number=True), Heading("RMS", number=True), Heading("Peak", number=True),
             Heading("at °", number=True), Heading("Peak power", number=True))  # fmt: skip
 SHAFT, CAMS, MOTOR = "Shaft", "Without balance cam", "Motor"
 RPM = UNITS["rpm"].factor
