@@ -99,7 +99,7 @@ def streams(
     study: Study, stages: Sequence[str] = (), without: frozenset[str] = frozenset()
 ) -> dict[str, str | Iterator[bytes]]:
     """File name -> text, or its parts as they are computed, of all that the named stages (all, where none is named) give; without:
-    quantities that are left out of the tables."""
+    quantities that are left out of tables and figures."""
     wanted = tuple(s for s in study.stages if s in stages) if stages else study.stages
     for name in stages:
         study.require_stage(name)
@@ -109,7 +109,7 @@ def streams(
         from core.stability import EQUATIONS  # no design without a flexible shaft loads it
 
         texts[TONGUES] = tongues_table([study.stability.tongues(equation) for equation in EQUATIONS])
-    texts[SUMMARY] = to_json(summary(bounded(study), wanted))
+    texts[SUMMARY] = to_json(summary(bounded(study), wanted, without))
     return texts
 
 

@@ -20,8 +20,9 @@ from core.study import ShaftStudy, Study
 from core.study.cam_checks import limit_rows
 
 
-def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
-    """The figures of ``summary.json`` for the named stages; ``stability`` where the shaft is flexible."""
+def summary(study: Study, stages: Sequence[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """The figures of ``summary.json`` for the named stages; ``stability`` where the shaft is flexible; without: quantities that are
+    left out."""
     shaft = stability(study) if "stability" in stages else {}
     linkage = study.linkage if {"linkage", "cam", "dynamics"} & set(stages) else None
     return {
@@ -33,7 +34,7 @@ def summary(study: Study, stages: Sequence[str]) -> dict[str, Any]:
         },
         "joins": joins(study),
         **(mechanism(study) if study.design.drive.links and linkage is not None else {}),
-        "extremes": extremes(study, stages),
+        "extremes": extremes(study, stages, without),
         **({"limits": limits(study, stages)} if "cam" in study.stages else {}),
         "flywheel": flywheel(study) if "dynamics" in stages else {},
         **({"rolling_life": rolling_life(study)} if "dynamics" in stages and study.roller_lives else {}),
@@ -82,15 +83,16 @@ def joins(study: Study) -> list[dict[str, float]]:
     return rows
 
 
-def extremes(study: Study, stages: Iterable[str]) -> dict[str, Any]:
-    """Refined extremes of every channel of the named stages, in the channel's own unit; no forces where a guide jams."""
+def extremes(study: Study, stages: Iterable[str], without: frozenset[str] = frozenset()) -> dict[str, Any]:
+    """Refined extremes of every channel of the named stages, in the channel's own unit; no forces where a guide jams; without:
+    quantities that are left out."""
     rows = {}
     for stage in stages:
         if stage == "dynamics" and study.jam is not None:
             continue
         ranges = study.extremes(stage)
         for row in channels(study.design, (stage,)):
-            if row.quantity in ranges:
+            if row.quantity in ranges and row.quantity not in without:
                 rows[row.slug] = range_row(ranges[row.quantity], row.unit.factor)
     return rows
 
