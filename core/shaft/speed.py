@@ -117,8 +117,8 @@ def steady_speed(load: LoadCurve, flywheel: float, slope: float, mean: float) ->
     for attempt in range(ROUNDS):
         energy, power = _solved(panels, energy, slope, mean)
         deviation, gain = _above_mean(energy, panels.inertia, mean)
-        rough = _unresolved(slope * deviation)
-        more = bool(rough.any()) and panels.width.size < MOST_PANELS * count
+        rough = _unresolved(slope * deviation, load.mean)
+        more = bool(rough.any()) and panels.width.size < MOST_PANELS * count and attempt < ROUNDS - 1
         stalls = not float((1.0 + 2.0 * (energy / mean / mean) / panels.inertia).min()) > STANDSTILL  # nan is no speed
         if not more or (stalls and attempt):  # a second solution, finer where it matters
             break
@@ -179,11 +179,12 @@ def _closed(lost: np.ndarray, gained: np.ndarray) -> np.ndarray:
     return np.array(begins) + end / total * np.array(kept)
 
 
-def _unresolved(torque: np.ndarray) -> np.ndarray:
-    """Panels (m,) whose last two Chebyshev coefficients, of the motor's torque (m, NODES), still count."""
+def _unresolved(torque: np.ndarray, mean: float) -> np.ndarray:
+    """Panels (m,) whose last two Chebyshev coefficients, of the motor's torque (m, NODES) about its mean, still count. What a
+    balance cam leaves is rounding against the mean, and no panel resolves it."""
     _, _, to_chebyshev, _ = collocation()
     last = np.abs(torque @ to_chebyshev[-2:].T).max(axis=1)
-    return last > RESOLVED * float(np.abs(torque).max())
+    return last > RESOLVED * (float(np.abs(torque).max()) + abs(mean))
 
 
 def _cut(

@@ -10,7 +10,7 @@ import pytest
 from mechanisms import LIFT, levels
 
 from core.__main__ import main
-from core.design import Balancer, Design, distances, faults, with_phase
+from core.design import Balancer, Design, Shaft, distances, faults, with_phase
 from core.design.whole import Timing
 from core.errors import KindynaError
 from core.find import find
@@ -51,6 +51,25 @@ def test_find_phases_keeps_the_timing_and_writes_the_design(tmp_path: Path, caps
     rms = [each.rms_torque for each in scan if all(row.kept for row in distances(each.design))]
     assert found["reached"]["rms_torque_nm"] <= min(rms)
     assert found["reached"]["rms_torque_nm"] == pytest.approx(min(y for _, y in found["curve"]), rel=0.05)
+
+
+def test_a_balanced_shaft_needs_no_flywheel_and_no_motor_data() -> None:
+    """What the balance cam leaves is rounding, on which the search for the true speed must not founder."""
+    found = find(replace(UNIT, shaft=Shaft("ccw", 20.0, speed_fluctuation=0.02)), "flywheel", {})
+    assert found.answer == {"shaft.flywheel_inertia_kg_m2": 0.0}
+    assert found.curve
+    assert max(reached for _, reached in found.curve) <= 1e-9
+
+
+def test_the_profile_of_the_balance_cam_is_written_as_that_of_a_drive(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    save(UNIT, tmp_path / "unit.toml")
+    out = tmp_path / "balancer.csv"
+    assert main(["profile", str(tmp_path / "unit.toml"), "--drive", "balancer", "--samples", "360", "--out", str(out)]) in (0, 1)
+    capsys.readouterr()
+    x, y = np.loadtxt(out, delimiter=",", skiprows=1, usecols=(1, 2)).T
+    motion = ShaftStudy(UNIT, 360).balancer.motion.y[0] * 1e3
+    assert np.hypot(x, y).min() == pytest.approx(160.0, rel=1e-3)  # base radius less the roller's
+    assert np.hypot(x, y).max() == pytest.approx(160.0 + np.ptp(motion), rel=1e-3)
 
 
 def test_a_flywheel_that_is_found_gives_the_fluctuation_that_is_allowed() -> None:
