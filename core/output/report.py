@@ -11,7 +11,7 @@ from core.laws import find_law
 from core.output.channels import Channel, channels
 from core.output.contact_files import lift_off_lines
 from core.output.lines import columns, digits, finding_line, printable
-from core.output.shaft_summary import shaft_flywheel, shaft_torque
+from core.output.shaft_summary import answers, shaft_flywheel, shaft_torque
 from core.output.summary import extremes, flywheel, joins, mechanism, stability
 from core.output.timing import event_rows
 from core.shaft import peaks
@@ -252,7 +252,7 @@ def shaft_report(study: ShaftStudy) -> str:
     """The whole report of a shaft: its drives, their timing, torque, flywheel, stability, findings; then each drive's own."""
     name = printable(study.design.name)
     lines = [name, "=" * len(name), *_drives(study), *_timing(study), *_torque(study), *_flywheel(study, shaft_flywheel(study))]
-    lines += _stability(study) + _findings(study, ()) + _certificate(study, ())
+    lines += (_stability(study) if answers(study) else []) + _findings(study, ()) + _certificate(study, ())
     texts = ["\n".join(lines) + "\n"]
     texts += [report(each) for drive, each in study.drives.items() if drive not in study.failures]
     return "\n\n".join(texts)

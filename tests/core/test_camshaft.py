@@ -358,6 +358,8 @@ def test_a_drive_that_cannot_be_assembled_takes_no_other_with_it(tmp_path: Path,
     capsys.readouterr()
     assert main(["check", str(tmp_path / "broken" / "design.toml")]) == 1
     assert capsys.readouterr().out.startswith("error: Feed: no answer, and the other drives go on without it:")
+    assert main(["report", str(tmp_path / "broken" / "design.toml"), "--samples", "360"]) == 1
+    assert "Feed: no answer, and the other drives go on without it:" in capsys.readouterr().out
 
 
 def test_findings_name_the_drive_and_its_field() -> None:
