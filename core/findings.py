@@ -172,8 +172,9 @@ SENTENCES: Mapping[str, str] = MappingProxyType(
         "no-drive": "no answer, and the other drives go on without it: {why}{at}; {hint}",
         "timing-broken": "{second} comes {after_deg} deg after {first}, at machine angle {second_deg:.6g} deg; it must come "
         "{least_deg} deg after it at least: turn one of the two drives, or change its motion",
-        "timing-contradicts": "no phases keep {rows} together: they ask for {excess_deg:.5g} deg more than there is; lessen one of their "
-        "distances, or lengthen a dwell between their events",
+        "timing-contradicts": "in the order in which their events come now no phases keep {rows} together: they ask for "
+        "{excess_deg:.5g} deg more than there is; lessen one of their distances, lengthen a dwell between their events, or turn one "
+        "drive past the other",
         "no-load": "no masses and no forces are given: contact force and torque are zero",
     }
 )

@@ -104,7 +104,8 @@ def known(design: Design, event: str) -> bool:
 
 
 def contradiction(design: Design) -> tuple[int, ...]:
-    """Rows of ``design.timing`` that no phases keep together, as they follow each other in a ring; () where none do.
+    """Rows of ``design.timing`` that no phases keep together in the order in which their events come now, as they follow each other
+    in a ring; () where none do. With one drive turned past another they may be kept, half a turn apart.
 
     A row asks that phase(second) - phase(first) be at least what it lacks now. Around a ring these differences add up to 0, so
     that rows which ask for more than 0 contradict each other (a ring of positive sum, by Bellman and Ford). Where nothing is

@@ -126,13 +126,13 @@ class TimingView(View):
             self.rows.show_rows(self.canvas.chart, self.canvas.row, self._contradiction())
 
     def _contradiction(self) -> str:
-        """Which rows no phases keep together."""
+        """Which rows no phases keep together, in the order in which their events come now."""
         ring = contradiction(self._whole)
         if not ring:
             return ""
         numbers = ", ".join(str(i + 1) for i in sorted(ring))
         more = short(excess(self._whole, ring), 4)
-        return f"No phases keep rows {numbers} together: they ask for {more}° more than there is. Lessen one, or lengthen a dwell."
+        return f"In their order no phases keep rows {numbers} together: they ask for {more}° too much. Lessen one, or lengthen a dwell."
 
     def _show_pair(self) -> None:
         names = ("nothing", *drive_names(self._whole))

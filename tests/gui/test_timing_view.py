@@ -113,7 +113,7 @@ def test_rows_that_contradict_each_other_are_named_under_the_list(same_window: O
     settle()
     text = view.rows.message.text()
     assert "rows 6, 7" in text
-    assert "5° more than there is" in text
+    assert "5° too much" in text
     user.window.status.count_findings()
     assert user.window.status.findings.text() == "2 errors", "the row that is broken, and those that contradict each other"
     user.window.focus_field("timing[2]")
