@@ -9,7 +9,9 @@ from pathlib import Path
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog, QMessageBox, QWidget
 
+from core.errors import KindynaError
 from core.output.timing import ENDINGS
+from core.project.files import read_bytes
 from core.project.recovery import Recoverable
 
 DESIGNS = "Designs (*.toml)"
@@ -256,6 +258,15 @@ def show_faults(parent: QWidget, what: str, lines: Sequence[str]) -> None:
     _list(box, lines)
     box.exec()
     box.deleteLater()
+
+
+def read_or_tell(parent: QWidget, path: Path) -> bytes | None:
+    """The bytes of a file; None where it cannot be read, and the user has been told why."""
+    try:
+        return read_bytes(path)
+    except KindynaError as error:
+        show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+        return None
 
 
 def about(parent: QWidget) -> None:

@@ -25,6 +25,15 @@ class MessageLabel(QLabel):
             self.setVisible(bool(text))
 
 
+def bold_label(text: str) -> QLabel:
+    """A heading inside a dialog."""
+    label = QLabel(text)
+    font = label.font()
+    font.setBold(True)
+    label.setFont(font)
+    return label
+
+
 class Note(MessageLabel):
     """The line below a picture that names what it does not show, and why; it never widens its parent."""
 
@@ -64,4 +73,4 @@ class SteadyText(QWidget):
             self.setMinimumHeight(needed)
 
 
-__all__ = ["MessageLabel", "Note", "SteadyText"]
+__all__ = ["MessageLabel", "Note", "SteadyText", "bold_label"]

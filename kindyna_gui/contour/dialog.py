@@ -14,7 +14,6 @@ from core.errors import KindynaError
 from core.findings import ERROR, WARNING
 from core.output.contour_text import figures
 from core.output.lines import digits
-from core.project.files import read_bytes
 from kindyna_gui import dialogs
 from kindyna_gui.contour.picture import CurvePicture, MotionPlot
 from kindyna_gui.documents.session import Session
@@ -23,6 +22,7 @@ from kindyna_gui.forms.put_dialog import PutDialog
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import sentence
 from kindyna_gui.look import sign
+from kindyna_gui.note import bold_label
 from kindyna_gui.settings import Settings
 
 DRAWINGS = "DXF drawings (*.dxf)"
@@ -60,7 +60,7 @@ class CurveDialog(PutDialog):
     def _lay_out(self) -> None:
         form = QFormLayout()
         form.setVerticalSpacing(4)
-        name = _bold(self._path.name)
+        name = bold_label(self._path.name)
         name.setToolTip(str(self._path))
         form.addRow(name)
         form.addRow("&Unit", self.unit)
@@ -70,7 +70,7 @@ class CurveDialog(PutDialog):
         left = QVBoxLayout()
         left.addLayout(form)
         left.addSpacing(8)
-        left.addWidget(_bold("Result"))
+        left.addWidget(bold_label("Result"))
         self.figures = QFormLayout()
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
@@ -146,14 +146,6 @@ class CurveDialog(PutDialog):
             self.put(self.traced.design, f"Motion from {self._path.name}")
 
 
-def _bold(text: str) -> QLabel:
-    label = QLabel(text)
-    font = label.font()
-    font.setBold(True)
-    label.setFont(font)
-    return label
-
-
 # -- the questions, as functions that tests can answer ----------------------------------------------------
 
 
@@ -166,12 +158,8 @@ def curve_to_open(parent: QWidget, folder: Path) -> Path | None:
 def motion_from_curve(session: Session, parent: QWidget) -> CurveDialog | None:
     """Ask for a drawing and open the dialog over a window; it is deleted once closed."""
     path = curve_to_open(parent, Settings().folder)
-    if path is None:
-        return None
-    try:
-        data = read_bytes(path)
-    except KindynaError as error:
-        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+    data = None if path is None else dialogs.read_or_tell(parent, path)
+    if path is None or data is None:
         return None
     Settings().folder = path.parent
     dialog = CurveDialog(session, path, data, parent)

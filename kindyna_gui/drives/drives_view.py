@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QKeyEvent, QKeySequence
+from PySide6.QtGui import QColor, QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QHBoxLayout,
@@ -27,8 +27,9 @@ from kindyna_gui.drives import editing
 from kindyna_gui.drives.from_file import add_from_file
 from kindyna_gui.drives.rows import DriveRow, drive_rows
 from kindyna_gui.forms.form import Form
+from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.labels import reason, shortest
-from kindyna_gui.look import WRONG, icon
+from kindyna_gui.look import WRONG
 from kindyna_gui.pictures.units import digits, readable
 from kindyna_gui.rebuilt import Rebuilt, clear_menu
 from kindyna_gui.requirements import NotHere
@@ -77,12 +78,7 @@ class DrivesTable(QTableWidget):
         return QSize(280, 150)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
-        if event.key() in steps and event.modifiers() & Qt.KeyboardModifier.AltModifier:
-            self.moved.emit(steps[event.key()])
-        elif event.matches(QKeySequence.StandardKey.Delete):
-            self.removed.emit()
-        else:
+        if not taken_by_list(self, event):
             super().keyPressEvent(event)
 
 
@@ -101,11 +97,11 @@ class DrivesView(View):
         super().__init__(session, player)
         self.table = DrivesTable()
         self.buttons = {
-            "add": self._button("Add", "insert", "A drive more, behind the others", None),
-            "copy": self._button("Copy", "duplicate", "The chosen drive once more", editing.copy),
-            "remove": self._button("Remove", "delete", "Take the chosen drive off the shaft (Del)", editing.remove),
-            "up": self._button("Up", "", "Further up in the list (Alt+Up)", partial(editing.move, by=-1)),
-            "down": self._button("Down", "", "Further down in the list (Alt+Down)", partial(editing.move, by=1)),
+            "add": list_button("Add", "insert", "A drive more, behind the others", None),
+            "copy": list_button("Copy", "duplicate", "The chosen drive once more", partial(editing.copy, session)),
+            "remove": list_button("Remove", "delete", "Take the chosen drive off the shaft (Del)", partial(editing.remove, session)),
+            "up": list_button("Up", "", "Further up in the list (Alt+Up)", partial(editing.move, session, -1)),
+            "down": list_button("Down", "", "Further down in the list (Alt+Down)", partial(editing.move, session, 1)),
         }
         menu = QMenu(self)
         menu.aboutToShow.connect(partial(self._fill, menu))
@@ -133,20 +129,6 @@ class DrivesView(View):
         self.table.itemChanged.connect(self._rename)
         self.table.moved.connect(lambda by: editing.move(self.session, by))
         self.table.removed.connect(self._remove)
-
-    def _button(self, text: str, picture: str, tip: str, slot: Callable[[Session], object] | None) -> QToolButton:
-        button = QToolButton(autoRaise=True)
-        button.setText(text)
-        button.setToolTip(tip)
-        button.setStatusTip(tip)
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        if picture:
-            button.setIcon(icon(picture))
-            button.setIconSize(QSize(16, 16))
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        if slot is not None:
-            button.clicked.connect(lambda: slot(self.session))
-        return button
 
     # -- from the session ---------------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any
 
 from PySide6.QtCore import Qt, QTimer
-from PySide6.QtGui import QHideEvent, QResizeEvent
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
     QHBoxLayout,
@@ -24,7 +24,7 @@ from core.errors import KindynaError
 from core.find import ON_SHAFT, Solution, find, offered, offered_on_shaft, varied
 from core.numerics.cancellation import Cancelled
 from core.study import Study
-from kindyna_gui.background import Background
+from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.find.limit_rows import LimitRows
 from kindyna_gui.find.texts import answer_html, keys_of, places_of, start_value, step_name, title_of, usual_limits
@@ -34,7 +34,6 @@ from kindyna_gui.forms.number_box import WordBox
 from kindyna_gui.labels import reason
 from kindyna_gui.look import WRONG
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
@@ -61,7 +60,7 @@ class Count:
         self.number = number
 
 
-class FindView(View):
+class FindView(BackgroundView):
     """Seeks beside the window, when the design or a limit changes while it can be seen."""
 
     of_whole = True
@@ -69,7 +68,7 @@ class FindView(View):
     pause_ms = 200
 
     def __init__(self, session: Session, player: Player) -> None:
-        super().__init__(session, player)
+        super().__init__(session, player, POLL_MS)
         self.solution: Solution | None = None
         self.searches = 0
         self._count = Count()
@@ -86,7 +85,6 @@ class FindView(View):
         self.bar.setFixedHeight(10)
         self.counted = QLabel()
         self._lay_out()
-        self._work = Background(self, POLL_MS)
         self._work.result.connect(self._answered)
         self._patience = QTimer(self, singleShot=True, interval=PATIENCE_MS)
         self._patience.timeout.connect(self._show_progress)
@@ -215,7 +213,7 @@ class FindView(View):
 
     def _rest(self) -> None:
         """Nothing is sought, and there is no answer to the design at hand."""
-        self._work.stop()
+        super()._rest()
         self._quiet()
         self.take.setEnabled(False)
         self.solution = None
@@ -268,36 +266,6 @@ class FindView(View):
         put = self.session.put_file if self._wanted in ON_SHAFT else self.session.put
         put(found.design, step_name(design, found), next(iter(found.answer)))
         self.session.end_gesture()
-
-    # -- when -----------------------------------------------------------------------------------------------
-
-    def invalidate(self) -> None:
-        """Another design is in place: what is sought for the one before is void."""
-        self._rest()
-        super().invalidate()
-
-    def show_reason(self, error: KindynaError) -> None:
-        self._rest()
-        super().show_reason(error)
-
-    @property
-    def busy(self) -> bool:
-        return self._pause.isActive() or self._work.busy
-
-    def settle(self) -> None:
-        super().settle()
-        if self._pause.isActive():
-            self._pause.stop()
-            self.pull()
-
-    def leave(self) -> None:
-        self._work.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        if self._work.busy:
-            self._rest()
-            self._stale = True
 
 
 def _sought(design: Design, what: str, stated: Mapping[str, float], **how: Any) -> Solution:

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QHBoxLayout, QLabel, QStackedWidget
 
 from core.design import UNITS, Design
@@ -15,7 +14,7 @@ from core.dynamics import ContactMap, Flights
 from core.errors import KindynaError
 from core.output.contact_files import lift_off_lines, map_of
 from core.study import Study
-from kindyna_gui.background import Background
+from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.forms.amount import fill_choices
 from kindyna_gui.forms.number_box import WordBox
@@ -25,7 +24,6 @@ from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, DASHED, VERMILION
 from kindyna_gui.pictures.units import short, with_unit
 from kindyna_gui.requirements import NotHere
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
@@ -38,7 +36,7 @@ MOST_TURNS = 3
 POINTS = 361  # of the motion, in each turn
 
 
-class ContactView(View):
+class ContactView(BackgroundView):
     """Computed beside the window, and only what is on top while it can be seen."""
 
     stages = STAGES_OF_VIEWS["contact"]
@@ -54,7 +52,6 @@ class ContactView(View):
         for plot in (self.map, self.flight):
             plot.setMinimumSize(220, 100)
             self._plots.addWidget(plot)
-        self._work = Background(self)
         self._work.result.connect(self._computed)
         self.page.activated.connect(self._choose)
         row = QHBoxLayout()
@@ -113,27 +110,9 @@ class ContactView(View):
         self.flight.name_axes(ACROSS, f"Displacement, {unit.symbol}")
         self.flight.show_lines(lines, tuple(marks))
 
-    # -- when -----------------------------------------------------------------------------------------------
-
-    @property
-    def busy(self) -> bool:
-        return self._pause.isActive() or self._work.busy
-
     def settle(self) -> None:
         super().settle()
-        if self._pause.isActive():
-            self._pause.stop()
-            self.pull()
         self._work.wait(30.0)
-
-    def leave(self) -> None:
-        self._work.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        if self._work.busy:
-            self._work.stop()
-            self._stale = True
 
 
 def _map(design: Design) -> tuple[list[str], ContactMap]:

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, radians
 
 import numpy as np
-from PySide6.QtCore import Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent
 
 from core.errors import KindynaError
 from core.study import ShaftStudy
 from kindyna_gui.graph.quantities import quantities_for, rows_of, split
-from kindyna_gui.pictures.plots.lines import Cursor
-from kindyna_gui.pictures.plots.xy import Line, XYPlot
+from kindyna_gui.pictures.plots.under_mouse import MachinePlot
+from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.style import LIGHT, drive_colour
 from kindyna_gui.pictures.units import readable
 
-ANGLE = "Machine angle, °"
 TORQUE = "drive_torque"
 """The quantity of which the drives on a shaft have a sum."""
 
@@ -56,62 +52,16 @@ def _closed(x: np.ndarray, y: np.ndarray, colour: str, name: str) -> Line:
     return Line(np.concatenate(([0.0], x, [360.0])), np.concatenate(([edge], y, [edge])), colour, name)
 
 
-class DrivesPlot(XYPlot):
-    """The curves, with a cursor at the machine angle.
-
-    angle_moved   the user has clicked at, or drawn the cursor to, this machine angle [rad]
-    """
-
-    angle_moved = Signal(float)
+class DrivesPlot(MachinePlot):
+    """The curves, with a cursor at the machine angle."""
 
     def __init__(self) -> None:
-        self._cursor: Cursor | None = None
-        super().__init__(ANGLE, "")
-        self._cursor = Cursor(self._view, self._theme)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setToolTip("Click or drag to set the machine angle")
+        super().__init__("")
 
     def show_all(self, lines: list[Line], title: str) -> None:
         """Draw these curves."""
-        self.name_axes(ANGLE, title)
+        self.name_axes(self.ANGLE, title)
         self.show_lines(lines)
-
-    def set_machine(self, machine: float) -> None:
-        """Move the cursor [rad]."""
-        if self._cursor is not None:
-            self._cursor.setPos(degrees(machine), 0.0)
-
-    @property
-    def machine(self) -> float:
-        """Machine angle of the cursor [deg]."""
-        return 0.0 if self._cursor is None else self._cursor.value()
-
-    def _lay(self, *args: object) -> None:
-        super()._lay(*args)
-        if self._cursor is not None:
-            frame = self.frame()
-            self._cursor.span(frame.low, frame.high)
-            self._cursor.setVisible(bool(self._drawn))
-
-    def _go(self, event: QMouseEvent) -> None:
-        if self._drawn:
-            place = self._view.mapSceneToView(self.mapToScene(event.position().toPoint()))
-            self.angle_moved.emit(radians(min(max(float(place.x()), 0.0), 360.0)))
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._go(event)
-        event.accept()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(event)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()  # the keys belong to the player
 
 
 __all__ = ["DrivesPlot", "curves_of_all"]

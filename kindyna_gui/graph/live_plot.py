@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import radians
 
 from PySide6.QtCore import QPointF, QRectF, Qt, Signal
-from PySide6.QtGui import QAction, QKeyEvent, QMouseEvent
+from PySide6.QtGui import QAction, QMouseEvent
 from PySide6.QtWidgets import QToolButton, QWidget
 
 from kindyna_gui.pictures.plots.detail import UNSEEN
@@ -13,12 +13,13 @@ from kindyna_gui.pictures.plots.extreme_marks import TEXT_ROOM
 from kindyna_gui.pictures.plots.frame import Frame
 from kindyna_gui.pictures.plots.plot import CurvePlot
 from kindyna_gui.pictures.plots.polar import PolarPlot
+from kindyna_gui.pictures.plots.under_mouse import UnderMouse
 from kindyna_gui.pictures.style import SMALL, font
 
 TIP = "Click or drag to set the cam angle; right click to export"
 
 
-class LivePlot(CurvePlot):
+class LivePlot(UnderMouse, CurvePlot):
     """Curves over one turn under the mouse.
 
     angle_moved   the user has clicked at, or drawn the cursor to, this cam angle [rad]
@@ -72,25 +73,11 @@ class LivePlot(CurvePlot):
             self.angle_moved.emit(radians(self.angle_at(event.position())))
 
     def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            if self.cut_at(event.position()) and self.whole_action is not None:
-                self.whole_action.trigger()
-            else:
-                self._go(event)
-        event.accept()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(event)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()  # the keys belong to the player
+        if event.button() == Qt.MouseButton.LeftButton and self.cut_at(event.position()) and self.whole_action is not None:
+            self.whole_action.trigger()
+            event.accept()
+        else:
+            super().mousePressEvent(event)
 
 
 class LivePolar(PolarPlot):

@@ -217,12 +217,8 @@ def cam_table_to_open(parent: QWidget, folder: Path) -> Path | None:
 def inspect_measured(parent: QWidget, design: Design) -> MeasuredCamDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
     path = cam_table_to_open(parent, Settings().folder)
-    if path is None:
-        return None
-    try:
-        data = read_bytes(path)
-    except KindynaError as error:
-        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+    data = None if path is None else dialogs.read_or_tell(parent, path)
+    if path is None or data is None:
         return None
     Settings().folder = path.parent
     dialog = MeasuredCamDialog(parent, design, path, data)

@@ -37,6 +37,7 @@ from kindyna_gui.look import sign
 from kindyna_gui.measured.form import ReadingForm
 from kindyna_gui.measured.plot import MeasuredPlot
 from kindyna_gui.measured.request import Answer, Reader, Request, spelled, symbol
+from kindyna_gui.note import bold_label
 from kindyna_gui.settings import Settings
 
 MOST = 200  # faults or wrong rows in the list
@@ -139,11 +140,11 @@ class MeasuredDialog(PutDialog):
         left.addLayout(self._head())
         left.addWidget(self.form)
         left.addSpacing(8)
-        left.addWidget(_bold("Fit"))
+        left.addWidget(bold_label("Fit"))
         left.addLayout(self._numbers())
         left.addWidget(self.keep_all)
         left.addSpacing(8)
-        left.addWidget(_bold("Result"))
+        left.addWidget(bold_label("Result"))
         self.figures = QFormLayout()
         self.figures.setVerticalSpacing(3)
         self._figures: dict[str, QLabel] = {}
@@ -158,7 +159,7 @@ class MeasuredDialog(PutDialog):
 
     def _head(self) -> QHBoxLayout:
         row = QHBoxLayout()
-        name = _bold(self._path.name)
+        name = bold_label(self._path.name)
         name.setToolTip(str(self._path))
         name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.again = QPushButton("&Read again")
@@ -287,14 +288,6 @@ class MeasuredDialog(PutDialog):
             self.put(into_design(self._session.design, self.answer.fit), f"Import {self._path.name}")
 
 
-def _bold(text: str) -> QLabel:
-    label = QLabel(text)
-    font = label.font()
-    font.setBold(True)
-    label.setFont(font)
-    return label
-
-
 # -- the questions, as functions that tests can answer ----------------------------------------------------
 
 
@@ -307,12 +300,8 @@ def table_to_open(parent: QWidget, folder: Path) -> Path | None:
 def import_measured(session: Session, parent: QWidget) -> MeasuredDialog | None:
     """Ask for a table and open the dialog over a window; it is deleted once closed."""
     path = table_to_open(parent, Settings().folder)
-    if path is None:
-        return None
-    try:
-        data = read_bytes(path)
-    except KindynaError as error:
-        dialogs.show_faults(parent, f"{path.name} cannot be read.", str(error).splitlines())
+    data = None if path is None else dialogs.read_or_tell(parent, path)
+    if path is None or data is None:
         return None
     Settings().folder = path.parent
     dialog = MeasuredDialog(session, path, data, parent)

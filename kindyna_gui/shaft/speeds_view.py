@@ -6,7 +6,6 @@ from functools import partial
 
 import numpy as np
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QHideEvent
 from PySide6.QtWidgets import QProgressBar, QSplitter
 
 from core.errors import KindynaError
@@ -14,14 +13,13 @@ from core.numerics.cancellation import Cancelled
 from core.shaft import AgainstSpeed
 from core.study import Study
 from core.study.speeds import at_speeds
-from kindyna_gui.background import Background
+from kindyna_gui.background_view import BackgroundView
 from kindyna_gui.documents.session import Session
 from kindyna_gui.labels import reason
 from kindyna_gui.pictures.plots.xy import Line, XYPlot
 from kindyna_gui.pictures.style import BLUE, FAMILIES, GREEN, LIGHT, VERMILION
 from kindyna_gui.pictures.units import readable
 from kindyna_gui.requirements import NO_WHEEL, with_shaft
-from kindyna_gui.view import View
 from kindyna_gui.window.player import Player
 from kindyna_gui.window.view_stages import STAGES_OF_VIEWS
 
@@ -30,7 +28,7 @@ LEAST, MOST, COUNT = 0.25, 2.0, 36  # times the design's speed; speeds between
 POLL_MS = 25
 
 
-class AgainstSpeedView(View):
+class AgainstSpeedView(BackgroundView):
     """Two plots, found beside the window while they can be seen."""
 
     of_whole = True
@@ -38,7 +36,7 @@ class AgainstSpeedView(View):
     pause_ms = 250
 
     def __init__(self, session: Session, player: Player) -> None:
-        super().__init__(session, player)
+        super().__init__(session, player, POLL_MS)
         self.found: AgainstSpeed | None = None
         self.torque, self.fluctuation = XYPlot(SPEED, ""), XYPlot(SPEED, "")
         for plot in (self.torque, self.fluctuation):
@@ -51,7 +49,6 @@ class AgainstSpeedView(View):
         parted.addWidget(self.fluctuation)
         parted.setSizes([3000, 2000])
         self.set_column(parted, self.bar, grows=parted)
-        self._work = Background(self, POLL_MS)
         self._work.result.connect(self._answered)
 
     def refresh(self, study: Study) -> None:
@@ -90,36 +87,9 @@ class AgainstSpeedView(View):
         else:
             self.fluctuation.show_message("The motor stalls at all of these speeds.")
 
-    def invalidate(self) -> None:
-        self._rest()
-        super().invalidate()
-
     def _rest(self) -> None:
-        self._work.stop()
+        super()._rest()
         self.bar.hide()
-
-    def show_reason(self, error: KindynaError) -> None:
-        self._rest()
-        super().show_reason(error)
-
-    @property
-    def busy(self) -> bool:
-        return self._pause.isActive() or self._work.busy
-
-    def settle(self) -> None:
-        super().settle()
-        if self._pause.isActive():
-            self._pause.stop()
-            self.pull()
-
-    def leave(self) -> None:
-        self._work.close()
-
-    def hideEvent(self, event: QHideEvent) -> None:
-        super().hideEvent(event)
-        if self._work.busy:
-            self._rest()
-            self._stale = True
 
 
 __all__ = ["AgainstSpeedView"]

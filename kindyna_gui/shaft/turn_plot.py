@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, radians
 
 import numpy as np
-from PySide6.QtCore import QPointF, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QMouseEvent
+from PySide6.QtCore import QPointF
 
 from core.frozen import frozen
-from kindyna_gui.pictures.plots.lines import Cursor
 from kindyna_gui.pictures.plots.readouts import Readout, place_readouts
-from kindyna_gui.pictures.plots.xy import Line, XYPlot
+from kindyna_gui.pictures.plots.under_mouse import MachinePlot
+from kindyna_gui.pictures.plots.xy import Line
 from kindyna_gui.pictures.units import Rung, readable
 
-ANGLE = "Machine angle, °"
-TIP = "Click or drag to set the machine angle"
 ONE = Rung("", 1.0, 0.0)
 
 
@@ -31,33 +27,26 @@ class TurnCurve:
     read: bool = False
 
 
-class TurnPlot(XYPlot):
+class TurnPlot(MachinePlot):
     """Curves of one quantity over the machine angle 0 ... 360°.
 
-    from_zero     whether the axis reaches to zero; else it shows only what the first curve that is read takes up
-    angle_moved   the user has clicked at, or drawn the cursor to, this machine angle [rad]
+    from_zero   whether the axis reaches to zero; else it shows only what the first curve that is read takes up
     """
-
-    angle_moved = Signal(float)
 
     def __init__(self, title: str, unit: str, from_zero: bool = True) -> None:
         self._from_zero = from_zero
-        self._cursor: Cursor | None = None
         self._readings: list[Readout] = []
         self._read: list[TurnCurve] = []
-        self._theta, self._at, self.rung = np.zeros(0), 0.0, ONE
-        super().__init__(ANGLE, title)
+        self._theta, self.rung = np.zeros(0), ONE
+        super().__init__(title)
         self._title, self._unit = title, unit
-        self._cursor = Cursor(self._view, self._theme)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
-        self.setToolTip(TIP)
         self.setMinimumSize(220, 90)
 
     def show_curves(self, angles: np.ndarray, curves: Sequence[TurnCurve]) -> None:
         """Draw these curves, of which the first are underneath; angles (n,) [deg] of their values."""
         size = max((float(np.abs(curve.values).max(initial=0.0)) for curve in curves), default=0.0)
         self.rung = readable(self._unit, size)
-        self.name_axes(ANGLE, f"{self._title}, {self.rung.symbol}")
+        self.name_axes(self.ANGLE, f"{self._title}, {self.rung.symbol}")
         closed = np.append(angles, 360.0)
         self._theta = angles
         self._read = [curve for curve in curves if curve.read]
@@ -76,7 +65,7 @@ class TurnPlot(XYPlot):
             room = 0.1 * (high - low) or 1e-3 * abs(high) or 1.0
             self._view.setRange(yRange=((low - room) / self.rung.size, (high + room) / self.rung.size), padding=0.0)
             self._lay()
-        self._write()
+        self._place_cursor()
 
     def show_message(self, text: str) -> None:
         for reading in self._readings:
@@ -86,66 +75,25 @@ class TurnPlot(XYPlot):
             self._cursor.setVisible(False)
         super().show_message(text)
 
-    def set_machine(self, angle: float) -> None:
-        """Move the cursor to a machine angle [rad]."""
-        self._at = angle
-        self._write()
-
     @property
-    def angle(self) -> float:
-        """Machine angle of the cursor [deg]."""
-        return degrees(self._at)
+    def shown(self) -> bool:
+        return bool(self._read)
 
     @property
     def readings(self) -> list[str]:
         """The texts beside the cursor."""
         return [reading.tag.text for reading in self._readings if reading.tag.isVisible()]
 
-    def _write(self) -> None:
-        if self._cursor is None:
+    def _place_cursor(self) -> None:
+        super()._place_cursor()
+        if self._cursor is None or not self._read:
             return
-        self._cursor.setVisible(bool(self._read))
-        if not self._read:
-            return
-        self._cursor.setPos(self.angle, 0.0)
-        nearest = round(self.angle / 360.0 * self._theta.size) % self._theta.size
+        nearest = round(self.machine / 360.0 * self._theta.size) % self._theta.size
         values = [float(curve.values[nearest]) / self.rung.size for curve in self._read]
-        place_readouts(self._readings, self.angle, values, self.rung, self.frame())
-
-    def _lay(self, *args: object) -> None:
-        super()._lay(*args)
-        if self._cursor is not None:
-            frame = self.frame()
-            self._cursor.span(frame.low, frame.high)
-            self._write()
-
-    # -- the mouse ------------------------------------------------------------------------------------------
+        place_readouts(self._readings, self.machine, values, self.rung, self.frame())
 
     def pixel_at(self, angle: float) -> QPointF:
         """Where a machine angle [deg] stands in the widget [pixels], in the middle of the plot's height."""
         frame = self.frame()
         place = self._view.mapViewToScene(QPointF(angle, 0.5 * (frame.low + frame.high)))
         return QPointF(self.mapFromScene(place))
-
-    def _go(self, event: QMouseEvent) -> None:
-        if self._read:
-            place = self._view.mapSceneToView(self.mapToScene(event.position().toPoint()))
-            self.angle_moved.emit(radians(min(max(float(place.x()), 0.0), 360.0)))
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        if event.button() == Qt.MouseButton.LeftButton:
-            self._go(event)
-        event.accept()
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        if event.buttons() & Qt.MouseButton.LeftButton:
-            self._go(event)
-
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        event.accept()
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        event.ignore()  # the keys belong to the player

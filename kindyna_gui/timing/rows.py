@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
-from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QKeyEvent, QKeySequence
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtCore import QSize, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
 
 from core.design import UNITS, Design, Timing, entries, events, named_event
+from kindyna_gui.forms.list_parts import list_button, taken_by_list
 from kindyna_gui.forms.number_box import NumberBox, WordBox
 from kindyna_gui.forms.tables import Heading, Row, RowsTable
 from kindyna_gui.labels import no_number
-from kindyna_gui.look import QUIET, WRONG, coloured, icon
+from kindyna_gui.look import QUIET, WRONG, coloured
 from kindyna_gui.note import MessageLabel
 from kindyna_gui.pictures.timing_chart import TimingChart, plain
 
@@ -36,12 +36,7 @@ class RowsList(RowsTable):
         return QSize(280, 110)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        steps = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
-        if event.key() in steps and event.modifiers() & Qt.KeyboardModifier.AltModifier:
-            self.moved.emit(steps[event.key()])
-        elif event.matches(QKeySequence.StandardKey.Delete):
-            self.removed.emit()
-        else:
+        if not taken_by_list(self, event):
             super().keyPressEvent(event)
 
 
@@ -74,11 +69,11 @@ class TimingRows(QWidget):
         self.least: NumberBox | None = None
         self.message = MessageLabel(QUIET)
         self.buttons = {
-            "add": self._button("Add", "insert", "One distance more", self.added.emit),
-            "copy": self._button("Copy", "duplicate", "The chosen one once more", self._copy),
-            "remove": self._button("Remove", "delete", "Take the chosen one away (Del)", self._remove),
-            "up": self._button("Up", "", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
-            "down": self._button("Down", "", "Further down in the list (Alt+Down)", lambda: self._move(1)),
+            "add": list_button("Add", "insert", "One distance more", self.added.emit),
+            "copy": list_button("Copy", "duplicate", "The chosen one once more", self._copy),
+            "remove": list_button("Remove", "delete", "Take the chosen one away (Del)", self._remove),
+            "up": list_button("Up", "", "Further up in the list (Alt+Up)", lambda: self._move(-1)),
+            "down": list_button("Down", "", "Further down in the list (Alt+Down)", lambda: self._move(1)),
         }
         bar = QHBoxLayout()
         bar.setContentsMargins(2, 1, 2, 1)
@@ -106,19 +101,6 @@ class TimingRows(QWidget):
         self.list.selectionModel().currentRowChanged.connect(lambda index, *_: self._choose(index.row()))
         self.list.moved.connect(self._move)
         self.list.removed.connect(self._remove)
-
-    def _button(self, text: str, picture: str, tip: str, slot: Callable[[], object]) -> QToolButton:
-        button = QToolButton(autoRaise=True)
-        button.setText(text)
-        button.setToolTip(tip)
-        button.setStatusTip(tip)
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        if picture:
-            button.setIcon(icon(picture))
-            button.setIconSize(QSize(16, 16))
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.clicked.connect(lambda: slot())
-        return button
 
     # -- what is shown --------------------------------------------------------------------------------------
 

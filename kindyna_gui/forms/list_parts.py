@@ -1,0 +1,44 @@
+"""What every list with buttons below it has: the buttons, and the keys that move and remove its rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from PySide6.QtCore import QSize, Qt
+from PySide6.QtGui import QKeyEvent, QKeySequence
+from PySide6.QtWidgets import QToolButton
+
+from kindyna_gui.look import icon
+
+_STEPS = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+
+
+def list_button(text: str, picture: str, tip: str, slot: Callable[[], object] | None) -> QToolButton:
+    """A flat button with its picture, where it has one; the slot is called without the button's state."""
+    button = QToolButton(autoRaise=True)
+    button.setText(text)
+    button.setToolTip(tip)
+    button.setStatusTip(tip)
+    button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+    if picture:
+        button.setIcon(icon(picture))
+        button.setIconSize(QSize(16, 16))
+        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+    if slot is not None:
+        button.clicked.connect(lambda: slot())
+    return button
+
+
+def taken_by_list(rows: Any, event: QKeyEvent) -> bool:
+    """Whether a key is one of the list's own: Alt+Up and Alt+Down emit ``moved`` (-1 or 1), Delete emits ``removed``."""
+    if event.key() in _STEPS and event.modifiers() & Qt.KeyboardModifier.AltModifier:
+        rows.moved.emit(_STEPS[event.key()])
+    elif event.matches(QKeySequence.StandardKey.Delete):
+        rows.removed.emit()
+    else:
+        return False
+    return True
+
+
+__all__ = ["list_button", "taken_by_list"]
