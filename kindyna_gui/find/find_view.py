@@ -205,9 +205,9 @@ class FindView(BackgroundView):
         self.searches += 1
         self._count = Count()
         if what in ON_SHAFT:
-            job = partial(find, design, what, dict(limits), **({"aim": place} if place else {}))
+            job = partial(_sought, design, what, dict(limits), **({"aim": place} if place else {}))
         else:
-            job = partial(find, design, what, dict(limits), place=place, alone=True, tell=self._count.tell)
+            job = partial(_sought, design, what, dict(limits), place=place, alone=True, tell=self._count.tell)
         self._patience.start()
         self._work.start([(design, job)])
 
