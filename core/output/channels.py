@@ -147,6 +147,17 @@ _ROWS = (
     Channel("arm_pin_n", "arm_pin", "Arm pin", "|B|", "force", DYNAMICS, "√(B_x² + B_y²)", "Shin1995 (23), corrected"),
     Channel("pivot_n", "pivot", "Pivot", "|P|", "force", DYNAMICS, "√(P_x² + P_y²)", "balance of the arm"),
     Channel("bearing_n", "bearing", "Camshaft bearing", "|O|", "force", DYNAMICS, "|F_c|", "-F_c n"),
+    Channel("guide_x_n", "guide_x", "Guide, x", "G_x", "force", DYNAMICS, "by frame on slider, friction included", "balance of the slider"),
+    Channel("guide_y_n", "guide_y", "Guide, y", "G_y", "force", DYNAMICS, "by frame on slider, friction included", "balance of the slider"),
+    Channel("guide_n", "guide", "Guide, with friction", "|G|", "force", DYNAMICS, "√(N² + (μN)²)", "balance of the slider"),
+    Channel("guide_couple_nm", "guide_couple", "Couple on the guide", "M_G", "torque", DYNAMICS, "by frame on slider",
+            "balance of the slider"),
+    *(
+        Channel(f"{name}_direction_deg", f"{name}_direction", f"{label}, direction", f"∠{symbol}", "angle", DYNAMICS,
+                f"arg({symbol}_x + i {symbol}_y)", "of the force in the global frame")
+        for name, label, symbol in (("slider_pin", "Slider pin", "A"), ("arm_pin", "Arm pin", "B"), ("pivot", "Pivot", "P"),
+                                    ("bearing", "Camshaft bearing", "O"), ("guide", "Guide", "G"))
+    ),
     Channel("jam_factor", "jam_factor", "Jamming factor", "μ|tan β|", "ratio", DYNAMICS,
             "μ|tan β|; jams from 1", "friction in closed form"),
     *(
@@ -202,6 +213,10 @@ _BY_NAME: tuple[tuple[str, str, str, str, str, str, str], ...] = (
     (r"force\.(\d+)_x", "link{}_guide_x_n", "Guide of link {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links"),
     (r"force\.(\d+)_y", "link{}_guide_y_n", "Guide of link {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links"),
     (r"force\.(\d+)_size", "link{}_guide_n", "Guide of link {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links"),
+    (r"force\.(\d+)_direction", "link{}_guide_direction_deg", "Guide of link {}, direction", "∠F_{}", "angle", "arg(F_x + i F_y)",
+     "of the force in the global frame"),
+    (r"force\.(\w+)_direction", "{}_direction_deg", "Force at {}, direction", "∠F_{}", "angle", "arg(F_x + i F_y)",
+     "of the force in the global frame"),
     (r"force\.(\w+)_x", "{}_x_n", "Force at {}, x", "F_{}x", "force", "dyad by dyad", "balance of the links"),
     (r"force\.(\w+)_y", "{}_y_n", "Force at {}, y", "F_{}y", "force", "dyad by dyad", "balance of the links"),
     (r"force\.(\w+)_size", "{}_n", "Force at {}", "|F_{}|", "force", "√(F_x² + F_y²)", "balance of the links"),

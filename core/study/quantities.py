@@ -102,7 +102,7 @@ def _guide(study: Study) -> GuideReaction:
 _RATES = ("", "_velocity", "_acceleration")
 _MOTION = ("displacement", "velocity", "acceleration", "jerk")
 _FORCES: Mapping[str, frozenset[str]] = MappingProxyType(
-    {"slider_pin": SLIDER, "arm_pin": SLIDER, "pivot": PIVOTED, "bearing": FOLLOWERS}
+    {"slider_pin": SLIDER, "arm_pin": SLIDER, "pivot": PIVOTED, "bearing": FOLLOWERS, "guide": GUIDED}
 )
 """Pairs of followers whose forces are tabled, and the kinds that have them."""
 
@@ -131,7 +131,9 @@ _OF_POINT: Mapping[str, tuple[int, Part]] = MappingProxyType(
     {"x": (0, np.real), "y": (0, np.imag), "vx": (1, np.real), "vy": (1, np.imag), "ax": (2, np.real), "ay": (2, np.imag),
      "speed": (1, np.abs)}
 )  # fmt: skip
-_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs})
+_OF_FORCE: Mapping[str, Part] = MappingProxyType({"x": np.real, "y": np.imag, "size": np.abs, "direction": np.angle})
+_GOES_ROUND = frozenset({"direction"})
+"""Parts of a force that have no extremes, since they go round."""
 
 
 def _point_part(name: str, what: str) -> Callable[[Study], np.ndarray]:
@@ -231,10 +233,11 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "guide_force": Quantity("dynamics", lambda s: _guide(s).normal, GUIDED),
         "jam_factor": Quantity("dynamics", lambda s: _guide(s).jam, GUIDED),
         **{
-            f"{name}_{what}": Quantity("dynamics", _force_part(name, what), kinds)
+            f"{name}_{what}": Quantity("dynamics", _force_part(name, what), kinds, turns=what in _GOES_ROUND)
             for name, kinds in _FORCES.items()
-            for what in ("x", "y")
+            for what in ("x", "y", "direction")
         },
+        "guide_couple": Quantity("dynamics", lambda s: s.dynamics.couples["guide"], GUIDED),
         **{name: Quantity("dynamics", _force_part(name, "size"), kinds) for name, kinds in _FORCES.items()},
         **{name: _stress(part) for name, part in _STRESSES.items()},
         **{f"second_{name}": _stress(part, second=True) for name, part in _STRESSES.items()},
@@ -279,7 +282,7 @@ def quantity(name: str) -> Quantity:
     for pattern, needed, make in _PATTERNS:
         match = re.fullmatch(pattern, name)
         if match:
-            return Quantity(needed, make(*match.groups()))
+            return Quantity(needed, make(*match.groups()), turns=bool(match.groups()) and match.groups()[-1] in _GOES_ROUND)
     raise KeyError(name)
 
 
@@ -349,6 +352,6 @@ def _pairs(design: Design) -> Iterator[str]:
     if design.drive.cam is None:
         yield "driver_torque" if pair is not None and is_pin(pair) else "driver_force"
     for joint, name in mechanism_of(linkage).pair_names.items():
-        yield from (f"force.{name}_{what}" for what in ("x", "y", "size"))
+        yield from (f"force.{name}_{what}" for what in _OF_FORCE)
         if not joint.revolute:
             yield f"couple.{name}"

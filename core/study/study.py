@@ -325,6 +325,11 @@ class Study:
     def dynamics(self) -> Forces:
         return self._stage("dynamics", dynamics.newton_euler, self.linkage, self.shape, self.loading, self.omega)
 
+    @cached_property
+    def free_bodies(self) -> Mapping[str, tuple[dynamics.Acting, ...]]:
+        """Body -> every force on it, in equilibrium; infinite where friction jams."""
+        return dynamics.free_bodies(self.linkage, self.shape, self.loading, self.dynamics)
+
     @property
     def jam(self) -> Extreme | None:
         """Where friction jams hardest, by the refined extreme of the jamming factor, so whatever the sampling: then there

@@ -177,6 +177,9 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
         "bearing_n": abs(forces["bearing"]),
     }  # fmt: skip
     friction = design.drive.loads.friction
+    guide = here.guide * (1j * forces["normal"] - MP.convert(friction) * abs(forces["normal"]) * way)
+    told |= {"guide_x_n": MP.re(guide), "guide_y_n": MP.im(guide), "guide_n": abs(guide), "guide_direction_deg": MP.arg(guide) * GRAD}
+    told["bearing_direction_deg"] = MP.arg(forces["bearing"]) * GRAD
     if "phi" in here.angles:
         for name in ("phi", "beta"):
             angle = here.angles[name]
@@ -186,7 +189,8 @@ def _exact(design: Design, here: Solved, way: int) -> dict[str, Any]:
         told["slider_torque_nm"] = forces["follower_torque"]
         told["jam_factor"] = friction * abs(MP.tan(here.angles["beta"].c[0]))
         for name in ("slider_pin", "arm_pin", "pivot"):
-            told |= {f"{name}_x_n": MP.re(forces[name]), f"{name}_y_n": MP.im(forces[name]), f"{name}_n": abs(forces[name])}
+            told |= {f"{name}_x_n": MP.re(forces[name]), f"{name}_y_n": MP.im(forces[name]), f"{name}_n": abs(forces[name]),
+                     f"{name}_direction_deg": MP.arg(forces[name]) * GRAD}
     else:
         told["jam_factor"] = friction * MP.tan(shape.pressure_angle)
     return told
@@ -204,10 +208,10 @@ def test_every_column_holds_what_its_name_says(name: str) -> None:
         exact = _exact(design, solved(design, MP.mpf(study.theta[i])), int(study.motion.velocity_sign[i]))
         for head, rows in read.values():
             for column, values in zip(head[1:], rows.T[1:], strict=True):
-                if column.endswith(("_j", "_w")):
-                    continue  # energies and powers are held against each other in test_force_elements
+                if column.endswith(("_j", "_w", "_couple_nm")):
+                    continue  # energies and powers are held against each other in test_force_elements, couples in their balance in test_force_elements
                 error = float(abs(MP.mpf(values[i]) - exact[column]))
-                if column in ("phi_deg", "beta_deg", "polar_angle_deg"):
+                if column in ("phi_deg", "beta_deg", "polar_angle_deg") or column.endswith("_direction_deg"):
                     error = abs(math.remainder(error, 360.0))
                 assert error <= 1e-11 * max(np.abs(values).max(), float(abs(exact[column]))), column
                 seen.add(column)
@@ -264,7 +268,8 @@ def test_the_summary_has_the_contracts_entries(name: str) -> None:
         for key in ("phi", "alpha", "beta"):
             assert math.remainder(told["base"][f"{key}_deg"] - float(base[key] * GRAD), 360.0) == pytest.approx(0.0, abs=1e-11)
         assert told["base"]["slider_mm"] == pytest.approx(float(base["slider"]) * 1e3, rel=1e-13)
-    slugs = {row.slug for row in channels(design)} - {"polar_angle_deg", "linear_motor_torque_nm"}  # no flywheel, no linear answer
+    slugs = {row.slug for row in channels(design) if not row.slug.endswith("_direction_deg")}  # which goes round
+    slugs -= {"polar_angle_deg", "linear_motor_torque_nm"}  # no flywheel, no linear answer
     assert set(told["extremes"]) == slugs
     for slug, sides in told["extremes"].items():
         row = channel(study.design, slug)

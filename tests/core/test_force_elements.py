@@ -21,6 +21,7 @@ from core.design import (
     with_new_row,
     with_rows_in_order,
 )
+from core.dynamics import unbalanced
 from core.errors import DesignError, NoStability
 from core.output.channels import channels
 from core.project import dumps
@@ -121,6 +122,35 @@ def test_every_element_balances_and_survives_its_file(name: str) -> None:
     weight = sum(mass.potential(here.linkage)[0] for mass in study.loading.masses) * study.omega
     given = here.shaft_torque * abs(study.omega) + sum(row.values(here) for row in powers)
     assert np.abs(given - rise - weight).max() <= 1e-6 * np.abs([row.values(here) for row in powers]).max()
+
+
+@pytest.mark.parametrize("name", BETWEEN)
+def test_all_that_acts_on_a_body_is_nothing_together(name: str) -> None:
+    """Forces and moments of every body, inertia included; what the channels name stands among them."""
+    study = full(name)
+    bodies = study.free_bodies
+    assert set(bodies) - {"cam"} == set(study.linkage.bodies) - {"frame", "roller"}
+    for body, rows in bodies.items():
+        force, moment = unbalanced(rows)
+        largest = max(np.abs(row.force).max() for row in rows)
+        arms = max((np.abs(row.at) * np.abs(row.force) + np.abs(row.couple)).max() for row in rows)
+        assert force.max() <= 1e-13 * largest, body
+        left = study.dynamics.torque if body == "cam" else 0.0  # is what turns the camshaft
+        assert np.abs(moment + left).max() <= 1e-13 * arms, body
+    acting = [row for rows in bodies.values() for row in rows]
+    assert {row.kind for row in acting} >= {"reaction", "friction", "spring", "weight", "inertia"} - (
+        {"friction"} if name == "card_picker" else set()
+    )
+    for element in ("spring1", "process1"):
+        power = next(row for row in channels(study.design) if row.slug == f"{element}_power_w").values(study)
+        poses = study.linkage.bodies
+        given = np.zeros(SAMPLES)
+        for row in acting:
+            if row.name == element:
+                pose = poses[row.body]
+                speed = pose.origin[1] + 1j * pose.turn[1] * (row.at - pose.origin[0])
+                given += ((row.force * speed.conj()).real + row.couple * pose.turn[1]) * study.omega
+        assert given == pytest.approx(power, abs=1e-12 * np.abs(power).max())
 
 
 @pytest.mark.parametrize("name", BETWEEN)
